@@ -1,0 +1,31 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Specula, a render engine for caustics and glints by Specular Manifold Sampling."""
+
+# For Blenders before extensions; the same facts as in blender_manifest.toml.
+bl_info = {
+    "name": "Specula",
+    "description": "Render engine for caustics and glints by Specular Manifold Sampling",
+    "author": "The Specula contributors",
+    "version": (0, 1, 0),
+    "blender": (3, 4, 0),
+    "location": "Render Properties > Render Engine",
+    "category": "Render",
+}
+
+
+# Blender's own modules are imported by these functions only: what describes and uploads a scene
+# works without Blender too.
+
+
+def register():
+    from . import engine, properties, ui
+
+    for module in (properties, engine, ui):
+        module.register()
+
+
+def unregister():
+    from . import engine, properties, ui
+
+    for module in (ui, engine, properties):
+        module.unregister()

@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Specula as Blender sees it: callbacks, none of which fails in silence."""
+
+from contextlib import contextmanager
+
+import bpy
+
+from . import diagnosis, passes, statistics
+
+VIEWPORT_NOTE = "Specula renders with F12; the rendered viewport is not there yet"
+
+
+class SpeculaRenderEngine(bpy.types.RenderEngine):
+    bl_idname = "SPECULA"
+    bl_label = "Specula"
+    bl_use_preview = True
+    bl_use_postprocess = True
+    bl_use_eevee_viewport = True
+    bl_use_shading_nodes_custom = False  # True hides Cycles' nodes
+
+    # -------------------------------------------------------------------------- final render
+
+    def update_render_passes(self, scene=None, view_layer=None):
+        with self.failures_reported():
+            passes.register_passes(self, scene, view_layer)
+
+    def render(self, depsgraph):
+        """Renders one view layer; Blender calls this for each."""
+        with self.failures_reported():
+            # Not above: without NumPy the addon still registers, and this says what is missing.
+            from .rendering import render_view_layer
+
+            stats = render_view_layer(self, depsgraph)
+            if stats and not self.is_preview:
+                self._publish(stats, several_layers=len(depsgraph.scene.view_layers) > 1)
+
+    def _publish(self, stats: statistics.Statistics, several_layers: bool) -> None:
+        for warning in stats.warnings:
+            self.report({"WARNING"}, f"Specula: {warning}")
+        print(stats.block(), flush=True)
+        prefix = statistics.STAMP_PREFIX + (f"{stats.view_layer}." if several_layers else "")
+        result = self.get_result()
+        for key, value in stats.stamp(prefix).items():
+            result.stamp_data_add_field(key, value)
+        statistics.last[stats.scene, stats.view_layer] = stats
+
+    @contextmanager
+    def failures_reported(self):
+        """Turns an exception into Blender's error: a message, and exit code 1 for `-f`.
+
+        For every callback. (Not a decorator: Blender counts a callback's arguments.)
+        """
+        try:
+            yield
+        except Exception as error:
+            print(diagnosis.details(error), end="", flush=True)
+            message = f"Specula: {diagnosis.describe(error)}"
+            self.report({"ERROR"}, message)
+            self.error_set(message)
+
+    # ------------------------------------------------------------------------------ viewport
+
+    def view_update(self, context, depsgraph):
+        pass
+
+    def view_draw(self, context, depsgraph):
+        """A line of text on grey: the viewport is never black and says why it is empty."""
+        with self.failures_reported():
+            from .viewport import draw_note
+
+            draw_note(context.region, VIEWPORT_NOTE)
+
+
+def register() -> None:
+    bpy.utils.register_class(SpeculaRenderEngine)
+
+
+def unregister() -> None:
+    bpy.utils.unregister_class(SpeculaRenderEngine)

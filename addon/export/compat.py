@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Every difference between Blender versions that export meets, found by feature, not by number.
+
+Written for 3.4 and 5.0; what holds between them is told by which attribute exists.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+# ------------------------------------------------------------------------------- Cycles' settings
+
+
+def cycles_settings(owner) -> dict | object | None:
+    """Cycles' settings of a scene, object, light or world, with the Cycles addon on or off.
+
+    On: its property group. Off: the raw values that the file still holds (only those that were
+    ever changed), from the custom properties (3.4) or the system properties (5.0). Else None.
+    """
+    if hasattr(owner, "cycles"):
+        return owner.cycles
+    if hasattr(owner, "bl_system_properties_get"):
+        properties = owner.bl_system_properties_get()
+        return properties.get("cycles") if properties else None
+    return owner.get("cycles")
+
+
+def cycles_value(owner, name: str, default):
+    """Cycles' setting `name` of `owner`; `default` where there is none.
+
+    With the Cycles addon off an enumeration is its index and a boolean 0 or 1.
+    """
+    settings = cycles_settings(owner)
+    if settings is None:
+        return default
+    if hasattr(settings, "bl_rna"):
+        return getattr(settings, name, default)
+    return settings.get(name, default)
+
+
+# ------------------------------------------------------------------------------------------ meshes
+
+
+def is_flat(mesh) -> bool:
+    """True if every face is drawn with its geometric normal."""
+    if hasattr(mesh, "normals_domain"):
+        return mesh.normals_domain == "FACE"
+    smooth = np.empty(len(mesh.polygons), bool)
+    mesh.polygons.foreach_get("use_smooth", smooth)
+    return not smooth.any()
+
+
+def corner_normals(mesh) -> np.ndarray:
+    """Normals of the mesh's loops, custom normals and sharp edges included: (L, 3) float32."""
+    normals = np.empty((len(mesh.loops), 3), np.float32)
+    if hasattr(mesh, "corner_normals"):
+        mesh.corner_normals.foreach_get("vector", normals.ravel())
+    else:
+        mesh.calc_normals_split()
+        mesh.loops.foreach_get("normal", normals.ravel())
+        mesh.free_normals_split()
+    return normals
+
+
+def finish_triangles(mesh) -> None:
+    """Completes smooth triangles whose loops are set; until 4.0 faces stored their size too."""
+    ones = np.ones(len(mesh.polygons), np.int32)
+    if not mesh.polygons[0].bl_rna.properties["loop_total"].is_readonly:
+        mesh.polygons.foreach_set("loop_total", 3 * ones)
+    mesh.polygons.foreach_set("use_smooth", ones.astype(bool))
+    mesh.update()
+
+
+def set_corner_normals(mesh, normals: np.ndarray) -> None:
+    """Makes `normals` (L, 3) the mesh's custom normals."""
+    mesh.normals_split_custom_set(normals)
+    if hasattr(mesh, "use_auto_smooth"):
+        mesh.use_auto_smooth = True
+
+
+# ------------------------------------------------------------------------------------------- nodes
+
+# Our socket name (Blender 5.0's) -> the identifiers it had before.
+OLD_IDENTIFIERS = {
+    "Specular IOR Level": ("Specular",),
+    "Transmission Weight": ("Transmission",),
+    "Emission Color": ("Emission",),
+    "Coat Weight": ("Clearcoat",),
+    "Sheen Weight": ("Sheen",),
+    "Subsurface Weight": ("Subsurface",),
+}
+
+
+def find_input(node, name: str):
+    """Input socket of `node` by our name, or None if this Blender's node lacks it."""
+    for identifier in (name, *OLD_IDENTIFIERS.get(name, ())):
+        for socket in node.inputs:
+            if socket.identifier == identifier:
+                return socket
+    return None
+
+
+def is_sharp(node) -> bool:
+    """The distribution 'SHARP' was removed in 4.0; it is GGX of roughness 0."""
+    return getattr(node, "distribution", "") == "SHARP"
+
+
+def uses_nodes(owner) -> bool:
+    """Whether a material, world or light is shaded by its node tree; since 5.0 it is if it has one.
+
+    (There the switch of materials and worlds is deprecated and always on.)
+    """
+    switch = owner.bl_rna.properties.get("use_nodes")
+    if switch is None or getattr(switch, "is_deprecated", False):
+        return owner.node_tree is not None
+    return owner.use_nodes and owner.node_tree is not None
+
+
+# ------------------------------------------------------------------------------------------ lights
+
+
+def casts_shadows(light) -> bool:
+    """Cycles' own switch in 3.4; the light's since its EEVEE twin was merged with it."""
+    cycles = cycles_settings(light)
+    if hasattr(cycles, "cast_shadow"):
+        return cycles.cast_shadow
+    return light.use_shadow
+
+
+def light_gain(light) -> tuple[float, float, float]:
+    """What multiplies colour and energy since 4.5: exposure in stops, blackbody tint."""
+    gain = 2.0 ** getattr(light, "exposure", 0.0)
+    if getattr(light, "use_temperature", False):
+        return tuple(gain * channel for channel in light.temperature_color)
+    return (gain, gain, gain)
+
+
+def is_normalized(light) -> bool:
+    """False if the light's power is per unit of its area (since 4.5)."""
+    return getattr(light, "normalize", True)
+
+
+# ------------------------------------------------------------------------------------------ pixels
+
+
+def write_rect(render_pass, pixels: np.ndarray) -> None:
+    """Writes float32 `pixels` (N, channels) to a pass; Blender takes them flat from 4.1."""
+    try:
+        render_pass.rect.foreach_set(pixels)
+    except TypeError:
+        render_pass.rect.foreach_set(pixels.ravel())

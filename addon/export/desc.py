@@ -1,0 +1,251 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the core is told: dataclasses and NumPy arrays, without Blender.
+
+Conventions are those of specula.h: right-handed, Z up, metres, watts, linear Rec.709, images from
+the bottom row up. Indices refer to the lists of `SceneDesc`. The enumerations carry the values of
+the C API.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import IntEnum, IntFlag
+
+import numpy as np
+
+NONE = 0xFFFFFFFF  # "no index"
+
+
+class ColorSpace(IntEnum):
+    LINEAR = 0
+    SRGB = 1
+    DATA = 2
+
+
+class AlphaMode(IntEnum):
+    STRAIGHT = 0
+    PREMULTIPLIED = 1
+    NONE = 2
+
+
+class Visibility(IntFlag):
+    """Rays that see an object, a light or the world."""
+
+    NONE = 0
+    CAMERA = 1
+    DIFFUSE = 2
+    GLOSSY = 4
+    TRANSMISSION = 8
+    SHADOW = 16
+    ALL = 31
+
+
+class CausticsRole(IntEnum):
+    AUTO = 0
+    OFF = 1
+    CASTER = 2
+    RECEIVER = 3
+    BOTH = 4
+
+
+class LightType(IntEnum):
+    POINT = 0
+    SPOT = 1
+    SUN = 2
+    AREA = 3
+
+
+class AreaShape(IntEnum):
+    RECTANGLE = 0
+    ELLIPSE = 1
+
+
+class Method(IntEnum):
+    PT = 0
+    SMS_UNBIASED = 1
+    SMS_BIASED = 2
+
+
+class Constraint(IntEnum):
+    HALF_VECTOR = 0
+    ANGLE_DIFFERENCE = 1
+
+
+class PixelFilter(IntEnum):
+    BOX = 0
+    GAUSSIAN = 1
+    BLACKMAN_HARRIS = 2
+
+
+class Pass(IntEnum):
+    COMBINED = 0
+    DEPTH = 1
+    POSITION = 2
+    NORMAL = 3
+    CAUSTICS = 4
+    VARIANCE = 5
+
+
+class ExportError(Exception):
+    """Something in the scene cannot be rendered; the message names the object."""
+
+
+@dataclass
+class ImageDesc:
+    """An image with exactly one source: `pixels`, `encoded` or `path`."""
+
+    name: str
+    pixels: np.ndarray | None = None  # (H, W, C) uint8 or float32, C in 1, 3, 4; bottom row first
+    encoded: bytes | None = None  # an image file's bytes
+    path: str | None = None  # an image file, absolute
+    color_space: ColorSpace = ColorSpace.SRGB
+    alpha_mode: AlphaMode = AlphaMode.STRAIGHT
+
+
+@dataclass
+class NodeDesc:
+    """A node; its kinds, sockets and options are those that `native.node_kinds()` lists."""
+
+    name: str
+    kind: str
+    image: int = NONE
+    inputs: dict[str, tuple[float, float, float, float]] = field(default_factory=dict)
+    options: dict[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class LinkDesc:
+    """Output `from_socket` of node `from_node` feeds input `to_socket` of node `to_node`."""
+
+    from_node: int
+    from_socket: str
+    to_node: int
+    to_socket: str
+
+
+@dataclass
+class MaterialDesc:
+    """A shader graph with exactly one node of kind "output"; a world's background is one too."""
+
+    name: str
+    nodes: list[NodeDesc] = field(default_factory=list)
+    links: list[LinkDesc] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class MaterialNeeds:
+    """UV layers that a material reads, by name; '' is the layer that is active for rendering."""
+
+    uv_maps: frozenset[str] = frozenset()
+    tangents: frozenset[str] = frozenset()
+
+    def __or__(self, other: MaterialNeeds) -> MaterialNeeds:
+        return MaterialNeeds(self.uv_maps | other.uv_maps, self.tangents | other.tangents)
+
+    def __le__(self, other: MaterialNeeds) -> bool:
+        return self.uv_maps <= other.uv_maps and self.tangents <= other.tangents
+
+
+@dataclass
+class UvLayerDesc:
+    name: str
+    uv: np.ndarray  # (T, 3, 2) float32
+    tangents: np.ndarray | None = None  # (T, 3, 4) float32: MikkTSpace xyz, bitangent sign
+
+
+@dataclass
+class MeshDesc:
+    """Triangles in object space, counter-clockwise seen from outside."""
+
+    name: str
+    positions: np.ndarray  # (V, 3) float32, m
+    triangles: np.ndarray  # (T, 3) uint32
+    normals: np.ndarray | None = None  # (T, 3, 3) float32 at corners; None: every face is flat
+    material_slots: np.ndarray | None = None  # (T,) uint32 < slot_count; None: all 0
+    slot_count: int = 1
+    uv_layers: list[UvLayerDesc] = field(default_factory=list)
+    active_uv_layer: int = 0
+
+
+@dataclass
+class InstanceDesc:
+    name: str
+    mesh: int
+    transform: np.ndarray  # (3, 4) float32, object to world, invertible
+    materials: list[int]  # one for each of the mesh's slots; NONE: nothing is drawn there
+    visibility: Visibility = Visibility.ALL
+    caustics_role: CausticsRole = CausticsRole.AUTO
+
+
+@dataclass
+class LightDesc:
+    """A light; fields that its type does not have keep their defaults."""
+
+    name: str
+    type: LightType
+    transform: np.ndarray  # (3, 4) float32, light to world, shining along -Z
+    power: tuple[float, float, float]  # W times colour; sun: irradiance, W/m^2
+    radius: float = 0.0  # point, spot: m
+    spot_angle: float = np.pi  # full opening angle, rad
+    spot_blend: float = 0.0  # share of the cone that is soft
+    sun_angle: float = 0.0  # full angular diameter, rad
+    shape: AreaShape = AreaShape.RECTANGLE
+    size: tuple[float, float] = (1.0, 1.0)  # area: full extents before the transform, m
+    visibility: Visibility = Visibility.ALL
+    feeds_caustics: bool = True
+
+
+@dataclass
+class CameraDesc:
+    """A perspective camera."""
+
+    transform: np.ndarray  # (3, 4) float32, camera to world, looking along -Z, +Y up
+    width: int  # of the full frame, pixels
+    height: int
+    crop: tuple[int, int, int, int]  # x0, y0, width, height from the bottom left, pixels
+    viewplane: tuple[float, float, float, float]  # left, right, bottom, top at distance 1
+    clip_near: float = 0.0  # m along the viewing axis
+    clip_far: float = 1e10
+
+
+@dataclass
+class EnvironmentDesc:
+    material: int
+    visibility: Visibility = Visibility.ALL
+    feeds_caustics: bool = True
+
+
+@dataclass
+class SceneDesc:
+    images: list[ImageDesc] = field(default_factory=list)
+    materials: list[MaterialDesc] = field(default_factory=list)
+    meshes: list[MeshDesc] = field(default_factory=list)
+    instances: list[InstanceDesc] = field(default_factory=list)
+    lights: list[LightDesc] = field(default_factory=list)
+    camera: CameraDesc | None = None
+    environment: EnvironmentDesc | None = None
+
+
+@dataclass
+class RenderSettings:
+    """As spc_render_settings. Limits and filter default to what Cycles has in a new file."""
+
+    method: Method = Method.SMS_UNBIASED
+    constraint: Constraint = Constraint.HALF_VECTOR
+    two_stage: bool = True
+    set_size: int = 16
+    first_sample: int = 0
+    samples: int = 128
+    time_limit: float = 0.0  # s of rendering, 0: none
+    seed: int = 0
+    threads: int = 0  # 0: all
+    max_bounces: int = 12
+    max_diffuse_bounces: int = 4
+    max_glossy_bounces: int = 4
+    max_transmission_bounces: int = 12
+    max_transparent_bounces: int = 8
+    caustics_reflective: bool = True
+    caustics_refractive: bool = True
+    pixel_filter: PixelFilter = PixelFilter.BLACKMAN_HARRIS
+    filter_width: float = 1.5  # pixels
+    transparent_film: bool = False

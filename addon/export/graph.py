@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where a socket's value comes from, seen through groups, reroutes and muted nodes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+# Group nodes around a node, outermost first.
+GroupPath = tuple
+
+REC709_LUMINANCE = (0.2126, 0.7152, 0.0722)
+
+
+@dataclass(frozen=True)
+class Constant:
+    """The value of a socket that nothing feeds, scalars as (v, v, v, 1)."""
+
+    value: tuple[float, float, float, float]
+    type: str  # of the socket: VALUE, RGBA, VECTOR, ...
+
+    def read_as(self, type: str) -> tuple[float, float, float, float]:
+        """As a socket of `type` reads it, the value of a group's socket being of another one."""
+        if type != "VALUE" or self.type not in ("RGBA", "VECTOR"):
+            return self.value
+        weights = REC709_LUMINANCE if self.type == "RGBA" else (1 / 3, 1 / 3, 1 / 3)
+        return _repeated(sum(w * v for w, v in zip(weights, self.value, strict=False)))
+
+
+@dataclass(frozen=True)
+class Output:
+    """Output `socket` of `node` inside the groups `path`."""
+
+    node: object
+    socket: object
+    path: GroupPath
+
+
+def source(socket, path: GroupPath) -> Constant | Output | None:
+    """What input `socket` reads; None if it has neither link nor value, so that its default holds.
+
+    A shader or a normal has no value; so has an input that a muted node or an empty group cuts off.
+    """
+    link = next((link for link in socket.links if link.is_valid and not link.is_muted), None)
+    if link is None:
+        return constant(socket)
+    return _through(link.from_node, link.from_socket, path)
+
+
+def _through(node, socket, path: GroupPath) -> Constant | Output | None:
+    """Follows output `socket` of `node` to a node that computes something."""
+    if node.bl_idname == "NodeReroute":
+        return source(node.inputs[0], path) if node.inputs[0].is_linked else None
+    if node.mute:
+        passed = next((link for link in node.internal_links if link.to_socket == socket), None)
+        return source(passed.from_socket, path) if passed else None
+    if node.bl_idname == "NodeGroupInput":
+        return source(_same(path[-1].inputs, socket), path[:-1])
+    if hasattr(node, "node_tree"):
+        result = group_output(node.node_tree)
+        return source(_same(result.inputs, socket), (*path, node)) if result else None
+    return Output(node, socket, path)
+
+
+def group_output(tree):
+    """The active output node of a group, or None."""
+    outputs = [node for node in tree.nodes if node.bl_idname == "NodeGroupOutput"] if tree else []
+    return next((node for node in outputs if node.is_active_output), None)
+
+
+def _same(sockets, socket):
+    return next(other for other in sockets if other.identifier == socket.identifier)
+
+
+def constant(socket) -> Constant | None:
+    """The socket's own value, or None if it has none to set."""
+    if socket.hide_value or not hasattr(socket, "default_value"):
+        return None
+    if socket.type == "VECTOR":
+        return Constant((*socket.default_value, 1.0), "VECTOR")
+    if socket.type == "RGBA":
+        return Constant(tuple(socket.default_value), "RGBA")
+    return Constant(_repeated(float(socket.default_value)), "VALUE")
+
+
+def _repeated(value: float) -> tuple[float, float, float, float]:
+    return (value, value, value, 1.0)

@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Light objects -> `LightDesc`."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from . import compat, graph
+from .desc import AreaShape, LightDesc, LightType, Visibility
+from .log import ExportLog
+
+# Blender's area shape -> the core's, and the properties that hold its extents in x and y.
+AREA_SHAPES = {
+    "SQUARE": (AreaShape.RECTANGLE, "size", "size"),
+    "RECTANGLE": (AreaShape.RECTANGLE, "size", "size_y"),
+    "DISK": (AreaShape.ELLIPSE, "size", "size"),
+    "ELLIPSE": (AreaShape.ELLIPSE, "size", "size_y"),
+}
+
+
+def export_light(
+    obj, transform: np.ndarray, visibility: Visibility, log: ExportLog
+) -> LightDesc | None:
+    """The light of `obj` at `transform` (3, 4); None if it gives no light to the scene."""
+    light = obj.data
+    owner = f"light {obj.name}"
+    if getattr(compat.cycles_settings(light), "is_portal", False):
+        return None  # a hint for sampling the world, not a light
+    if not compat.casts_shadows(light):
+        visibility &= ~Visibility.SHADOW
+    desc = LightDesc(
+        name=obj.name,
+        type=LightType[light.type],
+        transform=transform,
+        power=_power(light, owner, log),
+        visibility=visibility,
+        feeds_caustics=light.specula.caustics,
+    )
+    _TYPES[desc.type](desc, light, owner, log)
+    return desc
+
+
+def _power(light, owner: str, log: ExportLog) -> tuple[float, float, float]:
+    """Colour times energy (W; sun: W/m^2), times what the light's nodes emit."""
+    factors = (light.color, compat.light_gain(light), _node_emission(light, owner, log))
+    return tuple(light.energy * math.prod(channels) for channels in zip(*factors, strict=True))
+
+
+def _node_emission(light, owner: str, log: ExportLog) -> tuple[float, float, float]:
+    """Colour times strength of the light's Emission node; 1 without nodes."""
+    white = (1.0, 1.0, 1.0)
+    if not compat.uses_nodes(light):
+        return white
+    output = light.node_tree.get_output_node("CYCLES")
+    source = graph.source(output.inputs["Surface"], ()) if output else None
+    if source is None:
+        return (0.0, 0.0, 0.0)
+    if source.node.bl_idname != "ShaderNodeEmission":
+        log.warn(owner, f"{source.node.name} is not supported in a light, white emission is used")
+        return white
+    color, strength = (
+        graph.source(source.node.inputs[name], source.path) for name in ("Color", "Strength")
+    )
+    if not isinstance(color, graph.Constant) or not isinstance(strength, graph.Constant):
+        log.warn(owner, "textures in a light are not supported, white emission is used")
+        return white
+    factor = strength.read_as("VALUE")[0]
+    return tuple(factor * channel for channel in color.value[:3])
+
+
+def _point(desc: LightDesc, light, owner: str, log: ExportLog) -> None:
+    desc.radius = light.shadow_soft_size
+    if not compat.is_normalized(light):
+        # Of a sphere; Cycles' point, which has no area, shines with a factor of 4.
+        _scale(desc, 4.0 * math.pi * desc.radius**2 if desc.radius > 0.0 else 4.0)
+
+
+def _spot(desc: LightDesc, light, owner: str, log: ExportLog) -> None:
+    _point(desc, light, owner, log)
+    desc.spot_angle = light.spot_size
+    desc.spot_blend = light.spot_blend
+    if light.use_square:
+        log.warn(owner, "a square spot cone is only drawn so, it renders round")
+
+
+def _sun(desc: LightDesc, light, owner: str, log: ExportLog) -> None:
+    desc.sun_angle = light.angle
+    if not compat.is_normalized(light) and desc.sun_angle > 0.0:
+        _scale(desc, math.pi * math.sin(0.5 * desc.sun_angle) ** 2)  # projected solid angle, sr
+
+
+def _area(desc: LightDesc, light, owner: str, log: ExportLog) -> None:
+    desc.shape, size_x, size_y = AREA_SHAPES[light.shape]
+    desc.size = (getattr(light, size_x), getattr(light, size_y))
+    if light.spread < math.pi - 1e-4:
+        log.warn(owner, "spread is not supported, the light shines over the whole half-space")
+    if not compat.is_normalized(light):
+        _scale(desc, _area_of(desc))
+
+
+def _area_of(desc: LightDesc) -> float:
+    """m^2 in the world."""
+    edge_x, edge_y = desc.transform[:, 0] * desc.size[0], desc.transform[:, 1] * desc.size[1]
+    rectangle = float(np.linalg.norm(np.cross(edge_x, edge_y)))
+    return rectangle * (math.pi / 4 if desc.shape == AreaShape.ELLIPSE else 1.0)
+
+
+def _scale(desc: LightDesc, factor: float) -> None:
+    """For lights that are not normalized; factors measured in Cycles 5.0."""
+    desc.power = tuple(factor * channel for channel in desc.power)
+
+
+_TYPES = {
+    LightType.POINT: _point,
+    LightType.SPOT: _spot,
+    LightType.SUN: _sun,
+    LightType.AREA: _area,
+}

@@ -1,0 +1,164 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Materials as graphs of the core's nodes, driven by the table in `nodes.py`."""
+
+from __future__ import annotations
+
+from . import compat, graph
+from .desc import LinkDesc, MaterialDesc, MaterialNeeds, NodeDesc
+from .image import Images
+from .log import ExportLog
+from .nodes import NODES, NodeKind
+
+DEFAULT_COLOR = (0.8, 0.8, 0.8, 1.0)
+MAGENTA = (1.0, 0.0, 1.0, 1.0)
+ONE = (1.0, 1.0, 1.0, 1.0)
+
+
+def plain_material(name: str, kind: str, output: str, color, **scalars: float) -> MaterialDesc:
+    """A material of one node of `kind` with a Color and scalar inputs."""
+    inputs = {"Color": tuple(color), **{key: (v, v, v, 1.0) for key, v in scalars.items()}}
+    return MaterialDesc(
+        name,
+        [NodeDesc("Output", "output"), NodeDesc(name, kind, inputs=inputs)],
+        [LinkDesc(1, output, 0, "Surface")],
+    )
+
+
+def default_material() -> MaterialDesc:
+    """What an empty material slot looks like in Blender."""
+    return plain_material("(no material)", "bsdf_diffuse", "BSDF", DEFAULT_COLOR)
+
+
+def export_material(material, images: Images, log: ExportLog) -> tuple[MaterialDesc, MaterialNeeds]:
+    """The node graph that shades `material`'s surface, and what it reads from a mesh."""
+    if not compat.uses_nodes(material):
+        color = (*material.diffuse_color[:3], 1.0)
+        return plain_material(material.name, "bsdf_diffuse", "BSDF", color), MaterialNeeds()
+    converter = Converter(f"material {material.name}", images, log)
+    return converter.convert(material.name, material.node_tree)
+
+
+class Converter:
+    """Converts one node tree; only nodes that its active output reaches are visited."""
+
+    def __init__(self, owner: str, images: Images, log: ExportLog):
+        self.owner = owner
+        self.images = images
+        self.log = log
+        self.needs = MaterialNeeds()
+        self._nodes: list[NodeDesc] = []
+        self._links: list[LinkDesc] = []
+        self._indices: dict[tuple, int] = {}
+
+    def convert(self, name: str, tree) -> tuple[MaterialDesc, MaterialNeeds]:
+        """The graph behind the output that Cycles would use; without one it is an empty output."""
+        self._nodes.append(NodeDesc("Output", "output"))
+        output = tree.get_output_node("CYCLES")
+        if output:
+            self._input(0, output, "Surface", path=())
+            for name in ("Volume", "Displacement"):
+                socket = compat.find_input(output, name)
+                if socket and socket.is_linked:
+                    self.warn(output, f"{name} is not supported and has no effect")
+        return MaterialDesc(name, self._nodes, self._links), self.needs
+
+    # ---------------------------------------------------- for `adjust` functions in nodes.py
+
+    def label(self, node) -> str:
+        return f"{self.owner}, node {node.name}"
+
+    def warn(self, node, message: str) -> None:
+        self.log.warn(self.label(node), message)
+
+    def set_constant(self, desc: NodeDesc, socket: str, value) -> None:
+        """Gives an input a constant in place of whatever it read."""
+        index = next(i for i, node in enumerate(self._nodes) if node is desc)
+        self._links = [
+            link for link in self._links if (link.to_node, link.to_socket) != (index, socket)
+        ]
+        desc.inputs[socket] = value
+
+    # ------------------------------------------------------------------------------ the walk
+
+    def _input(self, index: int, node, name: str, path: graph.GroupPath) -> None:
+        """Links or sets input `name` of the node at `index`; without either its default holds."""
+        socket = compat.find_input(node, name)
+        if socket is None:
+            return
+        source = graph.source(socket, path)
+        if isinstance(source, graph.Output):
+            feeding = self._output(source, socket)
+            if feeding is not None:
+                self._links.append(LinkDesc(*feeding, index, name))
+                return
+            source = graph.constant(socket)
+        if source is not None:
+            self._nodes[index].inputs[name] = source.read_as(socket.type)
+
+    def _output(self, source: graph.Output, reader) -> tuple[int, str] | None:
+        """Node index and socket name for `source`; None if its value is not supported."""
+        node, name = source.node, source.socket.identifier
+        row = NODES.get(node.bl_idname)
+        if row is not None and name in row.outputs:
+            index = self._node(node, row, source.path)
+            self._read_coordinates(self._nodes[index], index, name)
+            return index, name
+        what = f"node type {node.bl_label}" if row is None else f"output {source.socket.name}"
+        if reader.type == "SHADER":
+            self.warn(node, f"{what} is not supported, shown in magenta")
+            return self._magenta(node), "Emission"
+        self.warn(node, f"{what} is not supported, {reader.node.name} uses its own {reader.name}")
+        return None
+
+    def _node(self, node, row: NodeKind, path: graph.GroupPath) -> int:
+        """Index of the node's description, which the first visit makes with all that feeds it."""
+        key = (path, node)
+        if key in self._indices:
+            return self._indices[key]
+        index = self._indices[key] = len(self._nodes)
+        desc = NodeDesc(node.name, row.kind)
+        self._nodes.append(desc)
+        for name in row.inputs:
+            self._input(index, node, name, path)
+        for option, values in row.options.items():
+            desc.options[option] = self._option(node, option, values)
+        self._check_neutral(node, row)
+        if row.adjust:
+            row.adjust(self, node, desc)
+        return index
+
+    def _option(self, node, option: str, values: tuple[str, ...]) -> str:
+        value = getattr(node, option)
+        if values and value not in values and not compat.is_sharp(node):
+            self.warn(node, f"{option} {value} is not supported, {values[0]} is used")
+        return value if not values or value in values else values[0]
+
+    def _check_neutral(self, node, row: NodeKind) -> None:
+        """Warns of settings that Specula does not model."""
+        for name, neutral in row.neutral_inputs.items():
+            socket = compat.find_input(node, name)
+            if socket and (socket.is_linked or socket.default_value != neutral):
+                self.warn(node, f"{socket.name} is not supported and has no effect")
+        for name, neutral in row.neutral_properties.items():
+            if getattr(node, name) != neutral:
+                self.warn(node, f"{name.replace('_', ' ')} is not supported and has no effect")
+
+    def _magenta(self, node) -> int:
+        inputs = {"Color": MAGENTA, "Strength": ONE}
+        self._nodes.append(NodeDesc(node.name, "emission", inputs=inputs))
+        return len(self._nodes) - 1
+
+    def _read_coordinates(self, desc: NodeDesc, index: int, output: str) -> None:
+        """Adds what reading `output` of a node reads from the mesh."""
+        uv_map = desc.options.get("uv_map", "")
+        if desc.kind == "normal_map" and desc.options["space"] == "TANGENT":
+            self.needs |= MaterialNeeds(tangents=frozenset([uv_map]))
+        elif (
+            desc.kind == "uv_map"
+            or (desc.kind == "texture_coordinate" and output == "UV")
+            or (desc.kind == "image_texture" and not self._is_linked(index, "Vector"))
+        ):
+            self.needs |= MaterialNeeds(uv_maps=frozenset([uv_map]))
+
+    def _is_linked(self, index: int, socket: str) -> bool:
+        return any((link.to_node, link.to_socket) == (index, socket) for link in self._links)

@@ -1,0 +1,136 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""One walk over the evaluated scene: instances, and what they share, once each."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .camera import export_camera
+from .desc import EnvironmentDesc, ExportError, InstanceDesc, MaterialNeeds, SceneDesc
+from .image import Images
+from .light import export_light
+from .log import ExportLog
+from .material import default_material, export_material
+from .mesh import export_mesh
+from .visibility import caustics_role, instance_visibility, world_visibility
+from .world import export_world
+
+# Objects that carry something to see which Specula cannot show. Curves, surfaces, text and
+# metaballs are not among them: they arrive as meshes.
+UNSUPPORTED_TYPES = {"CURVES", "POINTCLOUD", "VOLUME", "GPENCIL", "GREASEPENCIL"}
+
+
+def export_scene(depsgraph, log: ExportLog) -> SceneDesc:
+    """Everything that `depsgraph` renders. Raises ExportError naming what cannot be rendered."""
+    return SceneExport(depsgraph, log).run()
+
+
+class SceneExport:
+    def __init__(self, depsgraph, log: ExportLog):
+        self.depsgraph = depsgraph
+        self.log = log
+        self.images = Images(log)
+        self.scene = SceneDesc(images=self.images.descs)
+        self._materials: dict = {}  # evaluated material or None -> (index, needs)
+        self._meshes: dict = {}  # (evaluated mesh, slots) -> (index or None, needs)
+
+    def run(self) -> SceneDesc:
+        self.scene.camera = export_camera(self.depsgraph, self.log)
+        self._world(self.depsgraph.scene_eval.world)
+        for instance in self.depsgraph.object_instances:
+            if instance.show_self:
+                self._named_instance(instance)
+        if self.depsgraph.scene_eval.render.use_motion_blur:
+            self.log.warn("scene", "motion blur is not supported, the frame is still")
+        return self.scene
+
+    def _named_instance(self, instance) -> None:
+        """So that whatever goes wrong with an object says which one it was."""
+        name = instance.object.name
+        try:
+            self._instance(instance)
+        except ExportError:
+            raise
+        except Exception as error:
+            raise ExportError(f"object {name}: {type(error).__name__}: {error}") from error
+
+    def _instance(self, instance) -> None:
+        obj = instance.object
+        owner = f"object {obj.name}"
+        if obj.type in UNSUPPORTED_TYPES:
+            self.log.warn(owner, f"type {obj.type} is not supported, it is not rendered")
+        if obj.type not in ("MESH", "LIGHT"):
+            return
+        # The matrix belongs to the iterator: gone at the next step.
+        transform = np.array(instance.matrix_world, np.float32)[:3]
+        visibility = instance_visibility(instance)
+        if obj.type == "LIGHT":
+            light = export_light(obj, transform, visibility, self.log)
+            if light:
+                self.scene.lights.append(light)
+            return
+        if obj.is_holdout:
+            self.log.warn(owner, "holdout is not supported, the object is rendered")
+        self._mesh_instance(obj, owner, transform, visibility)
+
+    def _mesh_instance(self, obj, owner: str, transform: np.ndarray, visibility) -> None:
+        materials = [self._material(slot.material) for slot in obj.material_slots]
+        materials = materials or [self._material(None)]
+        needs = MaterialNeeds()
+        for _, material_needs in materials:
+            needs |= material_needs
+        mesh = self._mesh(obj, needs, len(materials))
+        if mesh is None:
+            return
+        if np.linalg.det(transform[:, :3].astype(np.float64)) == 0.0:
+            self.log.warn(owner, "has a scale of zero, it is not rendered")
+            return
+        self.scene.instances.append(
+            InstanceDesc(
+                name=obj.name,
+                mesh=mesh,
+                transform=transform,
+                materials=[index for index, _ in materials],
+                visibility=visibility,
+                caustics_role=caustics_role(obj),
+            )
+        )
+
+    def _mesh(self, obj, needs: MaterialNeeds, slots: int) -> int | None:
+        """Index of the object's mesh, shared by all who show it; None if it has no faces.
+
+        Exported again in its place if a later user reads more of it than all before.
+        """
+        key = (obj.data, slots)
+        index, exported = self._meshes.get(key, (len(self.scene.meshes), None))
+        if exported is not None and (index is None or needs <= exported):
+            return index
+        needs = needs if exported is None else needs | exported
+        desc = export_mesh(obj, needs, slots)
+        self._meshes[key] = (index if desc else None, needs)
+        if desc is None:
+            return None
+        self.scene.meshes[index : index + 1] = [desc]
+        return index
+
+    def _material(self, material) -> tuple[int, MaterialNeeds]:
+        """Index of a material and what it reads from a mesh; None is an empty slot."""
+        if material not in self._materials:
+            desc, needs = (
+                export_material(material, self.images, self.log)
+                if material
+                else (default_material(), MaterialNeeds())
+            )
+            self._materials[material] = (len(self.scene.materials), needs)
+            self.scene.materials.append(desc)
+        return self._materials[material]
+
+    def _world(self, world) -> None:
+        if world is None:
+            return
+        self.scene.environment = EnvironmentDesc(
+            material=len(self.scene.materials),
+            visibility=world_visibility(world),
+            feeds_caustics=world.specula.caustics,
+        )
+        self.scene.materials.append(export_world(world, self.images, self.log))

@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Ray visibility and the part in caustics, from Blender's, Cycles' and Specula's own properties."""
+
+from __future__ import annotations
+
+from . import compat
+from .desc import CausticsRole, Visibility
+
+_OBJECT_FLAGS = {
+    "visible_camera": Visibility.CAMERA,
+    "visible_diffuse": Visibility.DIFFUSE,
+    "visible_glossy": Visibility.GLOSSY,
+    "visible_transmission": Visibility.TRANSMISSION,
+    "visible_shadow": Visibility.SHADOW,
+}
+
+_WORLD_FLAGS = {
+    "camera": Visibility.CAMERA,
+    "diffuse": Visibility.DIFFUSE,
+    "glossy": Visibility.GLOSSY,
+    "transmission": Visibility.TRANSMISSION,
+}
+
+
+def object_visibility(obj) -> Visibility:
+    visible = Visibility.NONE
+    for name, flag in _OBJECT_FLAGS.items():
+        if getattr(obj, name):
+            visible |= flag
+    return visible
+
+
+def instance_visibility(instance) -> Visibility:
+    """Of a depsgraph instance: an instance is seen where both it and its instancer are."""
+    visible = object_visibility(instance.object)
+    if instance.is_instance and instance.parent:
+        visible &= object_visibility(instance.parent)
+    return visible
+
+
+def world_visibility(world) -> Visibility:
+    flags = getattr(world, "cycles_visibility", None)
+    visible = Visibility.ALL
+    for name, flag in _WORLD_FLAGS.items():
+        if not getattr(flags, name, True):
+            visible &= ~flag
+    return visible
+
+
+def caustics_role(obj) -> CausticsRole:
+    """Specula's setting; where it is AUTO, Cycles' caster flag asks for more than AUTO would."""
+    role = CausticsRole[obj.specula.caustics]
+    if role != CausticsRole.AUTO or not compat.cycles_value(obj, "is_caustics_caster", False):
+        return role
+    receives = compat.cycles_value(obj, "is_caustics_receiver", False)
+    return CausticsRole.BOTH if receives else CausticsRole.CASTER

@@ -1,0 +1,215 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The core library: finding and loading it, and its scene and session as Python objects.
+
+Knows nothing of Blender. Every failure is a `NativeError` with the library's own message.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import functools
+import os
+from ctypes import byref, c_float, c_uint32, c_void_p
+from dataclasses import fields
+from pathlib import Path
+
+from . import abi
+from .abi import RENDER_CANCELLED, RENDER_DONE, RENDER_FAILED, RENDER_RUNNING  # noqa: F401
+
+LIBRARY_DIR_VARIABLE = "SPECULA_LIBRARY_DIR"
+CPUINFO = Path("/proc/cpuinfo")
+
+# Instruction levels in order of preference: flags of /proc/cpuinfo that a processor must have.
+LEVELS = {
+    "x86-64-v3": {"avx2", "fma", "bmi1", "bmi2", "f16c", "movbe", "abm"},
+    "x86-64-v2": {"cx16", "lahf_lm", "popcnt", "sse4_1", "sse4_2", "ssse3"},
+}
+
+
+class NativeError(Exception):
+    """A call into the core failed, or the core cannot be loaded."""
+
+
+def processor_flags(cpuinfo: str) -> set[str]:
+    """Flags of the first processor in the text of /proc/cpuinfo."""
+    for line in cpuinfo.splitlines():
+        key, _, value = line.partition(":")
+        if key.strip() == "flags":
+            return set(value.split())
+    return set()
+
+
+def library_directories() -> list[Path]:
+    """Where libraries are looked for, first match first."""
+    override = os.environ.get(LIBRARY_DIR_VARIABLE)
+    package = Path(__file__).resolve().parent / "lib"
+    return [Path(override), package] if override else [package]
+
+
+def library_path(flags: set[str], directories: list[Path]) -> Path:
+    """The library of the highest level that the processor has."""
+    levels = [level for level, needed in LEVELS.items() if needed <= flags]
+    if not levels:
+        raise NativeError("Specula needs a processor with SSE4.2 (x86-64-v2) on Linux")
+    for directory in directories:
+        for level in levels:
+            path = directory / f"libspecula-{level}.so"
+            if path.is_file():
+                return path
+    searched = ", ".join(str(directory) for directory in directories)
+    raise NativeError(
+        f"the core library is missing: no libspecula-{levels[0]}.so in {searched}; "
+        f"install a packaged build of Specula or set {LIBRARY_DIR_VARIABLE}"
+    )
+
+
+@functools.cache
+def load(path: Path) -> ctypes.CDLL:
+    """The library at `path` with typed functions, if it speaks this addon's API version."""
+    try:
+        library = ctypes.CDLL(str(path), mode=os.RTLD_LOCAL | os.RTLD_NOW)
+        for name, (result, arguments) in abi.PROTOTYPES.items():
+            function = getattr(library, name)
+            function.restype, function.argtypes = result, arguments
+    except (OSError, AttributeError) as error:
+        raise NativeError(f"the core library {path} cannot be loaded: {error}") from None
+    version = library.spc_api_version()
+    if version != abi.API_VERSION:
+        raise NativeError(
+            f"the core library {path} has API version {version}, "
+            f"this addon needs {abi.API_VERSION}: install addon and library from one package"
+        )
+    return library
+
+
+def library() -> ctypes.CDLL:
+    """The library for this machine."""
+    flags = processor_flags(CPUINFO.read_text()) if CPUINFO.exists() else set()
+    return load(library_path(flags, library_directories()))
+
+
+def _check(status: int) -> None:
+    if status == 0:
+        return
+    message = library().spc_last_error().decode(errors="replace")
+    names = abi.STATUS_NAMES
+    kind = names[status] if 0 <= status < len(names) else f"status {status}"
+    raise NativeError(message or f"the core failed without a message ({kind})")
+
+
+def version() -> str:
+    return library().spc_version_string().decode()
+
+
+def node_kinds() -> dict[str, str]:
+    """Node kinds that the core knows: kind -> its sockets and options, as the core lists them."""
+    lines = library().spc_node_kinds().decode().splitlines()
+    return {kind.strip(): sockets.strip() for kind, _, sockets in (s.partition(":") for s in lines)}
+
+
+def struct_values(struct: abi.SizedStructure) -> dict[str, int | float]:
+    """A struct's fields by name, without its size."""
+    return {name: getattr(struct, name) for name, *_ in struct._fields_[1:]}
+
+
+class Scene:
+    """A scene of the core. Mutable until `commit`; free it with `close` or a with-statement."""
+
+    def __init__(self):
+        self.handle = c_void_p()
+        _check(library().spc_scene_create(byref(self.handle)))
+
+    def add(self, kind: str, struct: abi.SizedStructure) -> int:
+        """Calls spc_scene_add_<kind>; returns the new index."""
+        index = c_uint32()
+        _check(
+            getattr(library(), f"spc_scene_add_{kind}")(self.handle, byref(struct), byref(index))
+        )
+        return index.value
+
+    def set(self, kind: str, struct: abi.SizedStructure) -> None:
+        """Calls spc_scene_set_<kind>."""
+        _check(getattr(library(), f"spc_scene_set_{kind}")(self.handle, byref(struct)))
+
+    def material_needs(self, material: int) -> dict[str, int]:
+        needs = abi.MaterialNeeds()
+        _check(library().spc_scene_material_needs(self.handle, material, byref(needs)))
+        return struct_values(needs)
+
+    def commit(self, threads: int = 0) -> None:
+        _check(library().spc_scene_commit(self.handle, threads))
+
+    def stats(self) -> dict[str, int | float]:
+        stats = abi.SceneStats()
+        _check(library().spc_scene_get_stats(self.handle, byref(stats)))
+        return struct_values(stats)
+
+    def report(self) -> list[str]:
+        """Lines about casters and fallbacks; empty before commit."""
+        text = library().spc_scene_report(self.handle)
+        return text.decode().splitlines() if text else []
+
+    def close(self) -> None:
+        library().spc_scene_destroy(self.handle)
+        self.handle = c_void_p()
+
+    def __enter__(self) -> Scene:
+        return self
+
+    def __exit__(self, *_) -> None:
+        self.close()
+
+
+def _settings_struct(settings) -> abi.RenderSettings:
+    struct = abi.RenderSettings()
+    library().spc_render_settings_init(byref(struct))
+    for item in fields(settings):
+        setattr(struct, item.name, getattr(settings, item.name))
+    return struct
+
+
+class Session:
+    """A running render of a committed scene, which must outlive it."""
+
+    def __init__(self, scene: Scene, settings):
+        """Starts rendering with a `desc.RenderSettings`; returns at once."""
+        self.handle = c_void_p()
+        struct = _settings_struct(settings)
+        _check(library().spc_render_start(scene.handle, byref(struct), byref(self.handle)))
+
+    def wait(self, milliseconds: int) -> abi.RenderProgress:
+        """Progress when the render ends or the time is over. Raises if the render failed."""
+        progress = abi.RenderProgress()
+        _check(library().spc_render_wait(self.handle, milliseconds, byref(progress)))
+        if progress.state == RENDER_FAILED:
+            message = library().spc_last_error().decode(errors="replace")
+            raise NativeError(message or "the render failed without a message")
+        return progress
+
+    def cancel(self) -> None:
+        _check(library().spc_render_cancel(self.handle))
+
+    def read(self, render_pass: int, width: int, height: int):
+        """A pass as it stands: (height * width, channels) float32, bottom row first."""
+        import numpy as np
+
+        channels = library().spc_pass_channels(render_pass)
+        pixels = np.zeros((height * width, channels), np.float32)
+        pointer = pixels.ctypes.data_as(ctypes.POINTER(c_float))
+        _check(library().spc_film_read(self.handle, render_pass, pointer, pixels.size))
+        return pixels
+
+    def stats(self) -> dict[str, int | float]:
+        stats = abi.RenderStats()
+        _check(library().spc_render_get_stats(self.handle, byref(stats)))
+        return struct_values(stats)
+
+    def close(self) -> None:
+        library().spc_session_destroy(self.handle)
+        self.handle = c_void_p()
+
+    def __enter__(self) -> Session:
+        return self
+
+    def __exit__(self, *_) -> None:
+        self.close()

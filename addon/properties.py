@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`specula` on scenes, objects, lights, worlds and view layers."""
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty
+
+METHODS = (
+    ("AUTO", "Automatic", "Specular Manifold Sampling, unbiased"),
+    ("PT", "Path Tracing", "Path tracing alone, without manifold sampling"),
+    ("SMS_UNBIASED", "SMS Unbiased", "Specular Manifold Sampling with a random number of trials"),
+    (
+        "SMS_BIASED",
+        "SMS Biased",
+        "Specular Manifold Sampling with a fixed number of walks: less noise, "
+        "but the light paths that these walks miss are lost",
+    ),
+)
+
+CONSTRAINTS = (
+    ("HALF_VECTOR", "Half Vector", "Align the half vector with the surface normal"),
+    ("ANGLE_DIFFERENCE", "Angle Difference", "Match the angles of the scattered direction"),
+)
+
+CAUSTICS_ROLES = (
+    ("AUTO", "Automatic", "Cast and receive caustics as the materials suggest"),
+    ("CASTER", "Caster", "Focus light on other objects"),
+    ("RECEIVER", "Receiver", "Show caustics"),
+    ("BOTH", "Caster and Receiver", "Focus light on other objects and show caustics"),
+    ("OFF", "Off", "Leave this object's caustics to path tracing"),
+)
+
+FROM_CYCLES = "Taken from the Cycles settings if"
+
+
+def _bounces(name: str) -> IntProperty:
+    return IntProperty(
+        name=name,
+        description=f"Largest number of bounces of this kind. {FROM_CYCLES} -1",
+        default=-1,
+        min=-1,
+        max=1024,
+    )
+
+
+class SpeculaSceneSettings(bpy.types.PropertyGroup):
+    method: EnumProperty(name="Method", description="How caustics are found", items=METHODS)
+    constraint: EnumProperty(
+        name="Constraint",
+        description="What a walk over the caustic casters solves for",
+        items=CONSTRAINTS,
+    )
+    two_stage: BoolProperty(
+        name="Two Stages",
+        description="Walk on the smooth surface first where a caster has a normal map",
+        default=True,
+    )
+    set_size: IntProperty(
+        name="Walks",
+        description="Walks for each estimate of the biased method",
+        default=16,
+        min=1,
+        max=4096,
+    )
+    samples: IntProperty(
+        name="Samples",
+        description="Samples for each pixel. Cycles' adaptive sampling, clamping, glossy filter "
+        f"and denoising are not used. {FROM_CYCLES} 0",
+        default=0,
+        min=0,
+        max=1 << 24,
+    )
+    time_limit: FloatProperty(
+        name="Time Limit",
+        description="Stop rendering after this time, whatever the samples. "
+        "0: the time limit of the Cycles settings, usually none",
+        default=0.0,
+        min=0.0,
+        subtype="TIME_ABSOLUTE",
+        unit="TIME_ABSOLUTE",
+    )
+    seed: IntProperty(
+        name="Seed",
+        description=f"Seed of the random numbers. {FROM_CYCLES} -1",
+        default=-1,
+        min=-1,
+    )
+    max_bounces: _bounces("Total")
+    max_diffuse_bounces: _bounces("Diffuse")
+    max_glossy_bounces: _bounces("Glossy")
+    max_transmission_bounces: _bounces("Transmission")
+    max_transparent_bounces: _bounces("Transparent")
+
+
+class SpeculaObjectSettings(bpy.types.PropertyGroup):
+    caustics: EnumProperty(
+        name="Caustics",
+        description="Part of this object in caustics. Automatic honours Cycles' caster flag",
+        items=CAUSTICS_ROLES,
+    )
+
+
+class SpeculaLightSettings(bpy.types.PropertyGroup):
+    """Of lights and worlds."""
+
+    caustics: BoolProperty(
+        name="Caustics",
+        description="Search for caustics of this light; path tracing finds it in any case",
+        default=True,
+    )
+
+
+class SpeculaViewLayerSettings(bpy.types.PropertyGroup):
+    use_pass_caustics: BoolProperty(
+        name="Caustics",
+        description="Deliver the light that manifold sampling found as a pass of its own",
+        default=False,
+    )
+
+
+GROUPS = {
+    SpeculaSceneSettings: (bpy.types.Scene,),
+    SpeculaObjectSettings: (bpy.types.Object,),
+    SpeculaLightSettings: (bpy.types.Light, bpy.types.World),
+    SpeculaViewLayerSettings: (bpy.types.ViewLayer,),
+}
+
+
+def register() -> None:
+    for group, owners in GROUPS.items():
+        bpy.utils.register_class(group)
+        for owner in owners:
+            owner.specula = PointerProperty(type=group)
+
+
+def unregister() -> None:
+    for group, owners in reversed(GROUPS.items()):
+        for owner in owners:
+            del owner.specula
+        bpy.utils.unregister_class(group)

@@ -1,0 +1,239 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Panels: Specula's own, and Blender's that make sense for it."""
+
+import bpy
+
+from . import diagnosis, statistics
+
+ENGINE = "SPECULA"
+
+# Blender's panels for BLENDER_RENDER are shown, but not those for what Specula does not have.
+EXCLUDED_PANELS = {
+    "DATA_PT_light",  # replaced by SPECULA_PT_light
+    "DATA_PT_spot",
+    "DATA_PT_falloff_curve",
+    "DATA_PT_area",
+    "OBJECT_PT_visibility",  # replaced by SPECULA_PT_visibility
+    "RENDER_PT_freestyle",
+    "RENDER_PT_gpencil",
+    "RENDER_PT_simplify_greasepencil",
+    "VIEWLAYER_PT_filter",
+    "VIEWLAYER_PT_layer_passes",  # replaced by SPECULA_PT_passes
+    "WORLD_PT_mist",
+}
+
+# EEVEE's panels that only show slots and node trees.
+BORROWED_PANELS = (
+    "EEVEE_MATERIAL_PT_context_material",
+    "EEVEE_MATERIAL_PT_surface",
+    "EEVEE_WORLD_PT_surface",
+)
+
+
+def shared_panels() -> list[type]:
+    """Blender's panels that Specula uses too."""
+    panels = [
+        panel
+        for panel in bpy.types.Panel.__subclasses__()
+        if "BLENDER_RENDER" in getattr(panel, "COMPAT_ENGINES", ())
+        and panel.__name__ not in EXCLUDED_PANELS
+    ]
+    borrowed = (getattr(bpy.types, name, None) for name in BORROWED_PANELS)
+    return panels + [panel for panel in borrowed if panel]
+
+
+class SpeculaPanel:
+    """Base of the panels; subclasses say in which tab they are by `bl_context`."""
+
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    COMPAT_ENGINES = {ENGINE}
+
+    @classmethod
+    def poll(cls, context) -> bool:
+        return context.engine in cls.COMPAT_ENGINES
+
+    def column(self):
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        return layout.column()
+
+
+class SPECULA_PT_sampling(SpeculaPanel, bpy.types.Panel):
+    bl_label = "Sampling"
+    bl_context = "render"
+
+    def draw(self, context):
+        settings = context.scene.specula
+        column = self.column()
+        problem = diagnosis.installation_problem()
+        if problem:
+            column.label(text=problem, icon="ERROR")
+        column.prop(settings, "method")
+        if settings.method != "PT":
+            column.prop(settings, "constraint")
+            column.prop(settings, "two_stage")
+        if settings.method == "SMS_BIASED":
+            column.prop(settings, "set_size")
+        for name in ("samples", "time_limit", "seed"):
+            column.prop(settings, name)
+        cycles = getattr(context.scene, "cycles", None)
+        if cycles:
+            column.separator()
+            column.prop(cycles, "samples", text="Cycles Samples")
+
+
+class SPECULA_PT_light_paths(SpeculaPanel, bpy.types.Panel):
+    bl_label = "Light Paths"
+    bl_context = "render"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        column = self.column()
+        for kind in ("", "diffuse_", "glossy_", "transmission_", "transparent_"):
+            column.prop(context.scene.specula, f"max_{kind}bounces")
+        cycles = getattr(context.scene, "cycles", None)
+        if cycles:
+            column.separator()
+            column.prop(cycles, "caustics_reflective")
+            column.prop(cycles, "caustics_refractive")
+
+
+class SPECULA_PT_film(SpeculaPanel, bpy.types.Panel):
+    bl_label = "Film"
+    bl_context = "render"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        column = self.column()
+        column.prop(context.scene.render, "film_transparent")
+        cycles = getattr(context.scene, "cycles", None)
+        if cycles:
+            for name in ("film_exposure", "pixel_filter_type", "filter_width"):
+                column.prop(cycles, name)
+
+
+class SPECULA_PT_statistics(SpeculaPanel, bpy.types.Panel):
+    bl_label = "Statistics"
+    bl_context = "render"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        renders = [
+            stats for (scene, _), stats in statistics.last.items() if scene == context.scene.name
+        ]
+        if not renders:
+            self.layout.label(text="Nothing rendered yet")
+        for stats in renders:
+            self.layout.label(text=stats.view_layer, icon="RENDERLAYERS")
+            box = self.layout.box().column(align=True)
+            for label, value in stats.rows():
+                row = box.split(factor=0.3)
+                row.label(text=label)
+                row.label(text=value)
+            for line in stats.report + stats.warnings:
+                box.label(text=line)
+
+
+class SPECULA_PT_passes(SpeculaPanel, bpy.types.Panel):
+    bl_label = "Passes"
+    bl_context = "view_layer"
+
+    def draw(self, context):
+        column = self.column()
+        layer = context.view_layer
+        column.prop(layer, "use_pass_z", text="Depth")
+        column.prop(layer, "use_pass_position")
+        column.prop(layer, "use_pass_normal")
+        column.prop(layer.specula, "use_pass_caustics")
+
+
+class SPECULA_PT_object_caustics(SpeculaPanel, bpy.types.Panel):
+    bl_label = "Caustics"
+    bl_context = "object"
+
+    def draw(self, context):
+        self.column().prop(context.object.specula, "caustics")
+
+
+class SPECULA_PT_visibility(SpeculaPanel, bpy.types.Panel):
+    bl_label = "Visibility"
+    bl_context = "object"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        obj, column = context.object, self.column()
+        for name in ("hide_select", "hide_viewport", "hide_render"):
+            column.prop(obj, name, invert_checkbox=True, toggle=False)
+        column.separator()
+        for ray in ("camera", "diffuse", "glossy", "transmission", "shadow"):
+            column.prop(obj, f"visible_{ray}")
+
+
+class SPECULA_PT_light(SpeculaPanel, bpy.types.Panel):
+    bl_label = "Light"
+    bl_context = "data"
+
+    # What a light has beyond colour and energy.
+    PROPERTIES = {
+        "POINT": ("shadow_soft_size",),
+        "SPOT": ("shadow_soft_size", "spot_size", "spot_blend"),
+        "SUN": ("angle",),
+        "AREA": ("shape", "size"),
+    }
+
+    @classmethod
+    def poll(cls, context) -> bool:
+        return bool(context.light) and super().poll(context)
+
+    def draw(self, context):
+        light = context.light
+        self.layout.row().prop(light, "type", expand=True)
+        column = self.column()
+        for name in ("color", "energy", "exposure", *self.PROPERTIES[light.type]):
+            if hasattr(light, name):
+                column.prop(light, name)
+        if light.type == "AREA" and light.shape in {"RECTANGLE", "ELLIPSE"}:
+            column.prop(light, "size_y")
+        column.separator()
+        column.prop(light.specula, "caustics")
+
+
+class SPECULA_PT_world_caustics(SpeculaPanel, bpy.types.Panel):
+    bl_label = "Caustics"
+    bl_context = "world"
+
+    @classmethod
+    def poll(cls, context) -> bool:
+        return bool(context.world) and super().poll(context)
+
+    def draw(self, context):
+        self.column().prop(context.world.specula, "caustics")
+
+
+PANELS = (
+    SPECULA_PT_sampling,
+    SPECULA_PT_light_paths,
+    SPECULA_PT_film,
+    SPECULA_PT_statistics,
+    SPECULA_PT_passes,
+    SPECULA_PT_object_caustics,
+    SPECULA_PT_visibility,
+    SPECULA_PT_light,
+    SPECULA_PT_world_caustics,
+)
+
+
+def register() -> None:
+    for panel in PANELS:
+        bpy.utils.register_class(panel)
+    for panel in shared_panels():
+        panel.COMPAT_ENGINES.add(ENGINE)
+
+
+def unregister() -> None:
+    for panel in shared_panels():
+        panel.COMPAT_ENGINES.discard(ENGINE)
+    for panel in reversed(PANELS):
+        bpy.utils.unregister_class(panel)

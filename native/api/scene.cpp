@@ -1,0 +1,309 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "api/gate.h"
+#include "api/handles.h"
+
+#include <chrono>
+
+#include <fmt/format.h>
+
+namespace spc::api {
+namespace {
+
+SceneBuilder& builder_of(spc_scene* scene) {
+    require(scene != nullptr, "scene is null");
+    if (!scene->builder) throw Error(ErrorKind::wrong_state, "the scene is committed already");
+    return *scene->builder;
+}
+
+const RenderScene& world_of(const spc_scene* scene) {
+    require(scene != nullptr, "scene is null");
+    if (!scene->world) throw Error(ErrorKind::wrong_state, "the scene is not committed");
+    return *scene->world;
+}
+
+// Copies `count` elements; a null pointer is only right for none.
+template <class T, class Raw>
+std::vector<T> copied(const Raw* data, size_t count, const std::string& owner, const char* what) {
+    static_assert(sizeof(T) % sizeof(Raw) == 0);
+    require(data != nullptr || count == 0, fmt::format("{}: {} is null", owner, what));
+    std::vector<T> values(count);
+    if (count > 0) std::memcpy(static_cast<void*>(values.data()), data, count * sizeof(T));
+    return values;
+}
+
+std::string text(const char* value, const std::string& owner, const char* what) {
+    require(value != nullptr, fmt::format("{}: {} is null", owner, what));
+    return value;
+}
+
+Transform transform_of(const float (&rows)[12], const std::string& owner) {
+    for (const float value : rows) require(std::isfinite(value), owner + ": the transform is not finite");
+    return Transform::from_rows(rows);
+}
+
+Image to_image(const spc_image_desc& desc) {
+    const std::string name = name_or(desc.name, "image");
+    const auto space = checked_enum<ColorSpace>(desc.color_space, SPC_COLOR_DATA, name, "colour space");
+    const auto alpha = checked_enum<AlphaMode>(desc.alpha_mode, SPC_ALPHA_NONE, name, "alpha mode");
+    const int sources = (desc.pixels != nullptr) + (desc.encoded != nullptr) + (desc.path != nullptr);
+    require(sources == 1, name + ": an image has exactly one of pixels, encoded and path");
+    if (desc.path != nullptr) return image_from_file(name, desc.path, space, alpha);
+    if (desc.encoded != nullptr) {
+        require(desc.encoded_size > 0, name + ": the encoded image is empty");
+        return image_from_memory(name, {static_cast<const uint8_t*>(desc.encoded), desc.encoded_size}, space, alpha);
+    }
+    require(desc.width > 0 && desc.height > 0, name + ": the image has no pixels");
+    require(desc.channels == 1 || desc.channels == 3 || desc.channels == 4, name + ": an image has 1, 3 or 4 channels");
+    const size_t count = static_cast<size_t>(desc.width) * desc.height * desc.channels;
+    require(desc.pixel_type <= SPC_PIXEL_F32, name + ": unknown pixel type");
+    if (desc.pixel_type == SPC_PIXEL_U8)
+        return image_from_bytes(name, {static_cast<const uint8_t*>(desc.pixels), count}, desc.width, desc.height,
+                                desc.channels, space, alpha);
+    return image_from_floats(name, {static_cast<const float*>(desc.pixels), count}, desc.width, desc.height,
+                             desc.channels, space, alpha);
+}
+
+Graph to_graph(const spc_material_desc& desc) {
+    Graph graph;
+    graph.name = name_or(desc.name, "material");
+    const std::string& owner = graph.name;
+    require(desc.nodes != nullptr && desc.node_count > 0, owner + ": the material has no nodes");
+    require(desc.inputs != nullptr || desc.input_count == 0, owner + ": inputs is null");
+    require(desc.options != nullptr || desc.option_count == 0, owner + ": options is null");
+    require(desc.links != nullptr || desc.link_count == 0, owner + ": links is null");
+    const auto check_node = [&](uint32_t node, const char* what) {
+        require(node < desc.node_count, fmt::format("{}: {} names node {} of {}", owner, what, node, desc.node_count));
+    };
+    for (uint32_t i = 0; i < desc.node_count; ++i) {
+        const spc_node& node = desc.nodes[i];
+        std::string kind = text(node.kind, owner, "the kind of a node");
+        graph.nodes.push_back({name_or(node.name, kind.c_str()), kind, node.image});
+    }
+    for (uint32_t i = 0; i < desc.input_count; ++i) {
+        const spc_node_input& input = desc.inputs[i];
+        check_node(input.node, "an input");
+        for (const float value : input.value)
+            require(std::isfinite(value), fmt::format("{}: {}: a socket's value is not finite", owner, graph.nodes[input.node].name));
+        graph.inputs.push_back({input.node, text(input.socket, owner, "a socket"),
+                                {input.value[0], input.value[1], input.value[2], input.value[3]}});
+    }
+    for (uint32_t i = 0; i < desc.option_count; ++i) {
+        const spc_node_option& option = desc.options[i];
+        check_node(option.node, "an option");
+        graph.options.push_back({option.node, text(option.option, owner, "an option"), text(option.value, owner, "an option's value")});
+    }
+    for (uint32_t i = 0; i < desc.link_count; ++i) {
+        const spc_node_link& link = desc.links[i];
+        check_node(link.from_node, "a link");
+        check_node(link.to_node, "a link");
+        graph.links.push_back({link.from_node, text(link.from_socket, owner, "a socket"), link.to_node,
+                               text(link.to_socket, owner, "a socket")});
+    }
+    return graph;
+}
+
+UvLayer to_uv_layer(const spc_uv_layer& desc, size_t corners, const std::string& owner) {
+    UvLayer layer;
+    layer.name = name_or(desc.name, "");
+    layer.uv = copied<Vec2>(desc.uv, corners, owner, "uv of a layer");
+    if (desc.tangents == nullptr) return layer;
+    layer.tangents.resize(corners);
+    layer.tangent_signs.resize(corners);
+    for (size_t i = 0; i < corners; ++i) {
+        const float* t = desc.tangents + 4 * i;
+        layer.tangents[i] = {t[0], t[1], t[2]};
+        layer.tangent_signs[i] = t[3] < 0.0f ? -1.0f : 1.0f;
+    }
+    return layer;
+}
+
+Mesh to_mesh(const spc_mesh_desc& desc) {
+    Mesh mesh;
+    mesh.name = name_or(desc.name, "mesh");
+    const std::string& owner = mesh.name;
+    require(desc.vertex_count > 0 && desc.triangle_count > 0, owner + ": the mesh is empty");
+    require(desc.slot_count > 0, owner + ": a mesh has at least one material slot");
+    const size_t triangles = desc.triangle_count;
+    mesh.positions = copied<Vec3>(desc.positions, desc.vertex_count, owner, "positions");
+    mesh.triangles = copied<std::array<uint32_t, 3>>(desc.triangles, triangles, owner, "triangles");
+    if (desc.normals != nullptr) mesh.normals = copied<Vec3>(desc.normals, 3 * triangles, owner, "normals");
+    if (desc.material_slots != nullptr && desc.slot_count > 1)
+        mesh.slots = copied<uint32_t>(desc.material_slots, triangles, owner, "material_slots");
+    mesh.slot_count = desc.slot_count;
+    require(desc.uv_layers != nullptr || desc.uv_layer_count == 0, owner + ": uv_layers is null");
+    for (uint32_t i = 0; i < desc.uv_layer_count; ++i)
+        mesh.uv_layers.push_back(to_uv_layer(desc.uv_layers[i], 3 * triangles, owner));
+    mesh.active_uv_layer = desc.active_uv_layer;
+    return mesh;
+}
+
+Instance to_instance(const spc_instance_desc& desc) {
+    Instance instance;
+    instance.name = name_or(desc.name, "instance");
+    const std::string& owner = instance.name;
+    instance.mesh = desc.mesh;
+    instance.object_to_world = transform_of(desc.transform, owner);
+    instance.materials = copied<uint32_t>(desc.materials, desc.material_count, owner, "materials");
+    require((desc.visibility & ~static_cast<uint32_t>(SPC_VISIBLE_ALL)) == 0, owner + ": unknown visibility bits");
+    instance.visibility = desc.visibility;
+    instance.role = checked_enum<CausticsRole>(desc.caustics_role, SPC_CAUSTICS_BOTH, owner, "caustics role");
+    return instance;
+}
+
+LightDesc to_light(const spc_light_desc& desc) {
+    LightDesc light;
+    light.name = name_or(desc.name, "light");
+    light.type = checked_enum<LightType>(desc.type, SPC_LIGHT_AREA, light.name, "light type");
+    light.to_world = transform_of(desc.transform, light.name);
+    light.power = Spectrum(desc.power[0], desc.power[1], desc.power[2]);
+    const bool has_radius = light.type == LightType::point || light.type == LightType::spot;
+    light.radius = has_radius ? desc.radius : 0.0f;
+    light.spot_angle = desc.spot_angle;
+    light.spot_blend = desc.spot_blend;
+    light.sun_angle = desc.sun_angle;
+    light.shape = checked_enum<AreaShape>(desc.shape, SPC_AREA_ELLIPSE, light.name, "shape");
+    light.size = Vec2(desc.size[0], desc.size[1]);
+    require((desc.visibility & ~static_cast<uint32_t>(SPC_VISIBLE_ALL)) == 0, light.name + ": unknown visibility bits");
+    light.visibility = desc.visibility;
+    light.feeds_caustics = desc.feeds_caustics != 0;
+    return light;
+}
+
+Camera to_camera(const spc_camera_desc& desc) {
+    Camera camera;
+    camera.to_world = transform_of(desc.transform, "camera");
+    camera.width = desc.width;
+    camera.height = desc.height;
+    std::copy(std::begin(desc.crop), std::end(desc.crop), camera.crop.begin());
+    std::copy(std::begin(desc.viewplane), std::end(desc.viewplane), camera.viewplane.begin());
+    camera.clip_near = desc.clip_near;
+    camera.clip_far = desc.clip_far;
+    return camera;
+}
+
+void fill_stats(const spc_scene& handle, spc_scene_stats& stats) {
+    const RenderScene& world = *handle.world;
+    const Scene& scene = *world.scene;
+    stats = {};
+    stats.struct_size = sizeof(stats);
+    for (const Mesh& mesh : scene.meshes) {
+        stats.triangles += mesh.triangles.size();
+        stats.dropped_triangles += mesh.dropped_triangles;
+        stats.memory_bytes += mesh.positions.size() * sizeof(Vec3) + mesh.triangles.size() * sizeof(mesh.triangles[0]) +
+                              mesh.normals.size() * sizeof(Vec3) + mesh.slots.size() * sizeof(uint32_t);
+        for (const UvLayer& layer : mesh.uv_layers)
+            stats.memory_bytes += layer.uv.size() * sizeof(Vec2) + layer.tangents.size() * (sizeof(Vec3) + sizeof(float));
+    }
+    for (const Image& image : scene.images) stats.memory_bytes += image.memory_bytes();
+    stats.instances = scene.instances.size();
+    for (const Instance& instance : scene.instances) {
+        stats.casters += instance.caster ? 1 : 0;
+        stats.receivers += instance.receiver ? 1 : 0;
+        stats.memory_bytes += instance.world_positions.size() * sizeof(Vec3);
+    }
+    stats.lights = world.lights.count(scene);
+    stats.commit_seconds = handle.commit_seconds;
+}
+
+}  // namespace
+}  // namespace spc::api
+
+using namespace spc::api;
+
+spc_status spc_scene_create(spc_scene** scene) {
+    return gate("spc_scene_create", [&] { checked_output(scene, "scene") = new spc_scene; });
+}
+
+void spc_scene_destroy(spc_scene* scene) { delete scene; }
+
+spc_status spc_scene_add_image(spc_scene* scene, const spc_image_desc* desc, uint32_t* image_index) {
+    return gate("spc_scene_add_image", [&] {
+        spc::SceneBuilder& builder = builder_of(scene);
+        uint32_t& index = checked_output(image_index, "image_index");
+        index = builder.add_image(to_image(checked(desc, "desc")));
+    });
+}
+
+spc_status spc_scene_add_material(spc_scene* scene, const spc_material_desc* desc, uint32_t* material_index) {
+    return gate("spc_scene_add_material", [&] {
+        spc::SceneBuilder& builder = builder_of(scene);
+        uint32_t& index = checked_output(material_index, "material_index");
+        index = builder.add_material(to_graph(checked(desc, "desc")));
+    });
+}
+
+spc_status spc_scene_material_needs(const spc_scene* scene, uint32_t material_index, spc_material_needs* needs) {
+    return gate("spc_scene_material_needs", [&] {
+        const spc::SceneBuilder& builder = builder_of(const_cast<spc_scene*>(scene));
+        checked(needs, "needs");
+        const spc::Material& material = builder.material(material_index);
+        needs->uv = (material.reads & (spc::kReadsUv | spc::kReadsTangent)) != 0 ? 1 : 0;
+        needs->tangents = (material.reads & spc::kReadsTangent) != 0 ? 1 : 0;
+    });
+}
+
+const char* spc_node_kinds(void) { return spc::node_kinds_text(); }
+
+spc_status spc_scene_add_mesh(spc_scene* scene, const spc_mesh_desc* desc, uint32_t* mesh_index) {
+    return gate("spc_scene_add_mesh", [&] {
+        spc::SceneBuilder& builder = builder_of(scene);
+        uint32_t& index = checked_output(mesh_index, "mesh_index");
+        index = builder.add_mesh(to_mesh(checked(desc, "desc")));
+    });
+}
+
+spc_status spc_scene_add_instance(spc_scene* scene, const spc_instance_desc* desc, uint32_t* instance_index) {
+    return gate("spc_scene_add_instance", [&] {
+        spc::SceneBuilder& builder = builder_of(scene);
+        uint32_t& index = checked_output(instance_index, "instance_index");
+        index = builder.add_instance(to_instance(checked(desc, "desc")));
+    });
+}
+
+spc_status spc_scene_add_light(spc_scene* scene, const spc_light_desc* desc, uint32_t* light_index) {
+    return gate("spc_scene_add_light", [&] {
+        spc::SceneBuilder& builder = builder_of(scene);
+        uint32_t& index = checked_output(light_index, "light_index");
+        index = builder.add_light(to_light(checked(desc, "desc")));
+    });
+}
+
+spc_status spc_scene_set_camera(spc_scene* scene, const spc_camera_desc* desc) {
+    return gate("spc_scene_set_camera", [&] { builder_of(scene).set_camera(to_camera(checked(desc, "desc"))); });
+}
+
+spc_status spc_scene_set_environment(spc_scene* scene, const spc_environment_desc* desc) {
+    return gate("spc_scene_set_environment", [&] {
+        spc::SceneBuilder& builder = builder_of(scene);
+        const spc_environment_desc& d = checked(desc, "desc");
+        require((d.visibility & ~static_cast<uint32_t>(SPC_VISIBLE_ALL)) == 0, "world: unknown visibility bits");
+        builder.set_environment({d.material, d.visibility, d.feeds_caustics != 0});
+    });
+}
+
+spc_status spc_scene_commit(spc_scene* scene, uint32_t threads) {
+    return gate("spc_scene_commit", [&] {
+        spc::SceneBuilder& builder = builder_of(scene);
+        const auto start = std::chrono::steady_clock::now();
+        builder.require_complete();
+        // From here on only a lack of memory can stop it; then the scene is lost.
+        spc::RenderScene world = spc::prepare(builder.freeze(threads));
+        for (const std::string& line : world.scene->report) scene->report += line + "\n";
+        scene->world = std::move(world);
+        scene->builder.reset();
+        scene->commit_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    });
+}
+
+spc_status spc_scene_get_stats(const spc_scene* scene, spc_scene_stats* stats) {
+    return gate("spc_scene_get_stats", [&] {
+        world_of(scene);
+        checked(stats, "stats");
+        fill_stats(*scene, *stats);
+    });
+}
+
+const char* spc_scene_report(const spc_scene* scene) {
+    const spc_status status = gate("spc_scene_report", [&] { world_of(scene); });
+    return status == SPC_OK ? scene->report.c_str() : nullptr;
+}

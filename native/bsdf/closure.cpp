@@ -1,0 +1,311 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bsdf/closure.h"
+
+#include "bsdf/albedo.h"
+#include "bsdf/fresnel.h"
+#include "bsdf/microfacet.h"
+#include "core/error.h"
+
+namespace spc {
+namespace {
+
+// Refraction at index eta maps half-vectors to directions by |eta - 1|. Where the lobe of
+// transmitted directions, about alpha |eta - 1| wide, is narrower than this, the rounding of two
+// unit vectors (1e-7) is a tenth of it.
+constexpr float kMatchedWidth = 1e-6f;
+// Least share of its weight with which a closure is sampled: tables are approximate, a closure that
+// scatters must not have a vanishing chance.
+constexpr float kMinSampledAlbedo = 1e-3f;
+constexpr float kBelowOne = 0x1.fffffep-1f;
+
+float mean(const Spectrum& c) { return (c.x + c.y + c.z) * (1.0f / 3.0f); }
+
+bool is_delta_kind(const Lambert&) { return false; }
+bool is_delta_kind(const MicrofacetReflection& c) { return c.alpha <= kDeltaAlpha; }
+bool is_delta_kind(const MicrofacetDielectric& c) {
+    return c.alpha <= kDeltaAlpha ||
+           (c.refracts && c.alpha * std::abs(c.eta - 1.0f) <= kMatchedWidth);
+}
+bool is_delta_kind(const Transparent&) { return true; }
+
+// How a facet of a dielectric divides the light, and how often sample() follows the reflected part.
+struct Division {
+    Spectrum reflected, transmitted;
+    float p_reflect, p_transmit;
+};
+Division divide(const MicrofacetDielectric& c, float cos_facet) {
+    const float f = facet::dielectric(cos_facet, c.eta);
+    const float r = !c.reflects ? 0.0f : c.fresnel_weighted ? f : 1.0f;
+    const float t = !c.refracts || f >= 1.0f ? 0.0f : c.fresnel_weighted ? 1.0f - f : 1.0f;
+    Division d{c.reflection_tint * r, c.transmission_tint * t, 0.0f, 0.0f};
+    const float reflected = mean(d.reflected), transmitted = mean(d.transmitted),
+                all = reflected + transmitted;
+    if (all > 0.0f) {
+        d.p_reflect = reflected / all;
+        d.p_transmit = transmitted / all;
+    }
+    return d;
+}
+
+// f |cos| and density of one smooth closure of weight 1. `crosses`: wi is on the other side of the
+// geometry.
+struct LobeEval {
+    Spectrum f_cos{0.0f};
+    float pdf_omega = 0.0f;
+};
+
+LobeEval eval_lobe(const Lambert& c, const Vec3&, const Vec3& wi, bool crosses) {
+    if (crosses) return {};
+    const float pdf = cosine_hemisphere_pdf(dot(c.n, wi));
+    return {Spectrum(pdf), pdf};
+}
+
+// f cos_i = F D G2 / (4 cos_o), pdf = D G1 / (4 cos_o)  [Walter07 Eq. 20], [Heitz18 Eq. 17].
+template <class Reflectance>
+LobeEval eval_reflection(const Vec3& n, MicrofacetModel model, float alpha, const Vec3& wo,
+                         const Vec3& wi, const Reflectance& reflectance) {
+    const float cos_o = dot(n, wo), cos_i = dot(n, wi);
+    if (!(cos_o > 0.0f) || !(cos_i > 0.0f)) return {};
+    const Vec3 h = wo + wi;
+    const float d = normal_density(model, alpha, sqr(dot(n, h)), length_squared(cross(n, h)));
+    const Masking g = masking(model, alpha, std::min(cos_o, 1.0f), std::min(cos_i, 1.0f));
+    const auto [f, p] = reflectance(dot(wo, h) / length(h));
+    return {f * (0.25f * d * g.g2_by_cos_o), p * (0.25f * d * g.g1_by_cos_o)};
+}
+
+LobeEval eval_lobe(const MicrofacetReflection& c, const Vec3& wo, const Vec3& wi, bool crosses) {
+    if (crosses || is_delta_kind(c)) return {};
+    return eval_reflection(c.n, c.model, c.alpha, wo, wi, [&](float cos_facet) {
+        return std::pair(fresnel(c.fresnel, cos_facet), 1.0f);
+    });
+}
+
+// With H = wo + eta wi, m = H/|H| towards wo, and |dm/dwi| = eta^2 |wi.m| / |H|^2 [Walter07 Eq.
+// 17]: f cos_i = (1-F) D G2 (wo.m) / cos_o |dm/dwi|, without the eta^-2 of radiance [Walter07 Eq.
+// 21].
+LobeEval eval_transmission(const MicrofacetDielectric& c, const Vec3& wo, const Vec3& wi) {
+    const float cos_o = dot(c.n, wo), cos_i = -dot(c.n, wi);
+    if (!(cos_o > 0.0f) || !(cos_i > 0.0f)) return {};
+    const Vec3 h = (wo + wi * c.eta) * (c.eta > 1.0f ? -1.0f : 1.0f);
+    const float o_h = dot(wo, h), i_h = -dot(wi, h), n_h = dot(c.n, h);
+    // A facet that faces away from wo or wi, or from the outside, belongs to the reflection's root
+    // of the half-vector.
+    if (!(o_h > 0.0f) || !(i_h > 0.0f) || !(n_h > 0.0f)) return {};
+    const float h2 = length_squared(h);
+    const Division part = divide(c, o_h / std::sqrt(h2));
+    const float d = normal_density(c.model, c.alpha, n_h * n_h, length_squared(cross(c.n, h)));
+    const Masking g = masking(c.model, c.alpha, std::min(cos_o, 1.0f), std::min(cos_i, 1.0f));
+    const float common = d * (o_h / h2) * (i_h / h2) * sqr(c.eta);
+    return {part.transmitted * (common * g.g2_by_cos_o), part.p_transmit * (common * g.g1_by_cos_o)};
+}
+
+LobeEval eval_lobe(const MicrofacetDielectric& c, const Vec3& wo, const Vec3& wi, bool crosses) {
+    if (is_delta_kind(c) || !(crosses ? c.refracts : c.reflects)) return {};
+    if (crosses) return eval_transmission(c, wo, wi);
+    return eval_reflection(c.n, c.model, c.alpha, wo, wi, [&](float cos_facet) {
+        const Division part = divide(c, cos_facet);
+        return std::pair(part.reflected, part.p_reflect);
+    });
+}
+
+LobeEval eval_lobe(const Transparent&, const Vec3&, const Vec3&, bool) { return {}; }
+
+// One direction of one closure, before the geometry has its say. Empty where eval_lobe has no
+// density: a facet may send light to the wrong side of the shading normal, where another closure of
+// the list may have some.
+struct LobeSample {
+    Vec3 wi;
+    BounceKind kind;
+    bool delta = false;
+    // Of a delta lobe alone: its throughput and its probability within the closure.
+    Spectrum throughput{0.0f};
+    float probability = 1.0f;
+};
+
+std::optional<LobeSample> sample_lobe(const Lambert& c, const Vec3&, float, const Vec2& u) {
+    return LobeSample{Frame::around(c.n).to_world(cosine_hemisphere(u)), BounceKind::diffuse};
+}
+
+std::optional<LobeSample> sample_lobe(const MicrofacetReflection& c, const Vec3& wo, float,
+                                      const Vec2& u) {
+    const float cos_o = dot(c.n, wo);
+    if (!(cos_o > 0.0f)) return std::nullopt;
+    if (is_delta_kind(c))
+        return LobeSample{facet::mirrored(wo, c.n, cos_o), BounceKind::glossy, true,
+                          fresnel(c.fresnel, cos_o)};
+    const Frame frame = Frame::around(c.n);
+    const Vec3 m = frame.to_world(sample_visible_normal(c.model, c.alpha, frame.to_local(wo), u));
+    const Vec3 wi = facet::mirrored(wo, m, dot(wo, m));
+    if (!(dot(c.n, wi) > 0.0f)) return std::nullopt;
+    return LobeSample{wi, BounceKind::glossy};
+}
+
+std::optional<LobeSample> sample_lobe(const MicrofacetDielectric& c, const Vec3& wo, float u_lobe,
+                                      const Vec2& u) {
+    const float cos_o = dot(c.n, wo);
+    if (!(cos_o > 0.0f)) return std::nullopt;
+    const bool delta = is_delta_kind(c);
+    Vec3 m = c.n;
+    if (!delta) {
+        const Frame frame = Frame::around(c.n);
+        m = frame.to_world(sample_visible_normal(c.model, c.alpha, frame.to_local(wo), u));
+    }
+    const float cos_facet = dot(wo, m);
+    const Division part = divide(c, cos_facet);
+    if (u_lobe < part.p_reflect) {
+        const Vec3 wi = facet::mirrored(wo, m, cos_facet);
+        if (!(dot(c.n, wi) > 0.0f)) return std::nullopt;
+        return LobeSample{wi, BounceKind::glossy, delta, part.reflected, part.p_reflect};
+    }
+    if (is_black(part.transmitted)) return std::nullopt;
+    const std::optional<Vec3> wi = facet::refracted(wo, m, cos_facet, c.eta);
+    if (!wi || !(dot(c.n, *wi) < 0.0f)) return std::nullopt;
+    return LobeSample{*wi, BounceKind::transmission, delta, part.transmitted, part.p_transmit};
+}
+
+std::optional<LobeSample> sample_lobe(const Transparent&, const Vec3& wo, float, const Vec2&) {
+    return LobeSample{-wo, BounceKind::transparent, true, Spectrum(1.0f)};
+}
+
+float total_sample_weight(const ClosureList& list) {
+    float total = 0.0f;
+    for (int i = 0; i < list.count; ++i) total += list.closures[i].sample_weight;
+    return total;
+}
+
+// Throughput and probability, within the closure, of the delta lobe that reflects or refracts at
+// the normal.
+struct DeltaPart {
+    Spectrum throughput{0.0f};
+    float probability = 0.0f;
+};
+DeltaPart delta_part(const Lambert&, const Vec3&, bool) { return {}; }
+DeltaPart delta_part(const Transparent&, const Vec3&, bool) { return {}; }
+DeltaPart delta_part(const MicrofacetReflection& c, const Vec3& wo, bool refracted) {
+    const float cos_o = dot(c.n, wo);
+    if (refracted || !is_delta_kind(c) || !(cos_o > 0.0f)) return {};
+    return {fresnel(c.fresnel, cos_o), 1.0f};
+}
+DeltaPart delta_part(const MicrofacetDielectric& c, const Vec3& wo, bool refracted) {
+    const float cos_o = dot(c.n, wo);
+    if (!is_delta_kind(c) || !(cos_o > 0.0f)) return {};
+    const Division part = divide(c, cos_o);
+    if (!refracted) return {part.reflected, part.p_reflect};
+    if (is_black(part.transmitted)) return {};
+    return {part.transmitted, part.p_transmit};
+}
+
+}  // namespace
+
+bool is_delta(const ClosureKind& kind) {
+    return std::visit([](const auto& c) { return is_delta_kind(c); }, kind);
+}
+
+bool has_smooth_closure(const ClosureList& list) {
+    for (int i = 0; i < list.count; ++i)
+        if (!is_delta(list.closures[i].kind)) return true;
+    return false;
+}
+
+void ClosureList::clear() {
+    count = 0;
+    emission = Spectrum(0.0f);
+    transparency = Spectrum(0.0f);
+}
+
+void ClosureList::add(const Spectrum& weight, const ClosureKind& kind, const Vec3& wo,
+                      bool on_caster_normal) {
+    SPC_ASSERT(count < kMaxClosures);
+    // In this order std::max keeps a NaN, which the integrator counts; dropping it here would hide
+    // it.
+    const Spectrum w(std::max(weight.x, 0.0f), std::max(weight.y, 0.0f), std::max(weight.z, 0.0f));
+    if (is_black(w) || count >= kMaxClosures) return;
+    if (std::holds_alternative<Transparent>(kind)) transparency += w;
+
+    Closure& closure = closures[count];
+    closure.kind = kind;
+    closure.on_caster_normal = on_caster_normal;
+    closure.weight = w;
+    closure.sample_weight = mean(w);
+    if (!std::holds_alternative<Lambert>(kind) && !std::holds_alternative<Transparent>(kind)) {
+        const Spectrum scattered = w * albedo(kind, wo);
+        if (is_black(scattered)) return;
+        closure.weight = w * energy_compensation(kind, wo);
+        closure.sample_weight = std::max(mean(scattered), kMinSampledAlbedo * mean(w));
+    }
+    ++count;
+}
+
+ClosureEval eval(const ClosureList& list, const Vec3& ng, const Vec3& wo, const Vec3& wi) {
+    const float side = dot(ng, wi);
+    ClosureEval result;
+    if (side == 0.0f) return result;
+    float total = 0.0f;
+    for (int i = 0; i < list.count; ++i) {
+        const Closure& closure = list.closures[i];
+        total += closure.sample_weight;
+        const LobeEval lobe = std::visit(
+            [&](const auto& c) { return eval_lobe(c, wo, wi, side < 0.0f); }, closure.kind);
+        result.f_cos += closure.weight * lobe.f_cos;
+        result.pdf_omega += closure.sample_weight * lobe.pdf_omega;
+    }
+    if (list.count > 0) result.pdf_omega *= 1.0f / total;
+    return result;
+}
+
+std::optional<ClosureSample> sample(const ClosureList& list, const Vec3& ng, const Vec3& wo,
+                                    const Vec3& u) {
+    if (list.count == 0) return std::nullopt;
+    const float total = total_sample_weight(list);
+    float rest = u.x * total;
+    int chosen = 0;
+    while (chosen + 1 < list.count && rest >= list.closures[chosen].sample_weight)
+        rest -= list.closures[chosen++].sample_weight;
+    const Closure& closure = list.closures[chosen];
+    const float u_lobe = std::min(rest / closure.sample_weight, kBelowOne);
+
+    const std::optional<LobeSample> lobe = std::visit(
+        [&](const auto& c) { return sample_lobe(c, wo, u_lobe, Vec2(u.y, u.z)); }, closure.kind);
+    if (!lobe) return std::nullopt;
+    ClosureSample result{
+        lobe->wi,    Spectrum(0.0f),           0.0f,
+        lobe->delta, closure.on_caster_normal, lobe->kind == BounceKind::transmission,
+        lobe->kind};
+    const float side = dot(ng, lobe->wi);
+    if (lobe->delta) {
+        const bool crosses = lobe->kind == BounceKind::transmission;
+        if (lobe->kind != BounceKind::transparent && !(crosses ? side < 0.0f : side > 0.0f))
+            return std::nullopt;
+        result.pdf_omega = closure.sample_weight / total * lobe->probability;
+        result.weight = closure.weight * lobe->throughput * (1.0f / result.pdf_omega);
+        return result;
+    }
+    // A direction on the wrong side for its lobe may still be right for another closure of the
+    // list, but then it is drawn from outside the density that eval() states.
+    const bool above = side > 0.0f;
+    if (above != (lobe->kind != BounceKind::transmission)) return std::nullopt;
+    const ClosureEval sum = eval(list, ng, wo, lobe->wi);
+    if (!(sum.pdf_omega > 0.0f)) return std::nullopt;
+    result.pdf_omega = sum.pdf_omega;
+    result.weight = sum.f_cos * (1.0f / sum.pdf_omega);
+    return result;
+}
+
+DeltaLobe delta_lobe(const ClosureList& list, const Vec3& ng, const Vec3& wo, const Vec3& wi,
+                     bool refracted) {
+    DeltaLobe result;
+    const float side = dot(ng, wi);
+    if (!(refracted ? side < 0.0f : side > 0.0f)) return result;
+    for (int i = 0; i < list.count; ++i) {
+        const Closure& closure = list.closures[i];
+        if (!closure.on_caster_normal) continue;
+        const DeltaPart part =
+            std::visit([&](const auto& c) { return delta_part(c, wo, refracted); }, closure.kind);
+        result.throughput += closure.weight * part.throughput;
+        result.probability += closure.sample_weight * part.probability;
+    }
+    if (result.probability > 0.0f) result.probability /= total_sample_weight(list);
+    return result;
+}
+
+}  // namespace spc

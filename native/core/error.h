@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The two kinds of failure that are not numerical: bad input throws Error, our own bugs trip SPC_ASSERT.
+#pragma once
+
+#include <cstdio>
+#include <cstdlib>
+#include <stdexcept>
+#include <string>
+
+namespace spc {
+
+enum class ErrorKind { invalid_argument, wrong_state, io, unsupported };
+
+// Bad input. The message names the object.
+class Error : public std::runtime_error {
+public:
+    Error(ErrorKind kind, const std::string& message) : std::runtime_error(message), kind_(kind) {}
+    ErrorKind kind() const { return kind_; }
+
+private:
+    ErrorKind kind_;
+};
+
+}  // namespace spc
+
+// Checked in the dev and asan builds only; states what must hold if Specula itself is right.
+#ifdef SPC_ENABLE_ASSERTS
+#define SPC_ASSERT(condition)                                                               \
+    do {                                                                                    \
+        if (!(condition)) {                                                                 \
+            std::fprintf(stderr, "%s:%d: assertion failed: %s\n", __FILE__, __LINE__, #condition); \
+            std::abort();                                                                   \
+        }                                                                                   \
+    } while (false)
+#else
+#define SPC_ASSERT(condition) static_cast<void>(0)
+#endif

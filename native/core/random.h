@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Random numbers keyed by what they are for. A Sampler is a value: (seed, pixel, purpose) hashed to a key, and the
+// absolute sample index. Each purpose draws from its own Owen-scrambled (0, 2)-sequence with a shuffled index
+// [Burley20], so every draw is stratified over the samples of a pixel and independent of every other draw.
+#pragma once
+
+#include "math/vec.h"
+
+#include <bit>
+
+namespace spc {
+
+// What a draw is for; one entry per decision of a path vertex.
+enum class Domain : uint32_t { film, closure, light, roulette, transparency, manifold_light, manifold_caster, manifold_seeds };
+
+inline uint64_t mix_bits(uint64_t x) {  // a bijection with good avalanche, [Stafford11] variant 13
+    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
+    x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
+    return x ^ (x >> 31);
+}
+
+inline uint32_t reverse_bits(uint32_t x) {
+    x = ((x >> 1) & 0x55555555u) | ((x & 0x55555555u) << 1);
+    x = ((x >> 2) & 0x33333333u) | ((x & 0x33333333u) << 2);
+    x = ((x >> 4) & 0x0f0f0f0fu) | ((x & 0x0f0f0f0fu) << 4);
+    return __builtin_bswap32(x);
+}
+
+// Owen scrambling of a number whose bits are reversed, [Laine11] with [Burley20]'s follow-up constants.
+inline uint32_t scramble_reversed(uint32_t x, uint32_t seed) {
+    x ^= x * 0x3d20adeau;
+    x += seed;
+    x *= (seed >> 16) | 1u;
+    x ^= x * 0x05526c56u;
+    x ^= x * 0x53a22864u;
+    return x;
+}
+
+// Pascal's triangle modulo 2 applied to the index: the second dimension of Sobol's sequence, bits reversed.
+inline uint32_t pascal_reversed(uint32_t x) {
+    x ^= x >> 16;
+    x ^= (x & 0xff00ff00u) >> 8;
+    x ^= (x & 0xf0f0f0f0u) >> 4;
+    x ^= (x & 0xccccccccu) >> 2;
+    x ^= (x & 0xaaaaaaaau) >> 1;
+    return x;
+}
+
+// [0, 1), exactly representable.
+inline float to_unit_float(uint32_t bits) { return static_cast<float>(bits >> 8) * 0x1p-24f; }
+
+class Sampler {
+public:
+    Sampler(uint32_t seed, uint32_t pixel, uint32_t sample_index)
+        : key_(mix_bits((static_cast<uint64_t>(seed) << 32 | pixel) + 0x9e3779b97f4a7c15ull)), index_(sample_index) {}
+
+    // Streams of the path's n-th vertex, and of one purpose there.
+    Sampler vertex(uint32_t n) const { return {mix_bits(key_ + 0x632be59bd9b4e019ull * (n + 1)), index_}; }
+    Sampler operator[](Domain domain) const {
+        return {mix_bits(key_ ^ (static_cast<uint64_t>(domain) + 1) * 0xd6e8feb86659fd93ull), index_};
+    }
+
+    float one() const { return two().x; }
+    Vec2 two() const { return draw(key_); }
+    Vec3 three() const {
+        const Vec2 a = draw(key_), b = draw(key_ ^ 0xa0761d6478bd642full);
+        return {b.x, a.x, a.y};
+    }
+    // Seed of a stream without end, for trials: differs between samples.
+    uint64_t stream_seed() const { return mix_bits(key_ + index_); }
+
+private:
+    Sampler(uint64_t key, uint32_t index) : key_(key), index_(index) {}
+
+    Vec2 draw(uint64_t key) const {
+        const uint64_t more = mix_bits(key);
+        const uint32_t shuffled = reverse_bits(scramble_reversed(reverse_bits(index_), static_cast<uint32_t>(key)));
+        return {to_unit_float(reverse_bits(scramble_reversed(shuffled, static_cast<uint32_t>(more)))),
+                to_unit_float(reverse_bits(
+                    scramble_reversed(pascal_reversed(shuffled), static_cast<uint32_t>(more >> 32))))};
+    }
+
+    uint64_t key_;
+    uint32_t index_;
+};
+
+// PCG32 [ONeill14], for draws without a fixed number: Bernoulli trials.
+class Pcg {
+public:
+    explicit Pcg(uint64_t seed) : state_(mix_bits(seed)) { bits(); }
+    uint32_t bits() {
+        const uint64_t old = state_;
+        state_ = old * 6364136223846793005ull + 1442695040888963407ull;
+        return std::rotr(static_cast<uint32_t>(((old >> 18) ^ old) >> 27), static_cast<int>(old >> 59));
+    }
+    float one() { return to_unit_float(bits()); }
+    Vec2 two() {
+        const float x = one();
+        return {x, one()};
+    }
+    Vec3 three() {
+        const float x = one(), y = one();
+        return {x, y, one()};
+    }
+
+private:
+    uint64_t state_;
+};
+
+}  // namespace spc

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "film/film.h"
+
+#include "core/error.h"
+
+namespace spc {
+
+void accumulate(PixelSums& pixel, const FilmSample& sample) {
+    for (int c = 0; c < 3; ++c) {
+        const auto i = static_cast<size_t>(c);
+        const double value = static_cast<double>(sample.radiance[c]);
+        pixel.radiance[i] += value;
+        pixel.radiance_squared[i] += value * value;
+        pixel.caustics[i] += sample.caustics[c];
+        pixel.normal[i] += sample.normal[c];
+        if (pixel.count == 0) pixel.position[i] = sample.position[c];
+    }
+    if (pixel.count == 0) pixel.depth = sample.depth;  // means of distances lie where no surface is
+    pixel.alpha += sample.alpha;
+    ++pixel.count;
+}
+
+uint32_t pass_channels(Pass pass) {
+    switch (pass) {
+        case Pass::combined: return 4;
+        case Pass::depth: return 1;
+        case Pass::position:
+        case Pass::normal:
+        case Pass::caustics:
+        case Pass::variance: return 3;
+        case Pass::count: break;
+    }
+    return 0;
+}
+
+namespace {
+
+void write_pixel(Pass pass, const PixelSums& pixel, float* out) {
+    const double n = pixel.count;
+    const auto mean = [n](double sum) { return static_cast<float>(sum / n); };
+    switch (pass) {
+        case Pass::combined:
+            for (size_t c = 0; c < 3; ++c) out[c] = mean(pixel.radiance[c]);
+            out[3] = mean(static_cast<double>(pixel.alpha));
+            break;
+        case Pass::depth: out[0] = pixel.depth; break;
+        case Pass::position: std::copy(pixel.position.begin(), pixel.position.end(), out); break;
+        case Pass::normal:
+            for (size_t c = 0; c < 3; ++c) out[c] = mean(static_cast<double>(pixel.normal[c]));
+            break;
+        case Pass::caustics:
+            for (size_t c = 0; c < 3; ++c) out[c] = mean(static_cast<double>(pixel.caustics[c]));
+            break;
+        case Pass::variance:
+            for (size_t c = 0; c < 3; ++c) {
+                const double m = pixel.radiance[c] / n;
+                const double spread = std::max(pixel.radiance_squared[c] / n - m * m, 0.0);
+                out[c] = pixel.count > 1 ? static_cast<float>(spread / (n - 1.0)) : 0.0f;
+            }
+            break;
+        case Pass::count: break;
+    }
+}
+
+}  // namespace
+
+Film::Film(uint32_t width, uint32_t height)
+    : width_(width), height_(height), tiles_across_((width + kTileSize - 1) / kTileSize),
+      tiles_(static_cast<size_t>(tiles_across_) * ((height + kTileSize - 1) / kTileSize)) {
+    for (uint32_t t = 0; t < tile_count(); ++t) {
+        const TileBounds b = bounds(t);
+        tiles_[t].pixels.resize(static_cast<size_t>(b.width) * b.height);
+    }
+}
+
+Film::TileBounds Film::bounds(uint32_t tile) const {
+    const uint32_t x0 = tile % tiles_across_ * kTileSize, y0 = tile / tiles_across_ * kTileSize;
+    return {x0, y0, std::min(kTileSize, width_ - x0), std::min(kTileSize, height_ - y0)};
+}
+
+std::vector<PixelSums> Film::copy_tile(uint32_t tile) const {
+    const std::lock_guard lock(tiles_[tile].mutex);
+    return tiles_[tile].pixels;
+}
+
+void Film::store_tile(uint32_t tile, std::span<const PixelSums> pixels) {
+    SPC_ASSERT(pixels.size() == tiles_[tile].pixels.size());
+    const std::lock_guard lock(tiles_[tile].mutex);
+    std::copy(pixels.begin(), pixels.end(), tiles_[tile].pixels.begin());
+}
+
+void Film::read(Pass pass, std::span<float> out) const {
+    const size_t channels = pass_channels(pass);
+    SPC_ASSERT(out.size() == channels * width_ * height_);
+    std::fill(out.begin(), out.end(), 0.0f);
+    for (uint32_t t = 0; t < tile_count(); ++t) {
+        const TileBounds b = bounds(t);
+        const std::lock_guard lock(tiles_[t].mutex);
+        for (uint32_t y = 0; y < b.height; ++y)
+            for (uint32_t x = 0; x < b.width; ++x) {
+                const PixelSums& pixel = tiles_[t].pixels[static_cast<size_t>(y) * b.width + x];
+                const size_t at = static_cast<size_t>(b.y0 + y) * width_ + b.x0 + x;
+                if (pixel.count > 0) write_pixel(pass, pixel, out.data() + at * channels);
+            }
+    }
+}
+
+}  // namespace spc

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Accumulates samples of every pixel in the order of their index, so that sums do not depend on threads or tiles.
+#pragma once
+
+#include "math/vec.h"
+
+#include <mutex>
+#include <span>
+#include <vector>
+
+namespace spc {
+
+struct PixelSums {
+    std::array<double, 3> radiance{}, radiance_squared{};
+    std::array<float, 3> caustics{}, normal{}, position{};
+    float alpha = 0.0f;
+    float depth = 1e10f;
+    uint32_t count = 0;
+};
+
+struct FilmSample {
+    Spectrum radiance, caustics;
+    Vec3 position, normal;
+    float alpha, depth;
+};
+void accumulate(PixelSums& pixel, const FilmSample& sample);
+
+// The passes of specula.h, with the same numbers.
+enum class Pass : uint32_t { combined, depth, position, normal, caustics, variance, count };
+uint32_t pass_channels(Pass pass);
+
+class Film {
+public:
+    static constexpr uint32_t kTileSize = 16;
+
+    Film(uint32_t width, uint32_t height);
+    uint32_t width() const { return width_; }
+    uint32_t height() const { return height_; }
+    uint32_t tile_count() const { return static_cast<uint32_t>(tiles_.size()); }
+
+    struct TileBounds {
+        uint32_t x0, y0, width, height;
+    };
+    TileBounds bounds(uint32_t tile) const;
+    // A worker takes a copy, adds samples, and puts it back; readers meanwhile see the state before.
+    std::vector<PixelSums> copy_tile(uint32_t tile) const;
+    void store_tile(uint32_t tile, std::span<const PixelSums> pixels);
+
+    // float[height][width][channels], bottom row first.
+    void read(Pass pass, std::span<float> out) const;
+
+private:
+    struct Tile {
+        mutable std::mutex mutex;
+        std::vector<PixelSums> pixels;
+    };
+    uint32_t width_, height_, tiles_across_;
+    std::vector<Tile> tiles_;
+};
+
+}  // namespace spc

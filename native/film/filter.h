@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Blender's pixel filters by importance: a sample belongs to one pixel and is displaced by the filter's density, so
+// pixels stay independent of each other.
+#pragma once
+
+#include "math/vec.h"
+
+#include <vector>
+
+namespace spc {
+
+enum class FilterKind : uint8_t { box, gaussian, blackman_harris };
+
+class PixelFilter {
+public:
+    // `width` as Blender states it, in pixels: its filters reach further than that (Gaussian 3, Blackman-Harris
+    // 2 times in all); the box is always one pixel.
+    PixelFilter(FilterKind kind, float width);
+    // Offset from the pixel's centre for uniform u.
+    Vec2 sample(const Vec2& u) const { return {invert(u.x), invert(u.y)}; }
+
+private:
+    float invert(float u) const;
+    std::vector<float> inverse_;  // of the cumulative density, at equal steps of u
+};
+
+}  // namespace spc

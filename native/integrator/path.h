@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// One camera path: unidirectional path tracing with next event estimation, and the manifold at receivers.
+#pragma once
+
+#include "manifold/estimator.h"
+
+namespace spc {
+
+// Everything that is frozen before rendering.
+struct RenderScene {
+    std::unique_ptr<Scene> scene;
+    LightSet lights;
+    CasterSet casters;
+};
+RenderScene prepare(std::unique_ptr<Scene> scene);
+
+// Cycles' limits: a path may scatter this often and still be lit at its last vertex.
+struct BounceLimits {
+    uint32_t total = 12, diffuse = 4, glossy = 4, transmission = 12, transparent = 8;
+};
+
+struct IntegratorSettings {
+    BounceLimits limits;
+    bool caustics_reflective = true, caustics_refractive = true;
+    bool transparent_film = false;
+    ManifoldSettings manifold;
+};
+
+struct PathStats {
+    uint64_t rays = 0;
+    ManifoldStats manifold;
+};
+
+// What one path contributes to the film.
+struct PathSample {
+    Spectrum radiance{0.0f};
+    Spectrum caustics{0.0f};  // the manifold's share of it
+    float alpha = 1.0f;
+    // Of the first surface that is not looked through.
+    bool hit = false;
+    Vec3 position{0.0f};
+    Vec3 normal{0.0f};
+};
+
+PathSample path_radiance(const RenderScene& world, const IntegratorSettings& settings, const Ray& camera_ray,
+                         const Sampler& sampler, PathStats& stats);
+
+}  // namespace spc

@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "light/light.h"
+
+#include "light/mesh_emitter.h"
+#include "light/world.h"
+#include "scene/surface.h"
+
+namespace spc {
+namespace {
+
+// Share of the choice that goes to all lights alike. Power says nothing of where a light stands: next to a lamp in a
+// closet the sun outside does not matter.
+constexpr double kEvenShare = 0.2;
+
+constexpr uint32_t kSeenByBounces = kVisibleDiffuse | kVisibleGlossy | kVisibleTransmission;
+
+DiscreteDistribution select_by_power(const std::vector<double>& power) {
+    double sum = 0.0, count = 0.0;
+    for (const double p : power) {
+        sum += p;
+        count += p > 0.0 ? 1.0 : 0.0;
+    }
+    std::vector<float> weights(power.size(), 0.0f);
+    for (size_t i = 0; i < power.size(); ++i)
+        if (power[i] > 0.0)
+            weights[i] = static_cast<float>((1.0 - kEvenShare) * (power[i] / sum) + kEvenShare / count);
+    return DiscreteDistribution(weights);
+}
+
+float chance(const DiscreteDistribution& selection, uint32_t light) {
+    return selection.empty() ? 0.0f : selection.probability(light);
+}
+
+uint32_t world_index(const LightSet& lights) {
+    return static_cast<uint32_t>(lights.lamps.size() + lights.emissive.size());
+}
+
+uint32_t light_index_of_emitter(const LightSet& lights, uint32_t emitter) {
+    return static_cast<uint32_t>(lights.lamps.size()) + emitter;
+}
+
+std::optional<DirectSample> sample_emitter_from(const LightSet& lights, const Scene& scene, uint32_t emitter,
+                                                const Vec3& p, const Vec2& u) {
+    const EmitterPoint q = sample_emitter(lights.emissive[emitter], scene, u);
+    const Vec3 to_q = q.p - p;
+    const float d2 = length_squared(to_q);
+    if (!(d2 > 0.0f)) return std::nullopt;
+    const float d = std::sqrt(d2);
+    const Vec3 wi = to_q * (1.0f / d);
+    const float cos = std::abs(dot(q.n, wi));
+    if (!(cos > 0.0f)) return std::nullopt;
+    const Spectrum radiance = surface_emission(scene, q.hit, wi * -1.0f);
+    if (is_black(radiance)) return std::nullopt;
+    return DirectSample{wi, d, radiance, q.pdf_area * d2 / cos, false, light_index_of_emitter(lights, emitter)};
+}
+
+}  // namespace
+
+uint32_t LightSet::count(const Scene& scene) const {
+    return static_cast<uint32_t>(scene.lights.size() + emissive.size()) + (has_world ? 1u : 0u);
+}
+
+LightSet build_lights(const Scene& scene) {
+    LightSet lights;
+    std::vector<double> power, caustic_power;
+    // Suns and world pour through the disc that the scene's bounding sphere shows them.
+    const double radius = scene.bounds_radius > 0.0f ? scene.bounds_radius : 1.0;
+    const double disc = std::numbers::pi * radius * radius;
+    for (const LightDesc& desc : scene.lights) {
+        lights.lamps.push_back(make_lamp(desc));
+        const Lamp& lamp = lights.lamps.back();
+        if (std::holds_alternative<DiscSun>(lamp))
+            lights.disc_suns.push_back(static_cast<uint32_t>(lights.lamps.size() - 1));
+        lights.visibility.push_back(desc.visibility);
+        const bool seen = (desc.visibility & kSeenByBounces) != 0;
+        power.push_back(seen ? lamp_flux(desc, lamp) * (is_sun(lamp) ? disc : 1.0) : 0.0);
+        caustic_power.push_back(desc.feeds_caustics ? power.back() : 0.0);
+    }
+    lights.emissive_of_instance.assign(scene.instances.size(), kNone);
+    for (uint32_t i = 0; i < scene.instances.size(); ++i) {
+        const Instance& instance = scene.instances[i];
+        if (!instance.emits || (instance.visibility & kSeenByBounces) == 0) continue;
+        std::optional<BuiltEmitter> built = build_emitter(scene, i);
+        if (!built) continue;
+        lights.emissive_of_instance[i] = static_cast<uint32_t>(lights.emissive.size());
+        lights.emissive.push_back(std::move(built->emitter));
+        lights.visibility.push_back(instance.visibility | kVisibleShadow);
+        power.push_back(built->flux);
+        caustic_power.push_back(built->flux);
+    }
+    build_world(scene, lights);
+    if (lights.has_world) {
+        lights.visibility.push_back(scene.environment.visibility | kVisibleShadow);
+        const bool seen = (scene.environment.visibility & kSeenByBounces) != 0;
+        const double flux = seen ? world_total(lights) * disc : 0.0;
+        power.push_back(lights.world_is_constant ? 0.0 : flux);
+        caustic_power.push_back(scene.environment.feeds_caustics ? flux : 0.0);
+    }
+    lights.selection = select_by_power(power);
+    lights.caustic_selection = select_by_power(caustic_power);
+    return lights;
+}
+
+uint32_t light_visibility(const LightSet& lights, uint32_t light) { return lights.visibility[light]; }
+
+std::optional<DirectSample> sample_direct(const LightSet& lights, const Scene& scene, const Vec3& p, const Vec3& u) {
+    if (lights.selection.empty()) return std::nullopt;
+    const DiscreteDistribution::Sample chosen = lights.selection.sample(u.x);
+    const Vec2 place(u.y, u.z);
+    std::optional<DirectSample> sample;
+    if (chosen.index < lights.lamps.size()) {
+        if (const std::optional<LampSample> s = sample_lamp(lights.lamps[chosen.index], p, place))
+            sample = {s->wi, s->distance, s->radiance, s->pdf_omega, s->delta, chosen.index};
+    } else if (chosen.index == world_index(lights)) {
+        if (const std::optional<WorldSample> s = sample_world(lights, place))
+            sample = {s->wi, kInfinity, world_radiance(lights, scene, s->wi), s->pdf_omega, false, chosen.index};
+    } else {
+        const auto emitter = static_cast<uint32_t>(chosen.index - lights.lamps.size());
+        sample = sample_emitter_from(lights, scene, emitter, p, place);
+    }
+    if (sample) sample->pdf_omega *= chosen.probability;
+    return sample;
+}
+
+float pdf_direct_lamp(const LightSet& lights, const Scene&, const Vec3& p, const Vec3& wi, const Hit& hit) {
+    return chance(lights.selection, hit.light) * lamp_pdf(lights.lamps[hit.light], p, wi, hit.t);
+}
+
+float pdf_direct_surface(const LightSet& lights, const Scene& scene, const Vec3& p, const Vec3& wi, const Hit& hit) {
+    const uint32_t emitter = lights.emissive_of_instance[hit.surface.instance];
+    if (emitter == kNone) return 0.0f;
+    const float pdf_area = emitter_pdf_area(lights.emissive[emitter], hit.surface.triangle);
+    if (!(pdf_area > 0.0f)) return 0.0f;
+    const std::array<Vec3, 3> corner = scene.triangle_world(hit.surface.instance, hit.surface.triangle);
+    const Vec3 e1 = corner[1] - corner[0], e2 = corner[2] - corner[0];
+    const float d2 = length_squared(corner[0] + e1 * hit.surface.u + e2 * hit.surface.v - p);
+    const float cos = std::abs(dot(normalize(cross(e1, e2)), wi));
+    if (!(cos > 0.0f)) return 0.0f;
+    return chance(lights.selection, light_index_of_emitter(lights, emitter)) * pdf_area * d2 / cos;
+}
+
+float pdf_direct_world(const LightSet& lights, const Scene&, const Vec3& wi) {
+    if (!lights.has_world) return 0.0f;
+    const float probability = chance(lights.selection, world_index(lights));
+    return probability > 0.0f ? probability * world_pdf(lights, wi) : 0.0f;
+}
+
+float pdf_direct_sun(const LightSet& lights, uint32_t light, const Vec3& wi) {
+    return chance(lights.selection, light) * lamp_pdf(lights.lamps[light], Vec3(0.0f), wi, kInfinity);
+}
+
+Spectrum lamp_radiance(const Scene& scene, uint32_t light, const Vec3& p, const Vec3& direction) {
+    return lamp_radiance(make_lamp(scene.lights[light]), p, direction);
+}
+
+Spectrum world_radiance(const LightSet& lights, const Scene& scene, const Vec3& direction) {
+    if (lights.world_is_constant) return lights.world_constant;
+    if (scene.environment.material == kNone) return Spectrum(0.0f);
+    return evaluate_background(scene.materials[scene.environment.material], scene.images, direction);
+}
+
+std::optional<LightPoint> sample_light_point(const LightSet& lights, const Scene& scene, const Vec3& u) {
+    if (lights.caustic_selection.empty()) return std::nullopt;
+    const DiscreteDistribution::Sample chosen = lights.caustic_selection.sample(u.x);
+    const Vec2 place(u.y, u.z);
+    const Vec3 none(0.0f);
+    LightPoint y{chosen.index, false, false, none, none, none, {kNone, 0, 0, 0}, chosen.probability};
+    if (chosen.index < lights.lamps.size()) {
+        const Lamp& lamp = lights.lamps[chosen.index];
+        const LampPoint point = sample_lamp_point(lamp, place);
+        y.distant = is_sun(lamp);
+        y.delta = is_delta(lamp);
+        y.p = point.p;
+        y.n = point.n;
+        y.direction = point.direction;
+        y.pdf *= point.pdf;
+    } else if (chosen.index == world_index(lights)) {
+        const std::optional<WorldSample> s = sample_world(lights, place);
+        if (!s) return std::nullopt;
+        y.distant = true;
+        y.direction = s->wi;
+        y.pdf *= s->pdf_omega;
+    } else {
+        const EmitterPoint q = sample_emitter(lights.emissive[chosen.index - lights.lamps.size()], scene, place);
+        y.p = q.p;
+        y.n = q.n;
+        y.surface = q.hit;
+        y.pdf *= q.pdf_area;
+    }
+    return y;
+}
+
+Spectrum radiance_at(const LightSet& lights, const Scene& scene, const LightPoint& y, const Vec3& away) {
+    if (y.light >= lights.lamps.size())
+        return y.distant ? world_radiance(lights, scene, y.direction) : surface_emission(scene, y.surface, away);
+    const Lamp& lamp = lights.lamps[y.light];
+    if (const auto* sun = std::get_if<DiscSun>(&lamp)) return sun->radiance;
+    if (y.delta) return delta_strength(lamp, away);
+    // A sphere's inner side is lit for those inside, but hidden by the outer one from here.
+    if (dot(y.n, away) <= 0.0f) return Spectrum(0.0f);
+    return lamp_radiance(lamp, y.p, away);
+}
+
+float pdf_light_point_lamp(const LightSet& lights, const Scene&, const Hit& hit) {
+    return chance(lights.caustic_selection, hit.light) * lamp_point_pdf(lights.lamps[hit.light]);
+}
+
+float pdf_light_point_surface(const LightSet& lights, const Scene&, const SurfaceHit& hit) {
+    const uint32_t emitter = lights.emissive_of_instance[hit.instance];
+    if (emitter == kNone) return 0.0f;
+    return chance(lights.caustic_selection, light_index_of_emitter(lights, emitter)) *
+           emitter_pdf_area(lights.emissive[emitter], hit.triangle);
+}
+
+float pdf_light_point_world(const LightSet& lights, const Scene&, const Vec3& wi) {
+    if (!lights.has_world) return 0.0f;
+    const float probability = chance(lights.caustic_selection, world_index(lights));
+    return probability > 0.0f ? probability * world_pdf(lights, wi) : 0.0f;
+}
+
+float pdf_light_point_sun(const LightSet& lights, uint32_t light, const Vec3& wi) {
+    return chance(lights.caustic_selection, light) * lamp_point_pdf(lights.lamps[light]) *
+           (in_disc(std::get<DiscSun>(lights.lamps[light]), wi) ? 1.0f : 0.0f);
+}
+
+}  // namespace spc

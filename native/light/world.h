@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The world's directions, sampled in proportion to a table of its radiance. The table is latitude-longitude in the
+// orientation of Blender's environment images, so that an unrotated image's texels are its cells:
+//   u = 1/2 - atan2(y, x) / (2 pi),   v = 1 - acos(z) / pi.
+#pragma once
+
+#include "light/light.h"
+
+namespace spc {
+
+// Sets the world_* members of `lights` and has_world.
+void build_world(const Scene& scene, LightSet& lights);
+// Integral of luminance over all directions, W/m^2.
+double world_total(const LightSet& lights);
+
+struct WorldSample {
+    Vec3 wi;
+    float pdf_omega;  // 1/sr
+};
+// Empty at a pole itself. Only with has_world.
+std::optional<WorldSample> sample_world(const LightSet& lights, const Vec2& u);
+float world_pdf(const LightSet& lights, const Vec3& wi);
+
+}  // namespace spc

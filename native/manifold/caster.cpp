@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "manifold/caster.h"
+
+#include "core/random.h"
+
+namespace spc {
+
+namespace {
+
+void bound(const Scene& scene, Caster& caster) {
+    const Instance& instance = scene.instances[caster.instance];
+    Vec3 lower(kInfinity), upper(-kInfinity);
+    const Mesh& mesh = scene.meshes[instance.mesh];
+    for (const Vec3& object : mesh.positions) {
+        const Vec3 p = instance.object_to_world.point(object);
+        for (int i = 0; i < 3; ++i) {
+            lower[i] = std::min(lower[i], p[i]);
+            upper[i] = std::max(upper[i], p[i]);
+        }
+    }
+    caster.center = (lower + upper) * 0.5f;
+    caster.radius = 0.5f * length(upper - lower);
+}
+
+void tabulate_triangles(const Scene& scene, Caster& caster) {
+    const Mesh& mesh = scene.meshes[scene.instances[caster.instance].mesh];
+    std::vector<float> area(mesh.triangles.size(), 0.0f);
+    for (uint32_t t = 0; t < area.size(); ++t) {
+        const Material& material = scene.materials[scene.material_index(caster.instance, t)];
+        const SpecularInterface& specular = material.specular;
+        if (!specular.reflects && !specular.refracts) continue;
+        caster.reflects = caster.reflects || specular.reflects;
+        caster.refracts = caster.refracts || specular.refracts;
+        caster.mapped_normal = caster.mapped_normal || specular.mapped_normal;
+        const std::array<Vec3, 3> p = scene.triangle_world(caster.instance, t);
+        area[t] = 0.5f * length(cross(p[1] - p[0], p[2] - p[0]));
+    }
+    caster.triangles = DiscreteDistribution(area);
+}
+
+// Moments of the slopes from random points; they only shape seeds, so some thousand points are plenty.
+void measure_slopes(const Scene& scene, Caster& caster) {
+    constexpr int kPoints = 4096;
+    Pcg pcg(caster.instance);
+    double sum[2] = {0, 0}, squares[2] = {0, 0};
+    int used = 0;
+    for (int i = 0; i < kPoints; ++i) {
+        const uint32_t triangle = caster.triangles.sample(pcg.one()).index;
+        const float root = std::sqrt(pcg.one()), v = pcg.one();
+        const SurfaceHit hit{caster.instance, triangle, root * (1.0f - v), root * v};
+        const Vec3 local = Frame::around(evaluate_caster(scene, hit, true).n).to_local(evaluate_caster(scene, hit, false).n);
+        if (!(local.z > 0.05f)) continue;
+        const double slope[2] = {-local.x / local.z, -local.y / local.z};
+        for (int k = 0; k < 2; ++k) {
+            sum[k] += slope[k];
+            squares[k] += slope[k] * slope[k];
+        }
+        ++used;
+    }
+    if (used == 0) return;
+    for (int k = 0; k < 2; ++k) {
+        const double mean = sum[k] / used;
+        caster.slope_mean[k] = static_cast<float>(mean);
+        caster.slope_deviation[k] = static_cast<float>(std::sqrt(std::max(squares[k] / used - mean * mean, 0.0)));
+    }
+}
+
+// Bound, up to a factor that is common to all casters, of what a caster throws from `end` at x.
+float contribution_bound(const Caster& caster, const Vec3& x, const Vec3& ng, const ChainEnd& end) {
+    const Vec3 to_caster = caster.center - x;
+    const float r2 = sqr(caster.radius), d2 = length_squared(to_caster);
+    float cosine = 1.0f, seen = 1.0f;
+    if (d2 > r2) {
+        const float d = std::sqrt(d2), sin_sphere = caster.radius / d, cos_center = dot(to_caster, ng) / d;
+        if (cos_center < -sin_sphere) return 0.0f;  // wholly below the horizon
+        // Largest cosine inside the sphere's cone.
+        const float cos_sphere = safe_sqrt(1.0f - sqr(sin_sphere));
+        if (cos_center < cos_sphere) cosine = cos_center * cos_sphere + safe_sqrt(1.0f - sqr(cos_center)) * sin_sphere;
+        seen = r2 / d2;
+    }
+    const float lit = end.distant ? 1.0f : std::min(1.0f, r2 / std::max(length_squared(caster.center - end.p), 1e-30f));
+    return std::max(cosine, 0.0f) * seen * lit;
+}
+
+// Share of the probability that is spread evenly over all casters above the horizon: the bound takes every caster for
+// evenly bright, a focus is up to some ten times brighter.
+constexpr float kEvenShare = 0.1f;
+
+struct BoundSum {
+    float total = 0.0f;
+    uint32_t possible = 0;
+};
+BoundSum sum_bounds(const CasterSet& set, const Vec3& x, const Vec3& ng, const ChainEnd& end) {
+    BoundSum sum;
+    for (const Caster& caster : set.casters) {
+        const float b = contribution_bound(caster, x, ng, end);
+        sum.total += b;
+        sum.possible += b > 0.0f ? 1 : 0;
+    }
+    return sum;
+}
+float probability_from(float b, const BoundSum& sum) {
+    if (!(b > 0.0f)) return 0.0f;
+    return (1.0f - kEvenShare) * b / sum.total + kEvenShare / static_cast<float>(sum.possible);
+}
+
+}  // namespace
+
+CasterSet build_casters(const Scene& scene) {
+    CasterSet set;
+    set.of_instance.assign(scene.instances.size(), kNone);
+    for (uint32_t i = 0; i < scene.instances.size(); ++i) {
+        if (!scene.instances[i].caster) continue;
+        Caster caster{};
+        caster.instance = i;
+        bound(scene, caster);
+        tabulate_triangles(scene, caster);
+        if (caster.triangles.empty()) continue;
+        if (caster.mapped_normal) measure_slopes(scene, caster);
+        set.of_instance[i] = static_cast<uint32_t>(set.casters.size());
+        set.casters.push_back(std::move(caster));
+    }
+    return set;
+}
+
+CasterChoice choose_caster(const CasterSet& set, const Vec3& x, const Vec3& ng, const ChainEnd& end, float u) {
+    const BoundSum sum = sum_bounds(set, x, ng, end);
+    CasterChoice choice;
+    float cumulative = 0.0f;
+    for (uint32_t i = 0; i < set.casters.size(); ++i) {
+        const float probability = probability_from(contribution_bound(set.casters[i], x, ng, end), sum);
+        if (probability == 0.0f) continue;
+        choice = {i, probability};  // the last possible one also takes what rounding leaves over
+        cumulative += probability;
+        if (u < cumulative) break;
+    }
+    return choice;
+}
+
+float caster_probability(const CasterSet& set, uint32_t caster, const Vec3& x, const Vec3& ng, const ChainEnd& end) {
+    return probability_from(contribution_bound(set.casters[caster], x, ng, end), sum_bounds(set, x, ng, end));
+}
+
+}  // namespace spc

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "manifold/chain.h"
+
+namespace spc {
+
+namespace {
+
+// A direction and its derivatives by the surface parameters.
+struct DirectionDual {
+    Vec3 w, dw_du, dw_dv;
+};
+
+// Unit direction from the moving vertex to a fixed point at `distance`; a distant end does not turn.
+DirectionDual direction_to(const Vec3& w, float distance, const CasterPatch& vertex) {
+    const float inv = std::isinf(distance) ? 0.0f : 1.0f / distance;
+    return {w, (w * dot(w, vertex.dp_du) - vertex.dp_du) * inv, (w * dot(w, vertex.dp_dv) - vertex.dp_dv) * inv};
+}
+
+std::optional<ConstraintValue> half_vector(Interaction interaction, float eta, const DirectionDual& wi,
+                                           const DirectionDual& wo, const CasterPatch& vertex) {
+    // [Walter07 Eq. 16], unnormalised; its sign does not matter to a root.
+    const float scale = interaction == Interaction::reflection ? 1.0f : eta;
+    const Vec3 sum = wi.w + wo.w * scale;
+    const float l = length(sum);
+    if (!(l > 1e-6f)) return std::nullopt;  // opposite directions through no interface
+    const Vec3 h = sum * (1.0f / l);
+    const Frame frame = Frame::around(vertex.n);
+    const float nh = dot(vertex.n, h);
+    // The frame follows the normal without spin: ds = -(s . dn) n.
+    const auto derivative = [&](const Vec3& dwi, const Vec3& dwo, const Vec3& dn) {
+        const Vec3 dsum = dwi + dwo * scale;
+        const Vec3 dh = (dsum - h * dot(h, dsum)) * (1.0f / l);
+        return Vec2(dot(frame.x, dh) - dot(frame.x, dn) * nh, dot(frame.y, dh) - dot(frame.y, dn) * nh);
+    };
+    return ConstraintValue{Vec2(dot(frame.x, h), dot(frame.y, h)), derivative(wi.dw_du, wo.dw_du, vertex.dn_du),
+                           derivative(wi.dw_dv, wo.dw_dv, vertex.dn_dv)};
+}
+
+// Direction into which light from wi leaves, with derivatives. Empty at total internal reflection.
+std::optional<DirectionDual> scattered(Interaction interaction, float eta, const DirectionDual& wi, const CasterPatch& vertex) {
+    const Vec3& n = vertex.n;
+    const float cos_i = dot(wi.w, n);
+    if (interaction == Interaction::reflection) {
+        const auto derivative = [&](const Vec3& dw, const Vec3& dn) {
+            return n * (2.0f * (dot(dw, n) + dot(wi.w, dn))) + dn * (2.0f * cos_i) - dw;
+        };
+        return DirectionDual{n * (2.0f * cos_i) - wi.w, derivative(wi.dw_du, vertex.dn_du),
+                             derivative(wi.dw_dv, vertex.dn_dv)};
+    }
+    // w' = -wi/eta + mu n with mu = cos_i/eta - sign(cos_i) cos_t.
+    const float inv = 1.0f / eta;
+    const float cos2_t = 1.0f - inv * inv * (1.0f - cos_i * cos_i);
+    if (!(cos2_t > 1e-6f)) return std::nullopt;
+    const float cos_t = std::copysign(std::sqrt(cos2_t), cos_i);
+    const float mu = cos_i * inv - cos_t;
+    const float dmu_dcos = inv - inv * inv * cos_i / cos_t;
+    const auto derivative = [&](const Vec3& dw, const Vec3& dn) {
+        return dw * -inv + n * (dmu_dcos * (dot(dw, n) + dot(wi.w, dn))) + dn * mu;
+    };
+    return DirectionDual{wi.w * -inv + n * mu, derivative(wi.dw_du, vertex.dn_du), derivative(wi.dw_dv, vertex.dn_dv)};
+}
+
+std::optional<ConstraintValue> angle_difference(Interaction interaction, float eta, const DirectionDual& wi,
+                                                const DirectionDual& wo, const CasterPatch& vertex) {
+    const std::optional<DirectionDual> s = scattered(interaction, eta, wi, vertex);
+    if (!s) return std::nullopt;
+    // Longitude and latitude in a frame whose equator passes through wo: no pole near a solution, nothing to wrap.
+    const Frame frame = Frame::around(wo.w);
+    const float a = dot(s->w, frame.z), b = dot(s->w, frame.x), c = std::clamp(dot(s->w, frame.y), -1.0f, 1.0f);
+    const float equatorial = std::max(a * a + b * b, 1e-12f), inv_cos_latitude = 1.0f / std::sqrt(equatorial);
+    const auto derivative = [&](const Vec3& ds, const Vec3& dwo) {
+        const float da = dot(ds, frame.z), db = dot(ds, frame.x), dc = dot(ds, frame.y);
+        return Vec2((a * db - b * da) / equatorial - dot(dwo, frame.x), dc * inv_cos_latitude - dot(dwo, frame.y));
+    };
+    return ConstraintValue{Vec2(std::atan2(b, a), std::asin(c)), derivative(s->dw_du, wo.dw_du),
+                           derivative(s->dw_dv, wo.dw_dv)};
+}
+
+}  // namespace
+
+float eta_seen_from(const Vec3& front_ng, const Vec3& towards, float ior) {
+    return dot(front_ng, towards) >= 0.0f ? ior : 1.0f / ior;
+}
+
+std::optional<ConstraintValue> evaluate_constraint(Constraint constraint, Interaction interaction, float eta,
+                                                   const Vec3& x, const CasterPatch& vertex, const ChainEnd& end) {
+    const Vec3 to_x = x - vertex.p;
+    const float distance_x = length(to_x);
+    float distance_y;
+    const Vec3 wo = end.from(vertex.p, distance_y);
+    if (!(distance_x > 0.0f) || !(distance_y > 0.0f)) return std::nullopt;
+    const DirectionDual wi_dual = direction_to(to_x * (1.0f / distance_x), distance_x, vertex);
+    const DirectionDual wo_dual = direction_to(wo, distance_y, vertex);
+    return constraint == Constraint::half_vector ? half_vector(interaction, eta, wi_dual, wo_dual, vertex)
+                                                 : angle_difference(interaction, eta, wi_dual, wo_dual, vertex);
+}
+
+std::optional<double> geometry_term(Interaction interaction, float eta, const Vec3& x, const CasterPatch& patch,
+                                    const ChainEnd& end) {
+    const Vec3d p(patch.p), pu(patch.dp_du), pv(patch.dp_dv), nu(patch.dn_du), nv(patch.dn_dv);
+    const Vec3d to_p = p - Vec3d(x);
+    const double t = length(to_p);
+    const Vec3d d = to_p / t;
+    // The normal on the side that the ray comes from.
+    const bool flip = dot(Vec3d(patch.n), d) > 0.0;
+    const Vec3d n = Vec3d(patch.n) * (flip ? -1.0 : 1.0), ng(patch.ng);
+    const double dn = dot(d, n), dng = dot(d, ng);
+    if (std::abs(dng) < 1e-9 || std::abs(dn) < 1e-9) return std::nullopt;
+
+    Vec3d out;
+    double mu = 0.0, dmu_factor = 0.0, ratio = 1.0;
+    if (interaction == Interaction::reflection) {
+        out = d - n * (2.0 * dn);
+    } else {
+        ratio = 1.0 / static_cast<double>(eta);  // index in front over behind
+        const double cos2 = 1.0 - ratio * ratio * (1.0 - dn * dn);
+        if (cos2 <= 0.0) return std::nullopt;
+        const double dn_out = -std::sqrt(cos2);  // d' . n
+        mu = ratio * dn - dn_out;
+        dmu_factor = ratio - ratio * ratio * dn / dn_out;
+        out = d * ratio - n * mu;
+    }
+
+    // Two columns: the direction at x turned along e1 and e2.
+    const Frame frame_f = Frame::around(Vec3(d));
+    const std::array<Vec3d, 2> turn{Vec3d(frame_f.x), Vec3d(frame_f.y)};
+    const double uu = dot(pu, pu), uv = dot(pu, pv), vv = dot(pv, pv), det_uv = uu * vv - uv * uv;
+    const Frame out_frame = Frame::around(Vec3(out));
+    const Vec3d e1(out_frame.x), e2(out_frame.y);
+    const double s = end.distant ? 0.0 : length(Vec3d(end.p) - p);
+    double column[2][2];
+    for (int j = 0; j < 2; ++j) {
+        const Vec3d dd = turn[static_cast<size_t>(j)];
+        const Vec3d dp = (dd - d * (dot(dd, ng) / dng)) * t;
+        const double bu = dot(dp, pu), bv = dot(dp, pv);
+        const double du = (bu * vv - bv * uv) / det_uv, dv = (bv * uu - bu * uv) / det_uv;
+        const Vec3d dnormal = (nu * du + nv * dv) * (flip ? -1.0 : 1.0);
+        const double dcos = dot(dd, n) + dot(d, dnormal);
+        const Vec3d dout = interaction == Interaction::reflection
+                               ? dd - (dnormal * dn + n * dcos) * 2.0
+                               : dd * ratio - (n * (dmu_factor * dcos) + dnormal * mu);
+        const Vec3d dq = end.distant ? dout : dp + dout * s;
+        column[j][0] = dot(e1, dq);
+        column[j][1] = dot(e2, dq);
+    }
+    const double det = std::abs(column[0][0] * column[1][1] - column[0][1] * column[1][0]);
+    // On a fold all light of the chain meets: the density there is infinite, but nothing ever samples it exactly.
+    return 1.0 / std::max(det, 1e-30);
+}
+
+}  // namespace spc

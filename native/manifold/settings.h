@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a render asks of the manifold, its tolerances, and what it counts.
+#pragma once
+
+#include <cstdint>
+
+namespace spc {
+
+enum class Constraint : uint8_t { half_vector, angle_difference };
+
+struct ManifoldSettings {
+    bool enabled = false;
+    bool biased = false;        // sum over the solutions of `set_size` walks [Zeltner20 Alg. 3]
+    uint32_t set_size = 16;
+    Constraint constraint = Constraint::half_vector;
+    bool two_stage = false;
+    bool reflections = true;    // chains that reflect
+    bool refractions = true;
+
+    // A walk has converged when the constraint, an angle, is below this (radians). Single precision of directions
+    // leaves 3e-7; solutions at folds move by the root of it.
+    float tolerance = 1e-5f;
+    int max_iterations = 20;    // walks that need more nearly always diverge
+    int max_halvings = 6;       // of one step, before the walk gives up
+    // Two solutions closer than this many position tolerances (|dp/dC| tolerance) are one.
+    float identity_factor = 8.0f;
+    uint32_t trial_cap = 4096;  // Bernoulli trials; beyond, the estimate keeps what it counted and reports the rest
+};
+
+struct ManifoldStats {
+    uint64_t estimates = 0;
+    uint64_t walks = 0;
+    uint64_t converged = 0;
+    uint64_t iterations = 0;
+    uint64_t rays = 0;
+    uint64_t trial_estimates = 0;
+    uint64_t trials = 0;
+    uint64_t max_trials = 0;
+    uint64_t capped = 0;
+    double capped_energy = 0.0;
+};
+
+}  // namespace spc

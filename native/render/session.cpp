@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "render/session.h"
+
+#include <pmmintrin.h>
+#include <xmmintrin.h>
+
+namespace spc {
+
+namespace {
+
+// Samples per pass: one at first, so that a picture is there soon, then more, so that a tile's data stays in cache.
+constexpr uint32_t kLargestBatch = 16;
+
+std::vector<uint32_t> plan_passes(uint32_t samples) {
+    std::vector<uint32_t> begin{0};
+    for (uint32_t batch = 1; begin.back() < samples; batch = std::min(2 * batch, kLargestBatch))
+        begin.push_back(std::min(begin.back() + batch, samples));
+    return begin;
+}
+
+uint32_t worker_count(uint32_t asked) {
+    return asked > 0 ? asked : std::max(1u, std::thread::hardware_concurrency());
+}
+
+}  // namespace
+
+void RenderStats::add(const RenderStats& other) {
+    samples += other.samples;
+    nan_samples += other.nan_samples;
+    manifold_energy += other.manifold_energy;
+    path.rays += other.path.rays;
+    ManifoldStats& m = path.manifold;
+    const ManifoldStats& o = other.path.manifold;
+    m.estimates += o.estimates;
+    m.walks += o.walks;
+    m.converged += o.converged;
+    m.iterations += o.iterations;
+    m.rays += o.rays;
+    m.trial_estimates += o.trial_estimates;
+    m.trials += o.trials;
+    m.max_trials = std::max(m.max_trials, o.max_trials);
+    m.capped += o.capped;
+    m.capped_energy += o.capped_energy;
+}
+
+Session::Session(const RenderScene& world, const RenderSettings& settings)
+    : world_(world), settings_(settings), filter_(settings.filter, settings.filter_width),
+      film_(world.scene->camera.crop[2], world.scene->camera.crop[3]), pass_begin_(plan_passes(settings.samples)),
+      tile_passes_(film_.tile_count()), pass_tiles_(pass_begin_.size() - 1), start_(Clock::now()) {
+    active_workers_ = worker_count(settings.threads);
+    const uint32_t count = active_workers_;
+    for (uint32_t i = 0; i < count; ++i) workers_.emplace_back([this] { work(); });
+}
+
+Session::~Session() { cancel(); }  // the workers join before anything that they use goes
+
+void Session::cancel() { cancelled_ = true; }
+
+double Session::seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
+
+bool Session::should_stop() const {
+    return cancelled_.load(std::memory_order_relaxed) || out_of_time_.load(std::memory_order_relaxed) ||
+           failed_.load(std::memory_order_relaxed);
+}
+
+void Session::work() {
+    // Denormals cost hundreds of cycles each and carry no light; Embree asks for the same.
+    _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
+    _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
+    try {
+        const uint64_t jobs = static_cast<uint64_t>(film_.tile_count()) * pass_tiles_.size();
+        while (!should_stop()) {
+            const uint64_t job = next_job_.fetch_add(1);
+            if (job >= jobs) break;
+            RenderStats stats;
+            render_job(job, stats);
+            const std::lock_guard lock(mutex_);
+            stats_.add(stats);
+        }
+    } catch (...) {
+        const std::lock_guard lock(mutex_);
+        if (!failure_) failure_ = std::current_exception();
+        failed_ = true;
+    }
+    const std::lock_guard lock(mutex_);
+    if (--active_workers_ == 0) seconds_at_end_ = seconds();
+    ended_.notify_all();
+}
+
+// Whether the whole job was done.
+bool Session::render_job(uint64_t job, RenderStats& stats) {
+    const auto pass = static_cast<uint32_t>(job / film_.tile_count());
+    const auto tile = static_cast<uint32_t>(job % film_.tile_count());
+    // Samples of a pixel are added in order: wait for whoever still works on this tile's previous pass.
+    while (tile_passes_[tile].load() != pass) {
+        if (should_stop()) return false;
+        std::this_thread::yield();
+    }
+    std::vector<PixelSums> pixels = film_.copy_tile(tile);
+    const bool complete = render_pixels(tile, pass_begin_[pass], pass_begin_[pass + 1] - pass_begin_[pass], pixels, stats);
+    film_.store_tile(tile, pixels);
+    if (!complete) return false;
+    tile_passes_[tile].store(pass + 1);
+    pass_tiles_[pass].fetch_add(1);
+    return true;
+}
+
+bool Session::render_pixels(uint32_t tile, uint32_t first, uint32_t count, std::vector<PixelSums>& pixels,
+                            RenderStats& stats) {
+    const Film::TileBounds b = film_.bounds(tile);
+    const auto& crop = world_.scene->camera.crop;
+    for (uint32_t y = 0; y < b.height; ++y) {
+        for (uint32_t x = 0; x < b.width; ++x) {
+            PixelSums& pixel = pixels[static_cast<size_t>(y) * b.width + x];
+            for (uint32_t i = 0; i < count; ++i) {
+                if (should_stop()) return false;
+                accumulate(pixel, take_sample(crop[0] + b.x0 + x, crop[1] + b.y0 + y,
+                                              settings_.first_sample + first + i, stats));
+            }
+        }
+        // Every pixel gets its first samples, however short the time.
+        const bool limited = settings_.time_limit > 0.0f && first > 0;
+        if (limited && seconds() > static_cast<double>(settings_.time_limit)) out_of_time_ = true;
+    }
+    return true;
+}
+
+// x and y in the full frame: a crop is a window into the same picture.
+FilmSample Session::take_sample(uint32_t x, uint32_t y, uint32_t index, RenderStats& stats) const {
+    const Camera& camera = world_.scene->camera;
+    const Sampler sampler(settings_.seed, y * camera.width + x, index);
+    const Vec2 offset = filter_.sample(sampler[Domain::film].two());
+    const Ray ray = camera.ray(static_cast<float>(x) + 0.5f + offset.x, static_cast<float>(y) + 0.5f + offset.y);
+    PathSample path = path_radiance(world_, settings_.integrator, ray, sampler, stats.path);
+    ++stats.samples;
+    if (!is_finite(path.radiance) || !is_finite(path.caustics)) {
+        ++stats.nan_samples;
+        path.radiance = path.caustics = Spectrum(0.0f);
+    }
+    stats.manifold_energy += static_cast<double>(luminance(path.caustics));
+    return {path.radiance, path.caustics, path.position, path.normal, path.alpha,
+            path.hit ? camera.depth(path.position) : 1e10f};
+}
+
+RenderProgress Session::wait(std::chrono::milliseconds patience) {
+    std::unique_lock lock(mutex_);
+    ended_.wait_for(lock, patience, [this] { return active_workers_ == 0; });
+    RenderProgress progress{RenderState::running, 0, 0.0f, active_workers_ == 0 ? seconds_at_end_ : seconds()};
+    uint64_t tiles_done = 0;
+    for (size_t pass = 0; pass < pass_tiles_.size(); ++pass) {
+        const uint64_t tiles = pass_tiles_[pass].load();
+        tiles_done += tiles * (pass_begin_[pass + 1] - pass_begin_[pass]);
+        if (tiles == film_.tile_count()) progress.samples_done = pass_begin_[pass + 1];
+    }
+    const double by_samples = static_cast<double>(tiles_done) / film_.tile_count() / settings_.samples;
+    const double by_time = settings_.time_limit > 0.0f ? progress.seconds / static_cast<double>(settings_.time_limit) : 0.0;
+    progress.fraction = static_cast<float>(std::clamp(std::max(by_samples, by_time), 0.0, 1.0));
+    if (active_workers_ > 0) return progress;
+    const bool complete = progress.samples_done == settings_.samples;
+    progress.state = failure_                      ? RenderState::failed
+                     : cancelled_ && !complete     ? RenderState::cancelled
+                                                   : RenderState::done;
+    return progress;
+}
+
+RenderStats Session::stats() const {
+    const std::lock_guard lock(mutex_);
+    return stats_;
+}
+
+std::exception_ptr Session::failure() const {
+    const std::lock_guard lock(mutex_);
+    return failure_;
+}
+
+}  // namespace spc

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A render under way: worker threads that take (tile, batch of samples) jobs until all samples are done, the time is
+// up, or somebody cancels.
+#pragma once
+
+#include "film/film.h"
+#include "film/filter.h"
+#include "integrator/path.h"
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <exception>
+#include <thread>
+
+namespace spc {
+
+struct RenderSettings {
+    IntegratorSettings integrator;
+    uint32_t first_sample = 0, samples = 64;
+    float time_limit = 0.0f;  // s, 0 = none
+    uint32_t seed = 0;
+    uint32_t threads = 0;     // 0 = all
+    FilterKind filter = FilterKind::blackman_harris;
+    float filter_width = 1.5f;
+};
+
+struct RenderStats {
+    uint64_t samples = 0;
+    uint64_t nan_samples = 0;
+    double manifold_energy = 0.0;
+    PathStats path;
+    void add(const RenderStats& other);
+};
+
+enum class RenderState : uint8_t { running, done, cancelled, failed };
+
+struct RenderProgress {
+    RenderState state;
+    uint32_t samples_done;
+    float fraction;
+    double seconds;
+};
+
+class Session {
+public:
+    // Starts the workers. `world` must outlive the session.
+    Session(const RenderScene& world, const RenderSettings& settings);
+    ~Session();
+    Session(const Session&) = delete;
+    Session& operator=(const Session&) = delete;
+
+    void cancel();
+    // Returns when the render has ended or the time is over.
+    RenderProgress wait(std::chrono::milliseconds patience);
+    RenderStats stats() const;
+    const Film& film() const { return film_; }
+    // What made a render fail, else null.
+    std::exception_ptr failure() const;
+
+private:
+    using Clock = std::chrono::steady_clock;
+
+    void work();
+    bool render_job(uint64_t job, RenderStats& stats);
+    bool render_pixels(uint32_t tile, uint32_t first, uint32_t count, std::vector<PixelSums>& pixels, RenderStats& stats);
+    FilmSample take_sample(uint32_t x, uint32_t y, uint32_t index, RenderStats& stats) const;
+    bool should_stop() const;
+    double seconds() const;
+
+    const RenderScene& world_;
+    const RenderSettings settings_;
+    const PixelFilter filter_;
+    Film film_;
+    std::vector<uint32_t> pass_begin_;  // sample index at which each pass begins, relative, and the total at the end
+    std::vector<std::atomic<uint32_t>> tile_passes_;  // passes that each tile has had
+    std::vector<std::atomic<uint32_t>> pass_tiles_;   // tiles that each pass has done
+    std::atomic<uint64_t> next_job_{0};
+    std::atomic<bool> cancelled_{false}, out_of_time_{false}, failed_{false};
+    const Clock::time_point start_;
+
+    mutable std::mutex mutex_;  // guards the rest
+    std::condition_variable ended_;
+    uint32_t active_workers_ = 0;
+    double seconds_at_end_ = 0.0;
+    RenderStats stats_;
+    std::exception_ptr failure_;
+
+    std::vector<std::jthread> workers_;  // last: they use all of the above
+};
+
+}  // namespace spc

@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/accel.h"
+
+#include "core/error.h"
+#include "scene/scene.h"
+
+#if __has_include(<embree3/rtcore.h>)
+#include <embree3/rtcore.h>
+#define SPC_EMBREE 3
+#else
+#include <embree4/rtcore.h>
+#define SPC_EMBREE 4
+#endif
+
+#include <fmt/format.h>
+
+namespace spc {
+
+namespace {
+
+// The two calls that differ between Embree's versions.
+void intersect1(RTCScene scene, RTCRayHit& ray_hit) {
+#if SPC_EMBREE == 3
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcIntersect1(scene, &context, &ray_hit);
+#else
+    rtcIntersect1(scene, &ray_hit, nullptr);
+#endif
+}
+void occluded1(RTCScene scene, RTCRay& ray) {
+#if SPC_EMBREE == 3
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcOccluded1(scene, &context, &ray);
+#else
+    rtcOccluded1(scene, &ray, nullptr);
+#endif
+}
+
+RTCRay to_embree(const Ray& ray, uint32_t mask) {
+    RTCRay r;
+    r.org_x = ray.origin.x;
+    r.org_y = ray.origin.y;
+    r.org_z = ray.origin.z;
+    r.dir_x = ray.direction.x;
+    r.dir_y = ray.direction.y;
+    r.dir_z = ray.direction.z;
+    r.tnear = ray.t_near;
+    r.tfar = ray.t_far;
+    r.time = 0.0f;
+    r.mask = mask;
+    r.id = 0;
+    r.flags = 0;
+    return r;
+}
+
+RTCRayHit to_embree_hit(const Ray& ray, uint32_t mask) {
+    RTCRayHit ray_hit;
+    ray_hit.ray = to_embree(ray, mask);
+    ray_hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    ray_hit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    return ray_hit;
+}
+
+// Lamps are user geometry of one primitive each; the user data is the lamp.
+void light_bounds(const RTCBoundsFunctionArguments* args) {
+    const auto& light = *static_cast<const LightDesc*>(args->geometryUserPtr);
+    Vec3 half(light.radius);
+    if (light.type == LightType::area)
+        for (int i = 0; i < 3; ++i) half[i] = std::abs(light.half_x()[i]) + std::abs(light.half_y()[i]);
+    const Vec3 lower = light.position() - half, upper = light.position() + half;
+    *args->bounds_o = {lower.x, lower.y, lower.z, 0, upper.x, upper.y, upper.z, 0};
+}
+
+void light_intersect(const RTCIntersectFunctionNArguments* args) {
+    SPC_ASSERT(args->N == 1);
+    if (args->valid[0] == 0) return;
+    auto& ray_hit = *reinterpret_cast<RTCRayHit*>(args->rayhit);
+    RTCRay& r = ray_hit.ray;
+    const Ray ray{{r.org_x, r.org_y, r.org_z}, {r.dir_x, r.dir_y, r.dir_z}, r.tnear, r.tfar};
+    const std::optional<LightSurfaceHit> hit = intersect_light(*static_cast<const LightDesc*>(args->geometryUserPtr), ray);
+    if (!hit) return;
+    r.tfar = hit->t;
+    ray_hit.hit.geomID = args->geomID;
+    ray_hit.hit.primID = args->primID;
+    ray_hit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    ray_hit.hit.u = ray_hit.hit.v = 0.0f;
+}
+
+void light_occluded(const RTCOccludedFunctionNArguments*) {}  // lamps cast no shadows
+
+}  // namespace
+
+struct Accel::Impl {
+    RTCDevice device = nullptr;
+    RTCScene scene = nullptr;
+    std::vector<RTCScene> mesh_scenes;    // object space, for meshes with several instances, else null
+    std::vector<RTCGeometry> baked;       // per instance, for meshes of one instance, else null
+    std::vector<RTCScene> caster_scenes;  // per instance, null unless prepared
+    std::vector<const Instance*> instances;
+    uint32_t instance_count = 0;
+    std::string error;
+
+    ~Impl() {
+        for (RTCGeometry geometry : baked)
+            if (geometry != nullptr) rtcReleaseGeometry(geometry);
+        for (RTCScene s : caster_scenes)
+            if (s != nullptr) rtcReleaseScene(s);
+        for (RTCScene s : mesh_scenes)
+            if (s != nullptr) rtcReleaseScene(s);
+        if (scene != nullptr) rtcReleaseScene(scene);
+        if (device != nullptr) rtcReleaseDevice(device);
+    }
+
+    // Embree reports errors through the device: out of memory is the one that input can cause.
+    void check(const char* step) const {
+        const RTCError code = rtcGetDeviceError(device);
+        if (code == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
+        if (code != RTC_ERROR_NONE) throw std::runtime_error(fmt::format("Embree error {} in {}", static_cast<int>(code), step));
+    }
+
+    RTCGeometry triangle_geometry(const std::vector<Vec3>& positions, const Mesh& mesh) const {
+        RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+        rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_MEDIUM);
+        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, positions.data(), 0,
+                                   sizeof(Vec3), positions.size());
+        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles.data(), 0,
+                                   sizeof(mesh.triangles[0]), mesh.triangles.size());
+        return geometry;
+    }
+
+    RTCScene new_scene() const {
+        RTCScene s = rtcNewScene(device);
+        rtcSetSceneFlags(s, RTC_SCENE_FLAG_ROBUST);
+        rtcSetSceneBuildQuality(s, RTC_BUILD_QUALITY_MEDIUM);
+        return s;
+    }
+
+    void add_instance(const Scene& source, uint32_t index) {
+        const Instance& instance = source.instances[index];
+        const Mesh& mesh = source.meshes[instance.mesh];
+        if (!instance.world_positions.empty()) {
+            RTCGeometry geometry = triangle_geometry(instance.world_positions, mesh);
+            rtcSetGeometryMask(geometry, instance.visibility);
+            rtcCommitGeometry(geometry);
+            rtcAttachGeometryByID(scene, geometry, index);
+            baked[index] = geometry;
+            return;
+        }
+        RTCScene& shared = mesh_scenes[instance.mesh];
+        if (shared == nullptr) {
+            shared = new_scene();
+            RTCGeometry geometry = triangle_geometry(mesh.positions, mesh);
+            rtcSetGeometryMask(geometry, kVisibleAll);
+            rtcCommitGeometry(geometry);
+            rtcAttachGeometryByID(shared, geometry, 0);
+            rtcReleaseGeometry(geometry);
+            rtcCommitScene(shared);
+        }
+        RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
+        rtcSetGeometryInstancedScene(geometry, shared);
+        const Transform& m = instance.object_to_world;
+        const float rows[12] = {m.row[0].x, m.row[0].y, m.row[0].z, m.translation.x, m.row[1].x, m.row[1].y,
+                                m.row[1].z, m.translation.y, m.row[2].x, m.row[2].y, m.row[2].z, m.translation.z};
+        rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, rows);
+        rtcSetGeometryMask(geometry, instance.visibility);
+        rtcCommitGeometry(geometry);
+        rtcAttachGeometryByID(scene, geometry, index);
+        rtcReleaseGeometry(geometry);
+    }
+
+    void add_light(const LightDesc& light, uint32_t id) {
+        RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
+        rtcSetGeometryUserPrimitiveCount(geometry, 1);
+        rtcSetGeometryUserData(geometry, const_cast<LightDesc*>(&light));
+        rtcSetGeometryBoundsFunction(geometry, light_bounds, nullptr);
+        rtcSetGeometryIntersectFunction(geometry, light_intersect);
+        rtcSetGeometryOccludedFunction(geometry, light_occluded);
+        rtcSetGeometryMask(geometry, light.visibility & ~static_cast<uint32_t>(kVisibleShadow));
+        rtcCommitGeometry(geometry);
+        rtcAttachGeometryByID(scene, geometry, id);
+        rtcReleaseGeometry(geometry);
+    }
+};
+
+Accel::Accel(const Scene& scene, uint32_t threads) : impl_(std::make_unique<Impl>()) {
+    const std::string config = threads == 0 ? std::string() : fmt::format("threads={}", threads);
+    impl_->device = rtcNewDevice(config.c_str());
+    if (impl_->device == nullptr)
+        throw std::runtime_error(fmt::format("Embree could not start (error {})", static_cast<int>(rtcGetDeviceError(nullptr))));
+    impl_->instance_count = static_cast<uint32_t>(scene.instances.size());
+    impl_->mesh_scenes.resize(scene.meshes.size(), nullptr);
+    impl_->baked.resize(scene.instances.size(), nullptr);
+    impl_->caster_scenes.resize(scene.instances.size(), nullptr);
+    for (const Instance& instance : scene.instances) impl_->instances.push_back(&instance);
+    impl_->scene = impl_->new_scene();
+    for (uint32_t i = 0; i < impl_->instance_count; ++i) impl_->add_instance(scene, i);
+    for (uint32_t i = 0; i < scene.lights.size(); ++i)
+        if (scene.lights[i].has_surface()) impl_->add_light(scene.lights[i], impl_->instance_count + i);
+    rtcCommitScene(impl_->scene);
+    impl_->check("building the scene's tree");
+}
+
+Accel::~Accel() = default;
+
+std::optional<Hit> Accel::intersect(const Ray& ray, uint32_t kind) const {
+    RTCRayHit ray_hit = to_embree_hit(ray, kind);
+    intersect1(impl_->scene, ray_hit);
+    if (ray_hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
+    const RTCHit& h = ray_hit.hit;
+    if (h.instID[0] != RTC_INVALID_GEOMETRY_ID)
+        return Hit{ray_hit.ray.tfar, kNone, {h.instID[0], h.primID, h.u, h.v}};
+    if (h.geomID >= impl_->instance_count)
+        return Hit{ray_hit.ray.tfar, h.geomID - impl_->instance_count, {kNone, 0, 0, 0}};
+    return Hit{ray_hit.ray.tfar, kNone, {h.geomID, h.primID, h.u, h.v}};
+}
+
+bool Accel::occluded(const Ray& ray, uint32_t kind) const {
+    RTCRay r = to_embree(ray, kind);
+    occluded1(impl_->scene, r);
+    return r.tfar < 0.0f;
+}
+
+void Accel::prepare_caster(const Scene& scene, uint32_t index) {
+    if (impl_->baked[index] == nullptr) return;  // its mesh's own tree serves
+    RTCScene alone = impl_->new_scene();
+    rtcAttachGeometryByID(alone, impl_->baked[index], 0);
+    rtcCommitScene(alone);
+    impl_->caster_scenes[index] = alone;
+    impl_->check(scene.instances[index].name.c_str());
+}
+
+std::optional<Hit> Accel::intersect_caster(uint32_t index, const Ray& ray) const {
+    RTCScene alone = impl_->caster_scenes[index];
+    Ray local = ray;
+    if (alone == nullptr) {  // instanced: the direction keeps its length, so t is the world's
+        const Instance& instance = *impl_->instances[index];
+        alone = impl_->mesh_scenes[instance.mesh];
+        local.origin = instance.world_to_object.point(ray.origin);
+        local.direction = instance.world_to_object.vector(ray.direction);
+    }
+    RTCRayHit ray_hit = to_embree_hit(local, ~0u);
+    intersect1(alone, ray_hit);
+    if (ray_hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
+    return Hit{ray_hit.ray.tfar, kNone, {index, ray_hit.hit.primID, ray_hit.hit.u, ray_hit.hit.v}};
+}
+
+const char* Accel::library_version() {
+    static const std::string text = fmt::format("Embree {}", RTC_VERSION_STRING);
+    return text.c_str();
+}
+
+}  // namespace spc

@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/builder.h"
+
+#include "core/error.h"
+
+#include <fmt/format.h>
+
+namespace spc {
+
+namespace {
+
+[[noreturn]] void invalid(const std::string& message) { throw Error(ErrorKind::invalid_argument, message); }
+
+void require_finite(const std::vector<Vec3>& values, const std::string& owner, const char* what) {
+    for (size_t i = 0; i < values.size(); ++i)
+        if (!is_finite(values[i])) invalid(fmt::format("{}: {} {} is not finite", owner, what, i));
+}
+
+// Twice the area, relative to the longest edge squared, below which a triangle has no direction in single precision.
+constexpr double kRelativeZeroArea = 1e-12;
+
+bool has_area(const Vec3& a, const Vec3& b, const Vec3& c) {
+    const Vec3d e1 = Vec3d(b) - Vec3d(a), e2 = Vec3d(c) - Vec3d(a), e3 = e2 - e1;
+    const double longest = std::max({length_squared(e1), length_squared(e2), length_squared(e3)});
+    return length(cross(e1, e2)) > kRelativeZeroArea * longest && longest > 0.0;
+}
+
+// Keeps the entries whose triangle survives, `per` values a triangle.
+template <class T>
+void keep(std::vector<T>& values, const std::vector<char>& survives, size_t per) {
+    if (values.empty()) return;
+    size_t out = 0;
+    for (size_t t = 0; t < survives.size(); ++t)
+        if (survives[t])
+            for (size_t k = 0; k < per; ++k) values[out++] = values[t * per + k];
+    values.resize(out);
+}
+
+void drop_degenerate_triangles(Mesh& mesh) {
+    std::vector<char> survives(mesh.triangles.size());
+    size_t count = 0;
+    for (size_t t = 0; t < survives.size(); ++t) {
+        const auto& [a, b, c] = mesh.triangles[t];
+        survives[t] = has_area(mesh.positions[a], mesh.positions[b], mesh.positions[c]);
+        count += survives[t] ? 1 : 0;
+    }
+    mesh.dropped_triangles = static_cast<uint32_t>(survives.size() - count);
+    if (mesh.dropped_triangles == 0) return;
+    keep(mesh.triangles, survives, 1);
+    keep(mesh.normals, survives, 3);
+    keep(mesh.slots, survives, 1);
+    for (UvLayer& layer : mesh.uv_layers) {
+        keep(layer.uv, survives, 3);
+        keep(layer.tangents, survives, 3);
+        keep(layer.tangent_signs, survives, 3);
+    }
+}
+
+void normalize_corner_normals(Mesh& mesh) {
+    for (size_t t = 0; t < mesh.triangles.size() && !mesh.normals.empty(); ++t) {
+        const auto& [a, b, c] = mesh.triangles[t];
+        const Vec3 face = normalize(
+            cross(mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a]));
+        for (size_t k = 0; k < 3; ++k) mesh.normals[3 * t + k] = safe_normalize(mesh.normals[3 * t + k], face);
+    }
+}
+
+Transform checked_inverse(const Transform& transform, const std::string& name) {
+    for (const Vec3& row : transform.row)
+        if (!is_finite(row)) invalid(fmt::format("{}: the transform is not finite", name));
+    if (!is_finite(transform.translation)) invalid(fmt::format("{}: the transform is not finite", name));
+    const Transform inverse = transform.inverse();
+    for (const Vec3& row : inverse.row)
+        if (!is_finite(row)) invalid(fmt::format("{}: the transform cannot be inverted (a scale of 0?)", name));
+    return inverse;
+}
+
+}  // namespace
+
+SceneBuilder::SceneBuilder() : scene_(std::make_unique<Scene>()) {}
+
+const Material& SceneBuilder::material(uint32_t index) const {
+    if (index >= scene_->materials.size())
+        invalid(fmt::format("material index {} is out of range ({} materials)", index, scene_->materials.size()));
+    return scene_->materials[index];
+}
+
+const Mesh& SceneBuilder::mesh(uint32_t index) const {
+    if (index >= scene_->meshes.size())
+        invalid(fmt::format("mesh index {} is out of range ({} meshes)", index, scene_->meshes.size()));
+    return scene_->meshes[index];
+}
+
+uint32_t SceneBuilder::add_image(Image image) {
+    scene_->images.push_back(std::move(image));
+    return static_cast<uint32_t>(scene_->images.size() - 1);
+}
+
+uint32_t SceneBuilder::add_material(const Graph& graph) {
+    scene_->materials.push_back(compile(graph, scene_->images));
+    return static_cast<uint32_t>(scene_->materials.size() - 1);
+}
+
+uint32_t SceneBuilder::add_mesh(Mesh mesh) {
+    const std::string& name = mesh.name;
+    require_finite(mesh.positions, name, "position");
+    require_finite(mesh.normals, name, "corner normal");
+    for (size_t t = 0; t < mesh.triangles.size(); ++t)
+        for (const uint32_t index : mesh.triangles[t])
+            if (index >= mesh.positions.size())
+                invalid(fmt::format("{}: triangle {} names vertex {} of {}", name, t, index, mesh.positions.size()));
+    for (size_t t = 0; t < mesh.slots.size(); ++t)
+        if (mesh.slots[t] >= mesh.slot_count)
+            invalid(fmt::format("{}: triangle {} names material slot {} of {}", name, t, mesh.slots[t], mesh.slot_count));
+    for (const UvLayer& layer : mesh.uv_layers) {
+        for (size_t i = 0; i < layer.uv.size(); ++i)
+            if (!std::isfinite(layer.uv[i].x) || !std::isfinite(layer.uv[i].y))
+                invalid(fmt::format("{}: UV layer {}: coordinate {} is not finite", name, layer.name, i));
+        require_finite(layer.tangents, fmt::format("{}: UV layer {}", name, layer.name), "tangent");
+    }
+    if (!mesh.uv_layers.empty() && mesh.active_uv_layer >= mesh.uv_layers.size())
+        invalid(fmt::format("{}: active UV layer {} of {}", name, mesh.active_uv_layer, mesh.uv_layers.size()));
+    drop_degenerate_triangles(mesh);
+    if (mesh.triangles.empty()) invalid(fmt::format("{}: the mesh has no triangle with an area", name));
+    normalize_corner_normals(mesh);
+    mesh.positions.reserve(mesh.positions.size() + 1);  // Embree reads 16 bytes at the last vertex
+    scene_->meshes.push_back(std::move(mesh));
+    return static_cast<uint32_t>(scene_->meshes.size() - 1);
+}
+
+uint32_t SceneBuilder::invisible_material() {
+    if (invisible_material_ == kNone) {
+        Graph graph;
+        graph.name = "(nothing)";
+        graph.nodes = {{"output", "output", kNone}, {"transparent", "bsdf_transparent", kNone}};
+        graph.inputs = {{1, "Color", {1, 1, 1, 1}}};
+        graph.links = {{1, "BSDF", 0, "Surface"}};
+        invisible_material_ = add_material(graph);
+    }
+    return invisible_material_;
+}
+
+uint32_t SceneBuilder::add_instance(Instance instance) {
+    const std::string& name = instance.name;
+    if (instance.mesh >= scene_->meshes.size())
+        invalid(fmt::format("{}: mesh index {} of {}", name, instance.mesh, scene_->meshes.size()));
+    const uint32_t slots = scene_->meshes[instance.mesh].slot_count;
+    if (instance.materials.size() != slots)
+        invalid(fmt::format("{}: {} materials for {} slots of its mesh", name, instance.materials.size(), slots));
+    for (const uint32_t material : instance.materials)
+        if (material != kNone && material >= scene_->materials.size())
+            invalid(fmt::format("{}: material index {} of {}", name, material, scene_->materials.size()));
+    instance.world_to_object = checked_inverse(instance.object_to_world, name);
+    instance.mirrored = instance.object_to_world.determinant() < 0.0f;
+    for (uint32_t& material : instance.materials)
+        if (material == kNone) material = invisible_material();
+    scene_->instances.push_back(std::move(instance));
+    return static_cast<uint32_t>(scene_->instances.size() - 1);
+}
+
+uint32_t SceneBuilder::add_light(LightDesc light) {
+    const std::string& name = light.name;
+    const auto require = [&](bool holds, const char* what) {
+        if (!holds) invalid(fmt::format("{}: {}", name, what));
+    };
+    checked_inverse(light.to_world, name);
+    require(is_finite(light.power) && std::min({light.power.x, light.power.y, light.power.z}) >= 0.0f,
+            "the power must be finite and not negative");
+    require(std::isfinite(light.radius) && light.radius >= 0.0f, "the radius must be finite and not negative");
+    if (light.type == LightType::spot) {
+        require(light.spot_angle > 0.0f && light.spot_angle <= kPi * 1.0001f, "the spot angle must lie in (0, pi]");
+        require(light.spot_blend >= 0.0f && light.spot_blend <= 1.0f, "the spot blend must lie in [0, 1]");
+    }
+    if (light.type == LightType::sun)
+        require(light.sun_angle >= 0.0f && light.sun_angle <= kPi * 1.0001f, "the sun's angle must lie in [0, pi]");
+    if (light.type == LightType::area)
+        require(std::isfinite(light.size.x) && std::isfinite(light.size.y) && light.size.x > 0.0f && light.size.y > 0.0f,
+                "the size of an area light must be finite and positive");
+    scene_->lights.push_back(std::move(light));
+    return static_cast<uint32_t>(scene_->lights.size() - 1);
+}
+
+void SceneBuilder::set_camera(const Camera& camera) {
+    Camera checked = camera;
+    checked_inverse(camera.to_world, "camera");
+    if (camera.width < 1 || camera.height < 1) invalid("camera: the image has no pixels");
+    const auto& [x0, y0, width, height] = camera.crop;
+    if (width < 1 || height < 1 || x0 >= camera.width || y0 >= camera.height || width > camera.width - x0 ||
+        height > camera.height - y0)
+        invalid("camera: the crop is empty or leaves the frame");
+    const auto& [left, right, bottom, top] = camera.viewplane;
+    if (!std::isfinite(left) || !std::isfinite(right) || !std::isfinite(bottom) || !std::isfinite(top) ||
+        left == right || bottom == top)
+        invalid("camera: the viewplane is empty or not finite");
+    if (!(camera.clip_near >= 0.0f && camera.clip_near < camera.clip_far))
+        invalid("camera: clipping needs 0 <= near < far");
+    // Scale would otherwise change depths.
+    const Vec3 z = normalize(camera.to_world.column(2));
+    const Vec3 x = normalize(camera.to_world.column(0) - z * dot(z, camera.to_world.column(0)));
+    Vec3 y = cross(z, x);
+    if (dot(y, camera.to_world.column(1)) < 0.0f) y = y * -1.0f;
+    for (int i = 0; i < 3; ++i) checked.to_world.row[static_cast<size_t>(i)] = Vec3(x[i], y[i], z[i]);
+    scene_->camera = checked;
+    has_camera_ = true;
+}
+
+void SceneBuilder::set_environment(const Environment& environment) {
+    if (!material(environment.material).is_background)
+        invalid(fmt::format("{}: the world's surface must be a background", material(environment.material).name));
+    scene_->environment = environment;
+}
+
+void SceneBuilder::require_complete() const {
+    if (!has_camera_) throw Error(ErrorKind::wrong_state, "the scene has no camera");
+}
+
+std::unique_ptr<Scene> SceneBuilder::freeze(uint32_t threads) {
+    require_complete();
+    for (const Material& material : scene_->materials)
+        for (const std::string& warning : material.warnings) scene_->report.push_back(warning);
+    resolve_uv_layers(*scene_);
+    assign_caustics_roles(*scene_);
+    bake_single_users(*scene_);
+    bound_scene(*scene_);
+    scene_->accel = std::make_unique<Accel>(*scene_, threads);
+    for (uint32_t i = 0; i < scene_->instances.size(); ++i)
+        if (scene_->instances[i].caster) scene_->accel->prepare_caster(*scene_, i);
+    return std::move(scene_);
+}
+
+}  // namespace spc

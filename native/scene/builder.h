@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Collects and validates a scene, then freezes it.
+#pragma once
+
+#include "scene/scene.h"
+
+namespace spc {
+
+class SceneBuilder {
+public:
+    SceneBuilder();
+    // Each returns the index by which others refer. Throw Error naming the object; then nothing has changed.
+    uint32_t add_image(Image image);
+    uint32_t add_material(const Graph& graph);
+    uint32_t add_mesh(Mesh mesh);  // drops triangles of zero area
+    uint32_t add_instance(Instance instance);
+    uint32_t add_light(LightDesc light);
+    void set_camera(const Camera& camera);
+    void set_environment(const Environment& environment);
+
+    const Material& material(uint32_t index) const;
+    const Mesh& mesh(uint32_t index) const;
+
+    // Throws Error (wrong_state) if something that every render needs is missing.
+    void require_complete() const;
+    // Builds the trees and decides who casts and who receives caustics. The builder is empty afterwards.
+    std::unique_ptr<Scene> freeze(uint32_t threads);
+
+private:
+    std::unique_ptr<Scene> scene_;
+    bool has_camera_ = false;
+    uint32_t invisible_material_ = kNone;  // made when a slot draws nothing
+
+    uint32_t invisible_material();
+};
+
+// Steps of freeze(), in this order. Each may append to scene.report.
+void bake_single_users(Scene& scene);          // world-space vertices for meshes with one instance
+void resolve_uv_layers(Scene& scene);          // layer names -> indices, fallback tangents
+void assign_caustics_roles(Scene& scene);
+void bound_scene(Scene& scene);
+
+}  // namespace spc

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The parts of a scene as plain data: what the builder collects and the frozen Scene keeps.
+#pragma once
+
+#include "math/vec.h"
+#include "shading/program.h"
+
+#include <string>
+#include <vector>
+
+namespace spc {
+
+// Bits of ray visibility; a ray carries the bit of its kind, an object those that may see it.
+enum Visibility : uint32_t {
+    kVisibleCamera = 1,
+    kVisibleDiffuse = 2,
+    kVisibleGlossy = 4,
+    kVisibleTransmission = 8,
+    kVisibleShadow = 16,
+    kVisibleAll = 31
+};
+
+enum class CausticsRole : uint8_t { automatic, off, caster, receiver, both };
+
+struct UvLayer {
+    std::string name;
+    std::vector<Vec2> uv;              // 3 a triangle
+    std::vector<Vec3> tangents;        // 3 a triangle, object space, or empty
+    std::vector<float> tangent_signs;  // 3 a triangle, or empty
+};
+
+struct Mesh {
+    std::string name;
+    std::vector<Vec3> positions;  // object space
+    std::vector<std::array<uint32_t, 3>> triangles;
+    std::vector<Vec3> normals;    // 3 a triangle, unit, object space; empty = flat
+    std::vector<uint32_t> slots;  // material slot of each triangle; empty = all 0
+    uint32_t slot_count = 1;
+    std::vector<UvLayer> uv_layers;
+    uint32_t active_uv_layer = 0;
+    uint32_t dropped_triangles = 0;
+};
+
+struct Instance {
+    std::string name;
+    uint32_t mesh = 0;
+    Transform object_to_world, world_to_object;
+    bool mirrored = false;            // the transform has a negative determinant
+    std::vector<uint32_t> materials;  // index into Scene::materials for each slot
+    uint32_t visibility = kVisibleAll;
+    CausticsRole role = CausticsRole::automatic;
+    // Set when the scene is frozen.
+    std::vector<std::vector<uint32_t>> uv_layers;  // [slot][layer of the material] -> layer of the mesh, or kNone
+    std::vector<Vec3> world_positions;  // of every vertex if the mesh has this instance alone, else empty
+    bool caster = false, receiver = false;
+    bool emits = false;
+};
+
+enum class LightType : uint8_t { point, spot, sun, area };
+enum class AreaShape : uint8_t { rectangle, ellipse };
+
+// A lamp. Units as Blender states them (specula.h): power in W, irradiance for a sun.
+struct LightDesc {
+    std::string name;
+    LightType type = LightType::point;
+    Transform to_world;
+    Spectrum power{1.0f};
+    float radius = 0.0f;
+    float spot_angle = 0.0f, spot_blend = 0.0f;
+    float sun_angle = 0.0f;
+    AreaShape shape = AreaShape::rectangle;
+    Vec2 size{1.0f, 1.0f};
+    uint32_t visibility = kVisibleAll;
+    bool feeds_caustics = true;
+
+    Vec3 position() const { return to_world.translation; }
+    // Unit axis along which spot, sun and area lights shine.
+    Vec3 axis() const { return normalize(to_world.column(2)) * -1.0f; }
+    // Half extents of an area light in world space; not necessarily of equal length.
+    Vec3 half_x() const { return to_world.column(0) * (0.5f * size.x); }
+    Vec3 half_y() const { return to_world.column(1) * (0.5f * size.y); }
+    // A surface that a ray can hit.
+    bool has_surface() const { return type == LightType::area || (type != LightType::sun && radius > 0.0f); }
+};
+
+// Where a ray meets a light's surface: a sphere from outside, an area light from its shining side.
+struct LightSurfaceHit {
+    float t;
+    Vec3 p;
+    Vec3 n;  // unit, towards the ray's origin
+};
+std::optional<LightSurfaceHit> intersect_light(const LightDesc& light, const Ray& ray);
+
+struct Camera {
+    Transform to_world;  // orthonormal
+    uint32_t width = 1, height = 1;
+    std::array<uint32_t, 4> crop{0, 0, 1, 1};  // x0, y0, width, height
+    std::array<float, 4> viewplane{-1, 1, -1, 1};  // left, right, bottom, top at distance 1
+    float clip_near = 0.0f, clip_far = kInfinity;
+
+    // Ray through a point of the full frame in pixels, (0, 0) the bottom left corner. t_near, t_far hold the clips.
+    Ray ray(float x, float y) const;
+    float depth(const Vec3& p) const;  // along the viewing axis, m
+};
+
+struct Environment {
+    uint32_t material = kNone;
+    uint32_t visibility = kVisibleAll;
+    bool feeds_caustics = true;
+};
+
+}  // namespace spc

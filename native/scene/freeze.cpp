@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/builder.h"
+
+#include <fmt/format.h>
+
+namespace spc {
+
+void bake_single_users(Scene& scene) {
+    std::vector<uint32_t> users(scene.meshes.size(), 0);
+    for (const Instance& instance : scene.instances) ++users[instance.mesh];
+    for (Instance& instance : scene.instances) {
+        if (users[instance.mesh] != 1) continue;
+        const std::vector<Vec3>& positions = scene.meshes[instance.mesh].positions;
+        instance.world_positions.reserve(positions.size() + 1);  // Embree reads 16 bytes at the last vertex
+        for (const Vec3& p : positions) instance.world_positions.push_back(instance.object_to_world.point(p));
+    }
+}
+
+namespace {
+
+// Tangents for a layer whose host gave none: the direction of growing u, constant on each triangle.
+void derive_tangents(const Mesh& mesh, UvLayer& layer) {
+    layer.tangents.resize(layer.uv.size());
+    layer.tangent_signs.resize(layer.uv.size());
+    for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+        const auto& [a, b, c] = mesh.triangles[t];
+        const Vec3 e1 = mesh.positions[b] - mesh.positions[a], e2 = mesh.positions[c] - mesh.positions[a];
+        const Vec2 d1 = layer.uv[3 * t + 1] - layer.uv[3 * t], d2 = layer.uv[3 * t + 2] - layer.uv[3 * t];
+        const float det = d1.x * d2.y - d1.y * d2.x;
+        const Vec3 fallback = Frame::around(normalize(cross(e1, e2))).x;
+        const Vec3 along_u = (e1 * d2.y - e2 * d1.y) * (det < 0.0f ? -1.0f : 1.0f);
+        for (size_t k = 0; k < 3; ++k) {
+            layer.tangents[3 * t + k] = safe_normalize(along_u, fallback);
+            layer.tangent_signs[3 * t + k] = det < 0.0f ? -1.0f : 1.0f;
+        }
+    }
+}
+
+uint32_t find_layer(const Mesh& mesh, const std::string& name) {
+    if (mesh.uv_layers.empty()) return kNone;
+    if (name.empty()) return mesh.active_uv_layer;
+    for (uint32_t i = 0; i < mesh.uv_layers.size(); ++i)
+        if (mesh.uv_layers[i].name == name) return i;
+    return kNone;
+}
+
+}  // namespace
+
+void resolve_uv_layers(Scene& scene) {
+    for (Instance& instance : scene.instances) {
+        Mesh& mesh = scene.meshes[instance.mesh];
+        instance.uv_layers.resize(instance.materials.size());
+        for (size_t slot = 0; slot < instance.materials.size(); ++slot) {
+            const Material& material = scene.materials[instance.materials[slot]];
+            for (const std::string& name : material.uv_layers) {
+                const uint32_t layer = find_layer(mesh, name);
+                instance.uv_layers[slot].push_back(layer);
+                if (layer == kNone)
+                    scene.report.push_back(fmt::format("{}: no UV layer \"{}\" for material {}: coordinates are 0",
+                                                       instance.name, name, material.name));
+                else if ((material.reads & kReadsTangent) != 0 && mesh.uv_layers[layer].tangents.empty())
+                    derive_tangents(mesh, mesh.uv_layers[layer]);
+            }
+        }
+    }
+}
+
+void assign_caustics_roles(Scene& scene) {
+    for (Instance& instance : scene.instances) {
+        const CausticsRole role = instance.role;
+        const bool may_cast = role == CausticsRole::automatic || role == CausticsRole::caster || role == CausticsRole::both;
+        const bool may_receive =
+            role == CausticsRole::automatic || role == CausticsRole::receiver || role == CausticsRole::both;
+        std::string why, why_not;
+        for (const uint32_t index : instance.materials) {
+            const Material& material = scene.materials[index];
+            const bool specular = material.specular.reflects || material.specular.refracts;
+            instance.caster = instance.caster || (may_cast && specular);
+            instance.receiver = instance.receiver || (may_receive && material.has_smooth);
+            instance.emits = instance.emits || material.emits;
+            scene.any_transparency = scene.any_transparency || material.may_be_transparent;
+            if (specular && why.empty()) why = material.specular.why;
+            if (!specular && why_not.empty()) why_not = material.specular.why_not;
+        }
+        if (instance.caster)
+            scene.report.push_back(fmt::format("{}: caster, single-bounce manifold ({})", instance.name, why));
+        else if (role == CausticsRole::caster || role == CausticsRole::both)
+            scene.report.push_back(fmt::format("{}: marked as caster, but path traced: {}", instance.name, why_not));
+    }
+}
+
+void bound_scene(Scene& scene) {
+    Vec3 lower(kInfinity), upper(-kInfinity);
+    const auto extend = [&](const Vec3& p) {
+        for (int i = 0; i < 3; ++i) {
+            lower[i] = std::min(lower[i], p[i]);
+            upper[i] = std::max(upper[i], p[i]);
+        }
+    };
+    for (const Instance& instance : scene.instances)
+        for (const Vec3& p : scene.meshes[instance.mesh].positions) extend(instance.object_to_world.point(p));
+    for (const LightDesc& light : scene.lights)
+        if (light.type != LightType::sun) extend(light.position());
+    if (lower.x > upper.x) return;
+    scene.bounds_center = (lower + upper) * 0.5f;
+    scene.bounds_radius = 0.5f * length(upper - lower);
+}
+
+}  // namespace spc

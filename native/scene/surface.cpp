@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/surface.h"
+
+#include "core/error.h"
+
+#include <bit>
+
+namespace spc {
+
+namespace {
+
+constexpr size_t kMaxUvLayers = 8;  // compile() refuses materials that read more
+
+// Weighted sum of three corner values at barycentrics that may carry derivatives.
+template <class T>
+Vector3<T> interpolate(const Vec3& a, const Vec3& b, const Vec3& c, const T& u, const T& v) {
+    const auto component = [&](float ca, float cb, float cc) { return T(ca) + T(cb - ca) * u + T(cc - ca) * v; };
+    return {component(a.x, b.x, c.x), component(a.y, b.y, c.y), component(a.z, b.z, c.z)};
+}
+
+// Rows of the inverse transpose, for normals.
+std::array<Vec3, 3> normal_rows(const Transform& world_to_object) {
+    return {world_to_object.column(0), world_to_object.column(1), world_to_object.column(2)};
+}
+
+Vec3 front_normal_of(const std::array<Vec3, 3>& corner, bool mirrored) {
+    const Vec3 n = normalize(cross(corner[1] - corner[0], corner[2] - corner[0]));
+    return mirrored ? n * -1.0f : n;
+}
+
+// A ShadingPoint with the storage for what it points to.
+template <class T>
+struct PointAt {
+    ShadingPoint<T> point;
+    std::array<Vector3<T>, kMaxUvLayers> tangents;
+    std::array<float, kMaxUvLayers> signs;
+    std::array<std::array<T, 2>, kMaxUvLayers> uvs;
+};
+
+// Fills in what `reads` asks for; ng, wo and backfacing are the caller's.
+template <class T>
+void fill_point(const Scene& scene, const SurfaceHit& hit, const T& u, const T& v, const std::array<Vec3, 3>& corner,
+                const Vec3& front_ng, uint32_t reads, PointAt<T>& at) {
+    const Instance& instance = scene.instances[hit.instance];
+    const Mesh& mesh = scene.meshes[instance.mesh];
+    const size_t first = 3 * static_cast<size_t>(hit.triangle);
+    ShadingPoint<T>& point = at.point;
+    point.object_to_world = &instance.object_to_world;
+    point.world_to_object = &instance.world_to_object;
+    if ((reads & kReadsPosition) != 0) point.position = interpolate(corner[0], corner[1], corner[2], u, v);
+    if ((reads & kReadsObjectPosition) != 0) {
+        const auto& index = mesh.triangles[hit.triangle];
+        point.position_object =
+            interpolate(mesh.positions[index[0]], mesh.positions[index[1]], mesh.positions[index[2]], u, v);
+    }
+    if (mesh.normals.empty()) {
+        const Vector3<float> n = to_vector(front_ng);
+        point.normal = {T(n.x), T(n.y), T(n.z)};
+        if ((reads & (kReadsObjectNormal | kReadsTangent)) != 0) {
+            // normal matrix's inverse is the transform's transpose
+            const Vec3 o = normalize(instance.object_to_world.transposed(front_ng));
+            point.normal_object = {T(o.x), T(o.y), T(o.z)};
+        }
+    } else {
+        point.normal_object =
+            interpolate(mesh.normals[first], mesh.normals[first + 1], mesh.normals[first + 2], u, v);
+        point.normal = normalize(apply_rows(normal_rows(instance.world_to_object), point.normal_object));
+    }
+    if ((reads & (kReadsUv | kReadsTangent)) != 0) {
+        const std::vector<uint32_t>& layers = instance.uv_layers[mesh.slots.empty() ? 0 : mesh.slots[hit.triangle]];
+        for (size_t i = 0; i < layers.size(); ++i) {
+            if (layers[i] == kNone) {
+                at.uvs[i] = {T(0.0f), T(0.0f)};
+                const Vec3 x = Frame::around(normalize(value_of(point.normal_object))).x;
+                at.tangents[i] = {T(x.x), T(x.y), T(x.z)};
+                at.signs[i] = 1.0f;
+                continue;
+            }
+            const UvLayer& layer = mesh.uv_layers[layers[i]];
+            const auto coordinate = [&](float a, float b, float c) { return T(a) + T(b - a) * u + T(c - a) * v; };
+            at.uvs[i] = {coordinate(layer.uv[first].x, layer.uv[first + 1].x, layer.uv[first + 2].x),
+                         coordinate(layer.uv[first].y, layer.uv[first + 1].y, layer.uv[first + 2].y)};
+            if ((reads & kReadsTangent) == 0 || layer.tangents.empty()) continue;
+            at.tangents[i] =
+                interpolate(layer.tangents[first], layer.tangents[first + 1], layer.tangents[first + 2], u, v);
+            at.signs[i] = layer.tangent_signs[first];
+        }
+        point.uv = at.uvs.data();
+        point.tangent_object = at.tangents.data();
+        point.bitangent_sign = at.signs.data();
+    }
+}
+
+// The plain point that closures are evaluated at, seen from wo.
+void point_seen_from(const Scene& scene, const SurfaceHit& hit, const Vec3& wo, uint32_t reads,
+                     const std::array<Vec3, 3>& corner, PointAt<float>& at) {
+    const Vec3 front = front_normal_of(corner, scene.instances[hit.instance].mirrored);
+    fill_point(scene, hit, hit.u, hit.v, corner, front, reads, at);
+    at.point.backfacing = dot(front, wo) < 0.0f;
+    at.point.ng = at.point.backfacing ? front * -1.0f : front;
+    at.point.wo = wo;
+}
+
+}  // namespace
+
+Vec3 front_normal(const Scene& scene, uint32_t instance, uint32_t triangle) {
+    return front_normal_of(scene.triangle_world(instance, triangle), scene.instances[instance].mirrored);
+}
+
+Vec3 surface_position(const Scene& scene, const SurfaceHit& hit) {
+    const std::array<Vec3, 3> corner = scene.triangle_world(hit.instance, hit.triangle);
+    return value_of(interpolate(corner[0], corner[1], corner[2], hit.u, hit.v));
+}
+
+void evaluate_surface(const Scene& scene, const SurfaceHit& hit, const Vec3& wo, Surface& surface) {
+    surface.hit = hit;
+    surface.material = scene.material_index(hit.instance, hit.triangle);
+    const Material& material = scene.materials[surface.material];
+    const std::array<Vec3, 3> corner = scene.triangle_world(hit.instance, hit.triangle);
+    PointAt<float> at;
+    point_seen_from(scene, hit, wo, material.reads, corner, at);
+    surface.p = value_of(interpolate(corner[0], corner[1], corner[2], hit.u, hit.v));
+    surface.ng = at.point.ng;
+    surface.backfacing = at.point.backfacing;
+    surface.n = value_of(at.point.normal) * (at.point.backfacing ? -1.0f : 1.0f);
+    surface.wo = wo;
+    surface.closures.clear();
+    evaluate_closures(material, scene.images, at.point, surface.closures);
+}
+
+Spectrum surface_emission(const Scene& scene, const SurfaceHit& hit, const Vec3& wo) {
+    const Material& material = scene.material_of(hit);
+    if (!material.emits) return Spectrum(0.0f);
+    PointAt<float> at;
+    point_seen_from(scene, hit, wo, material.reads, scene.triangle_world(hit.instance, hit.triangle), at);
+    return evaluate_emission(material, scene.images, at.point);
+}
+
+Spectrum surface_transparency(const Scene& scene, const SurfaceHit& hit, const Vec3& wo) {
+    const Material& material = scene.material_of(hit);
+    if (!material.may_be_transparent) return Spectrum(0.0f);
+    PointAt<float> at;
+    point_seen_from(scene, hit, wo, material.reads, scene.triangle_world(hit.instance, hit.triangle), at);
+    return evaluate_transparency(material, scene.images, at.point);
+}
+
+CasterPatch evaluate_caster(const Scene& scene, const SurfaceHit& hit, bool smooth_base) {
+    const Material& material = scene.material_of(hit);
+    const std::array<Vec3, 3> corner = scene.triangle_world(hit.instance, hit.triangle);
+    CasterPatch patch;
+    patch.ng = front_normal_of(corner, scene.instances[hit.instance].mirrored);
+    patch.dp_du = corner[1] - corner[0];
+    patch.dp_dv = corner[2] - corner[0];
+    patch.p = corner[0] + patch.dp_du * hit.u + patch.dp_dv * hit.v;
+    const bool mapped = material.specular.mapped_normal && !smooth_base;
+    PointAt<Dual2> at;
+    fill_point(scene, hit, Dual2(hit.u, 1, 0), Dual2(hit.v, 0, 1), corner, patch.ng, mapped ? material.normal_reads : 0,
+               at);
+    at.point.ng = at.point.wo = patch.ng;
+    at.point.backfacing = false;
+    const Vector3<Dual2> n = mapped ? evaluate_caster_normal(material, scene.images, at.point) : at.point.normal;
+    patch.n = value_of(n);
+    patch.dn_du = derivative_u(n);
+    patch.dn_dv = derivative_v(n);
+    return patch;
+}
+
+Vec3 offset_origin(const Vec3& p, const Vec3& ng, const Vec3& direction) {
+    constexpr float kOrigin = 1.0f / 32.0f;        // below it, offsets are absolute
+    constexpr float kFloatScale = 1.0f / 65536.0f;
+    constexpr float kIntScale = 256.0f;            // units in the last place
+    const Vec3 n = dot(ng, direction) < 0.0f ? ng * -1.0f : ng;
+    Vec3 out;
+    for (int i = 0; i < 3; ++i) {
+        const auto steps = static_cast<int32_t>(kIntScale * n[i]);
+        const float shifted = std::bit_cast<float>(std::bit_cast<int32_t>(p[i]) + (p[i] < 0.0f ? -steps : steps));
+        out[i] = std::abs(p[i]) < kOrigin ? p[i] + kFloatScale * n[i] : shifted;
+    }
+    return out;
+}
+
+}  // namespace spc

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// From expressions to instructions: order, constants, registers.
+#include "core/error.h"
+#include "shading/compiler.h"
+
+namespace spc {
+namespace {
+
+constexpr uint32_t kForever = 0xffffffffu;
+
+class Generator {
+public:
+    Generator(const ExprBuilder& expr, const std::string& material) : expr_(expr), material_(material) {}
+
+    // Appends what `roots` need; operand() gives their places until the next section begins.
+    Section section(const std::vector<ExprId>& roots) {
+        const std::vector<bool> needed = expr_.needed_by(roots);
+        std::vector<ExprId> order;
+        for (size_t i = 0; i < needed.size(); ++i)
+            if (needed[i] && !expr_.is_constant(static_cast<ExprId>(i))) order.push_back(static_cast<ExprId>(i));
+
+        find_last_uses(order, roots);
+        registers_.clear();
+        in_use_.fill(false);
+        Section result;
+        result.begin = static_cast<uint32_t>(program_.instructions.size());
+        for (uint32_t k = 0; k < order.size(); ++k) emit(order[k], k);
+        result.end = static_cast<uint32_t>(program_.instructions.size());
+        return result;
+    }
+
+    Section section(ExprId root) {
+        if (root == kNoExpr) return {};
+        Section result = section(std::vector<ExprId>{root});
+        result.result = operand(root);
+        return result;
+    }
+
+    Operand operand(ExprId id) {
+        if (id == kNoExpr) return kNoOperand;
+        if (!expr_.is_constant(id)) return registers_.at(id);
+        const auto [known, added] = constants_.try_emplace(id);
+        if (added) {
+            const std::array<float, 3>& value = expr_[id].value;
+            known->second = static_cast<Operand>(~append(value.data(), expr_.lanes(id)));
+        }
+        return known->second;
+    }
+
+    Program take() { return std::move(program_); }
+    void add(const ClosureInstruction& closure) { program_.closures.push_back(closure); }
+
+private:
+    int append(const float* values, size_t count) {
+        const size_t begin = program_.constants.size();
+        if (begin + count > size_t{INT16_MAX}) fail("constants", INT16_MAX);
+        program_.constants.insert(program_.constants.end(), values, values + count);
+        return static_cast<int>(begin);
+    }
+    [[noreturn]] void fail(const char* what, int limit) const {
+        throw Error(ErrorKind::invalid_argument, "material \"" + material_ + "\": needs more " + what + " than " +
+                                                     std::to_string(limit));
+    }
+
+    // The alpha of an image lives in the image's registers.
+    ExprId owner(ExprId id) const { return expr_[id].op == Op::image_alpha ? expr_[id].in[0] : id; }
+    int width(ExprId id) const { return expr_[id].op == Op::image ? 4 : expr_.lanes(id); }
+
+    void find_last_uses(const std::vector<ExprId>& order, const std::vector<ExprId>& roots) {
+        last_use_.clear();
+        for (uint32_t k = 0; k < order.size(); ++k)
+            for (ExprId in : expr_[order[k]].in)
+                if (in != kNoExpr) last_use_[owner(in)] = k;
+        for (ExprId root : roots)
+            if (root != kNoExpr) last_use_[owner(root)] = kForever;
+    }
+
+    Operand allocate(int count) {
+        for (int begin = 0, run = 0, i = 0; i < kMaxRegisters; ++i) {
+            run = in_use_[static_cast<size_t>(i)] ? 0 : run + 1;
+            if (run < count) continue;
+            begin = i + 1 - count;
+            mark(begin, count, true);
+            return static_cast<Operand>(begin);
+        }
+        fail("intermediate values", kMaxRegisters);
+    }
+    void mark(int begin, int count, bool used) {
+        for (int i = begin; i < begin + count; ++i) in_use_[static_cast<size_t>(i)] = used;
+    }
+
+    void emit(ExprId id, uint32_t position) {
+        const Expr& e = expr_[id];
+        if (e.op == Op::image_alpha) {
+            registers_[id] = static_cast<Operand>(registers_.at(e.in[0]) + 3);
+            return;
+        }
+        Instruction i{e.op, e.lanes, e.mode, 0, {kNoOperand, kNoOperand, kNoOperand}, e.index};
+        for (size_t k = 0; k < 3; ++k) i.in[k] = operand(e.in[k]);
+        if (e.op == Op::affine) i.index = static_cast<uint32_t>(append(expr_.matrix(e.index).data(), 12));
+        // Instructions read all before they write, so that an input read for the last time makes room.
+        for (ExprId in : e.in) {
+            if (in == kNoExpr || expr_.is_constant(in) || last_use_.at(owner(in)) != position) continue;
+            mark(registers_.at(owner(in)), width(owner(in)), false);
+        }
+        registers_[id] = i.out = allocate(width(id));
+        program_.instructions.push_back(i);
+    }
+
+    const ExprBuilder& expr_;
+    const std::string& material_;
+    Program program_;
+    std::map<ExprId, Operand> constants_, registers_;
+    std::map<ExprId, uint32_t> last_use_;
+    std::array<bool, kMaxRegisters> in_use_{};
+};
+
+}  // namespace
+
+Program generate(const ExprBuilder& expr, const std::vector<ClosureTerm>& terms, const ProgramRoots& roots,
+                 const std::string& material) {
+    Generator generator(expr, material);
+    std::vector<ExprId> surface_roots{roots.emission};
+    for (const ClosureTerm& term : terms) surface_roots.insert(surface_roots.end(), term.in.begin(), term.in.end());
+    Section surface = generator.section(surface_roots);
+    surface.result = generator.operand(roots.emission);
+    for (const ClosureTerm& term : terms) {
+        ClosureInstruction closure{term.op, term.modes, term.on_caster_normal, {}};
+        for (size_t k = 0; k < term.in.size(); ++k) closure.in[k] = generator.operand(term.in[k]);
+        generator.add(closure);
+    }
+    const Section emission = generator.section(roots.emission), transparency = generator.section(roots.transparency);
+    const Section caster_normal = generator.section(roots.caster_normal), background = generator.section(roots.background);
+    Program program = generator.take();
+    program.surface = surface;
+    program.emission = emission;
+    program.transparency = transparency;
+    program.caster_normal = caster_normal;
+    program.background = background;
+    return program;
+}
+
+uint32_t reads_of(const Program& program, const Section& section) {
+    uint32_t reads = 0;
+    for (uint32_t k = section.begin; k < section.end; ++k) {
+        const Instruction& i = program.instructions[k];
+        if (i.op == Op::uv) reads |= kReadsUv;
+        if (i.op == Op::position) reads |= kReadsPosition;
+        if (i.op == Op::position_object) reads |= kReadsObjectPosition;
+        if (i.op == Op::normal_map && reads_layer(i)) reads |= kReadsTangent | kReadsObjectNormal;
+    }
+    return reads;
+}
+
+}  // namespace spc

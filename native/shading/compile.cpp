@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/error.h"
+#include "shading/compiler.h"
+
+namespace spc {
+namespace {
+
+bool has_background(const ResolvedGraph& graph) {
+    for (uint32_t i : graph.order)
+        if (graph.nodes[i].kind->name == std::string_view("background")) return true;
+    return false;
+}
+
+}  // namespace
+
+Compiler::Compiler(const Graph& graph, std::span<const Image> images)
+    : emission(expr.constant(Vec3(0.0f))), graph_(resolve(graph, images.size())), images_(images),
+      outputs_(graph_.nodes.size()), shader_weights_(graph_.nodes.size(), kNoExpr), is_world_(has_background(graph_)) {
+    for (size_t i = 0; i < outputs_.size(); ++i) outputs_[i].assign(graph_.nodes[i].kind->outputs.size(), kNoExpr);
+}
+
+ExprId Compiler::convert(ExprId value, SocketType from, SocketType to) {
+    if (from == to) return value;
+    if (to == SocketType::scalar) return from == SocketType::color ? expr.luminance(value) : expr.mean(value);
+    return from == SocketType::scalar ? expr.splat(value) : value;
+}
+
+ExprId Compiler::input(uint32_t index, int socket) {
+    const ResolvedNode& node = graph_.nodes[index];
+    const ResolvedInput& input = node.inputs[static_cast<size_t>(socket)];
+    const InputSocket& kind = node.kind->inputs[static_cast<size_t>(socket)];
+    if (input.from_node != kNone) {
+        const SocketType from = graph_.nodes[input.from_node].kind->outputs[static_cast<size_t>(input.from_output)].type;
+        return convert(output(input.from_node, input.from_output), from, kind.type);
+    }
+    if (kind.unlinked != Unlinked::constant) return kNoExpr;
+    const std::array<float, 3>& value = input.given ? input.value : kind.value;
+    return kind.type == SocketType::scalar ? expr.constant(value[0]) : expr.constant(Vec3(value[0], value[1], value[2]));
+}
+
+ExprId Compiler::output(uint32_t index, int socket) {
+    ExprId& known = outputs_[index][static_cast<size_t>(socket)];
+    if (known == kNoExpr) {
+        NodeContext context(*this, index);
+        known = graph_.nodes[index].kind->value(context, socket);
+    }
+    return known;
+}
+
+uint32_t Compiler::uv_layer(const std::string& name) {
+    const auto found = std::find(uv_layers_.begin(), uv_layers_.end(), name);
+    const uint32_t index = static_cast<uint32_t>(found - uv_layers_.begin());
+    if (found == uv_layers_.end()) uv_layers_.push_back(name);
+    return index;
+}
+
+void Compiler::warn(uint32_t index, const std::string& text) {
+    const std::string warning = where(graph_.name, *graph_.nodes[index].graph) + ": " + text;
+    if (std::find(warnings_.begin(), warnings_.end(), warning) == warnings_.end()) warnings_.push_back(warning);
+}
+
+void Compiler::add_weight(uint32_t index, ExprId weight) {
+    ExprId& sum = shader_weights_[index];
+    sum = sum == kNoExpr ? weight : expr.add(sum, weight);
+}
+
+void Compiler::add_term(ClosureTerm term) {
+    const auto black = [&](ExprId id) { return expr.is_constant(id, 0.0f); };
+    if (black(term.weight())) return;
+    if (is_world_) return warn(term.node, std::string(term.label) + " in a background is ignored");
+    switch (term.op) {
+        case ClosureOp::lambert:
+        case ClosureOp::transparent:
+            if (black(term.in[2])) return;
+            break;
+        case ClosureOp::glossy:
+            if (black(term.in[3])) return;
+            break;
+        case ClosureOp::dielectric:
+            term.modes.reflects = term.modes.reflects && !black(term.in[4]);
+            term.modes.refracts = term.modes.refracts && !black(term.in[5]);
+            if (!term.modes.reflects && !term.modes.refracts) return;
+            break;
+        case ClosureOp::coated:
+            // Without a reflection it is what lies below.
+            if (!expr.is_constant(term.in[3], 1.0f)) break;
+            if (black(term.in[5])) return;
+            term.op = ClosureOp::lambert;
+            term.in = {term.in[0], term.in[1], term.in[5], kNoExpr, kNoExpr, kNoExpr};
+            break;
+        case ClosureOp::metal: break;
+    }
+    terms_.push_back(std::move(term));
+}
+
+void Compiler::check_closure_count() const {
+    int count = 0;
+    for (const ClosureTerm& term : terms_) count += term.op == ClosureOp::coated ? 2 : 1;
+    if (count <= kMaxClosures) return;
+    throw Error(ErrorKind::invalid_argument,
+                where(graph_.name, *graph_.nodes[terms_.back().node].graph) + ": " + std::to_string(count) +
+                    " closures; at most " + std::to_string(kMaxClosures));
+}
+
+// What the rest of the core wants to know without running the program.
+void Compiler::describe(Material& material) {
+    const auto black = [&](ExprId id) { return expr.is_constant(id, 0.0f); };
+    const auto delta = [&](ExprId alpha) { return expr.is_constant(alpha) && expr.scalar(alpha) <= kDeltaAlpha; };
+    for (const ClosureTerm& term : terms_) {
+        switch (term.op) {
+            case ClosureOp::lambert: material.has_smooth = true; break;
+            case ClosureOp::coated: material.has_smooth |= !delta(term.alpha()) || !black(term.in[5]); break;
+            case ClosureOp::transparent: material.may_be_transparent = true; break;
+            default: material.has_smooth |= !delta(term.alpha()); break;
+        }
+    }
+    material.is_background = is_world_;
+    material.emits = !black(emission);
+    if (material.emits) material.mean_emission = Spectrum(expr.mean_value(emission, images_));
+}
+
+Material Compiler::run() {
+    // Values from the leaves up, so that every input is known when it is asked for, however long the chain.
+    for (auto index = graph_.order.rbegin(); index != graph_.order.rend(); ++index) {
+        const ResolvedNode& node = graph_.nodes[*index];
+        for (size_t i = 0; i < node.used_outputs.size(); ++i)
+            if (node.kind->value != nullptr && node.used_outputs[i]) output(*index, static_cast<int>(i));
+    }
+    // Shaders from the output down, so that a shader's weight is complete before it hands it on.
+    add_weight(graph_.output, expr.constant(1.0f));
+    for (uint32_t index : graph_.order) {
+        const ResolvedNode& node = graph_.nodes[index];
+        if (node.kind->surface == nullptr || shader_weights_[index] == kNoExpr) continue;
+        if (expr.is_constant(shader_weights_[index], 0.0f)) continue;
+        NodeContext context(*this, index);
+        node.kind->surface(context, shader_weights_[index]);
+    }
+    check_closure_count();
+
+    Material material;
+    material.name = graph_.name;
+    describe(material);
+    ProgramRoots roots;
+    material.specular = find_specular_interface(expr, graph_, terms_, roots.caster_normal, warnings_);
+    if (material.emits) (is_world_ ? roots.background : roots.emission) = emission;
+    for (const ClosureTerm& term : terms_) {
+        if (term.op != ClosureOp::transparent) continue;
+        const ExprId weight = expr.scale(term.in[2], term.weight());
+        roots.transparency = roots.transparency == kNoExpr ? weight : expr.add(roots.transparency, weight);
+    }
+    material.program.reset(new Program(generate(expr, terms_, roots, graph_.name)));
+    Program& program = *material.program;
+    material.reads = reads_of(program, {0, static_cast<uint32_t>(program.instructions.size()), kNoOperand});
+    material.normal_reads = reads_of(program, program.caster_normal);
+    material.uv_layers = keep_used_layers(program);
+    material.warnings = std::move(warnings_);
+    return material;
+}
+
+// Layers of values that came to nothing are not read.
+std::vector<std::string> Compiler::keep_used_layers(Program& program) const {
+    std::vector<std::string> kept;
+    for (Instruction& i : program.instructions) {
+        if (!reads_layer(i)) continue;
+        const std::string& name = uv_layers_[i.index];
+        const auto found = std::find(kept.begin(), kept.end(), name);
+        i.index = static_cast<uint32_t>(found - kept.begin());
+        if (found == kept.end()) kept.push_back(name);
+    }
+    return kept;
+}
+
+void ProgramDeleter::operator()(Program* program) const { delete program; }
+
+Material compile(const Graph& graph, std::span<const Image> images) { return Compiler(graph, images).run(); }
+
+}  // namespace spc

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The state of one compilation: nodes add expressions and closure terms, then the terms become a program. Not seen
+// outside of shading/.
+#pragma once
+
+#include "shading/program.h"
+#include "shading/resolve.h"
+
+namespace spc {
+
+// A closure of the surface with its inputs as expressions; they follow ClosureInstruction::in.
+struct ClosureTerm {
+    ClosureOp op = ClosureOp::lambert;
+    ClosureModes modes;
+    uint32_t node = 0;
+    std::string label;  // "Glass BSDF", for the log
+    std::array<ExprId, kMaxClosureOperands> in{kNoExpr, kNoExpr, kNoExpr, kNoExpr, kNoExpr, kNoExpr};
+    bool on_caster_normal = false;
+
+    ExprId weight() const { return in[0]; }
+    ExprId normal() const { return in[1]; }  // kNoExpr: interpolated
+    ExprId alpha() const { return in[2]; }
+    ExprId ior() const { return in[3]; }
+};
+
+class Compiler {
+public:
+    Compiler(const Graph& graph, std::span<const Image> images);
+    Material run();
+
+    // Value of an input: its link's, converted to the input's type, or its constant; kNoExpr for one that is
+    // unlinked and has no constant.
+    ExprId input(uint32_t node, int index);
+    const ResolvedNode& node(uint32_t index) const { return graph_.nodes[index]; }
+    const std::string& material_name() const { return graph_.name; }
+    bool is_world() const { return is_world_; }
+    std::span<const Image> images() const { return images_; }
+    uint32_t uv_layer(const std::string& name);
+    void warn(uint32_t node, const std::string& text);
+
+    void add_weight(uint32_t node, ExprId weight);  // to a shader that another one uses
+    void add_term(ClosureTerm term);
+    void add_emission(ExprId color, ExprId weight) { emission = expr.add(emission, expr.scale(color, weight)); }
+
+    ExprBuilder expr;
+    ExprId emission;  // of a surface or of the world
+
+private:
+    ExprId output(uint32_t node, int index);
+    ExprId convert(ExprId value, SocketType from, SocketType to);
+    void check_closure_count() const;
+    void describe(Material& material);
+    std::vector<std::string> keep_used_layers(Program& program) const;
+
+    ResolvedGraph graph_;
+    std::span<const Image> images_;
+    std::vector<std::vector<ExprId>> outputs_;  // known values of [node][output]
+    std::vector<ExprId> shader_weights_;
+    std::vector<ClosureTerm> terms_;
+    std::vector<std::string> uv_layers_;
+    std::vector<std::string> warnings_;
+    bool is_world_ = false;
+};
+
+// A node as its row's functions see it. Inputs and options go by their place in the row.
+class NodeContext {
+public:
+    NodeContext(Compiler& compiler, uint32_t node) : c(compiler), e(compiler.expr), index(node) {}
+
+    ExprId input(int i) { return c.input(index, i); }
+    bool linked(int i) const { return source(i).from_node != kNone; }
+    const ResolvedInput& source(int i) const { return c.node(index).inputs[static_cast<size_t>(i)]; }
+    const std::string& option(int i) const { return c.node(index).options[static_cast<size_t>(i)]; }
+    bool output_used(int i) const { return c.node(index).used_outputs[static_cast<size_t>(i)]; }
+    uint32_t image() const { return c.node(index).graph->image; }
+    const char* label() const { return c.node(index).kind->label; }
+    void warn(const std::string& text) { c.warn(index, text); }
+
+    Compiler& c;
+    ExprBuilder& e;
+    uint32_t index;
+};
+
+// Decides what the manifold walks on, marks the terms that belong to it (specular.cpp).
+// `caster_normal` is set to its normal, kNoExpr for the interpolated one.
+SpecularInterface find_specular_interface(const ExprBuilder& expr, const ResolvedGraph& graph,
+                                          std::vector<ClosureTerm>& terms, ExprId& caster_normal,
+                                          std::vector<std::string>& warnings);
+
+// What was asked of a program (codegen.cpp). kNoExpr for zero.
+struct ProgramRoots {
+    ExprId emission = kNoExpr, transparency = kNoExpr, caster_normal = kNoExpr, background = kNoExpr;
+};
+// Throws Error naming `material` if registers or constants do not suffice.
+Program generate(const ExprBuilder& expr, const std::vector<ClosureTerm>& terms, const ProgramRoots& roots,
+                 const std::string& material);
+// Of ProgramReads, for a section's instructions.
+uint32_t reads_of(const Program& program, const Section& section);
+
+}  // namespace spc

@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The interpreter: value instructions over T, then closures from their results.
+#include "shading/normal_map.h"
+#include "shading/program.h"
+
+namespace spc {
+namespace {
+
+template <class T>
+void run_image(const Instruction& i, const Registers<T>& r, std::span<const Image> images) {
+    const Vector3<T> at = r.vector(i.in[0]);
+    const Rgba<T> c = lookup<T>(images[i.index], at.x, at.y, mode_interpolation(i.mode), mode_extension(i.mode),
+                                mode_straight(i.mode));
+    r.store(i.out, Vector3<T>{c.r, c.g, c.b});
+    r.store(static_cast<Operand>(i.out + 3), c.a);
+}
+
+template <class T>
+void run(const Program& program, const Section& section, std::span<const Image> images, const ShadingPoint<T>& point,
+         const Registers<T>& r) {
+    for (uint32_t k = section.begin; k < section.end; ++k) {
+        const Instruction& i = program.instructions[k];
+        switch (i.op) {
+            case Op::uv:
+                r.store(i.out, point.uv == nullptr ? Vector3<T>{} : Vector3<T>{point.uv[i.index][0], point.uv[i.index][1], T(0.0f)});
+                break;
+            case Op::position: r.store(i.out, point.position); break;
+            case Op::position_object: r.store(i.out, point.position_object); break;
+            case Op::normal_object:
+                r.store(i.out, safe_normalize(apply_transposed(point.object_to_world->row, facing_normal(point))));
+                break;
+            case Op::image: run_image(i, r, images); break;
+            case Op::normal_map:
+                r.store(i.out, map_normal(static_cast<NormalSpace>(i.mode), r.scalar(i.in[0]), r.vector(i.in[1]), i.index, point));
+                break;
+            case Op::shading_normal: {
+                const Vector3<T> n = safe_normalize(r.vector(i.in[0]));
+                r.store(i.out, is_zero(n) ? facing_normal(point) : n);
+                break;
+            }
+            default: run_arithmetic(i, r); break;
+        }
+    }
+}
+
+// Registers without their initialisation: every one is written before it is read.
+template <class T>
+class RegisterFile {
+public:
+    explicit RegisterFile(const Program& program)
+        : registers{reinterpret_cast<T*>(storage_), program.constants.data()} {}
+    const Registers<T> registers;
+
+private:
+    alignas(T) std::byte storage_[sizeof(T) * kMaxRegisters];
+};
+
+template <class T>
+Vector3<T> evaluate_vector(const Program& program, const Section& section, std::span<const Image> images,
+                           const ShadingPoint<T>& point) {
+    const RegisterFile<T> file(program);
+    run(program, section, images, point, file.registers);
+    return file.registers.vector(section.result);
+}
+
+Spectrum spectrum(const Vector3<float>& a) { return {a.x, a.y, a.z}; }
+
+Spectrum evaluate_spectrum(const Program& program, const Section& section, std::span<const Image> images,
+                           const ShadingPoint<float>& point) {
+    if (section.result == kNoOperand) return Spectrum(0.0f);
+    return spectrum(evaluate_vector(program, section, images, point));
+}
+
+// Builds the closures of one point from its registers.
+class ClosureBuilder {
+public:
+    ClosureBuilder(const Registers<float>& registers, const ShadingPoint<float>& point, ClosureList& list)
+        : r_(registers), point_(point), list_(list), facing_normal_(value_of(facing_normal(point))) {}
+
+    void add(const ClosureInstruction& c) {
+        const float weight = r_.scalar(c.in[0]);
+        if (weight == 0.0f) return;
+        switch (c.op) {
+            case ClosureOp::lambert: return add(c, color(c.in[2]) * weight, Lambert{normal(c)});
+            case ClosureOp::transparent: return add(c, color(c.in[2]) * weight, Transparent{});
+            case ClosureOp::glossy: {
+                Fresnel fresnel;
+                fresnel.f0 = color(c.in[3]);
+                return add(c, Spectrum(weight), reflection(c, fresnel));
+            }
+            case ClosureOp::metal: {
+                Fresnel fresnel;
+                fresnel.kind = Fresnel::Kind::f82;
+                fresnel.f0 = color(c.in[3]);
+                fresnel.f82 = color(c.in[4]);
+                return add(c, Spectrum(weight), reflection(c, fresnel));
+            }
+            case ClosureOp::dielectric: return add_dielectric(c, weight);
+            case ClosureOp::coated: return add_coated(c, weight);
+        }
+    }
+
+private:
+    Spectrum color(Operand i) const { return spectrum(r_.vector(i)); }
+    Vec3 normal(const ClosureInstruction& c) const {
+        return c.in[1] == kNoOperand ? facing_normal_ : value_of(r_.vector(c.in[1]));
+    }
+    MicrofacetReflection reflection(const ClosureInstruction& c, const Fresnel& fresnel) const {
+        return {normal(c), r_.scalar(c.in[2]), c.modes.model, fresnel, c.modes.energy_compensated};
+    }
+    void add(const ClosureInstruction& c, const Spectrum& weight, const ClosureKind& kind) {
+        list_.add(weight, kind, point_.wo, c.on_caster_normal);
+    }
+
+    void add_dielectric(const ClosureInstruction& c, float weight) {
+        const float ior = r_.scalar(c.in[3]);
+        MicrofacetDielectric d{};
+        d.n = normal(c);
+        d.alpha = r_.scalar(c.in[2]);
+        d.model = c.modes.model;
+        d.eta = point_.backfacing ? 1.0f / ior : ior;
+        d.reflects = c.modes.reflects;
+        d.refracts = c.modes.refracts;
+        d.fresnel_weighted = c.modes.fresnel_weighted;
+        d.reflection_tint = color(c.in[4]);
+        d.transmission_tint = color(c.in[5]);
+        d.energy_compensated = c.modes.energy_compensated;
+        add(c, Spectrum(weight), d);
+    }
+
+    // What the reflection takes from wo's light, by its albedo, does not reach the layer below.
+    void add_coated(const ClosureInstruction& c, float weight) {
+        Fresnel fresnel;
+        fresnel.kind = Fresnel::Kind::dielectric_f0;
+        fresnel.eta = r_.scalar(c.in[3]);
+        fresnel.f0 = color(c.in[4]);
+        float below = weight;
+        if (fresnel.eta != 1.0f) {
+            const ClosureKind layer = reflection(c, fresnel);
+            add(c, Spectrum(weight), layer);
+            below *= clamp01(1.0f - max_component(albedo(layer, point_.wo)));
+        }
+        list_.add(color(c.in[5]) * below, Lambert{normal(c)}, point_.wo, false);
+    }
+
+    const Registers<float>& r_;
+    const ShadingPoint<float>& point_;
+    ClosureList& list_;
+    Vec3 facing_normal_;
+};
+
+}  // namespace
+
+void evaluate_closures(const Material& material, std::span<const Image> images, const ShadingPoint<float>& point,
+                       ClosureList& closures) {
+    const Program& program = *material.program;
+    closures.clear();
+    const RegisterFile<float> file(program);
+    run(program, program.surface, images, point, file.registers);
+    ClosureBuilder builder(file.registers, point, closures);
+    for (const ClosureInstruction& closure : program.closures) builder.add(closure);
+    if (program.surface.result != kNoOperand) closures.emission = spectrum(file.registers.vector(program.surface.result));
+}
+
+Spectrum evaluate_emission(const Material& material, std::span<const Image> images, const ShadingPoint<float>& point) {
+    return evaluate_spectrum(*material.program, material.program->emission, images, point);
+}
+
+Spectrum evaluate_transparency(const Material& material, std::span<const Image> images,
+                               const ShadingPoint<float>& point) {
+    return evaluate_spectrum(*material.program, material.program->transparency, images, point);
+}
+
+Spectrum evaluate_background(const Material& material, std::span<const Image> images, const Vec3& direction) {
+    const Section& section = material.program->background;
+    if (section.begin == section.end && section.result == kNoOperand) return Spectrum(0.0f);
+    ShadingPoint<float> point{};
+    point.position = to_vector(direction);
+    return evaluate_spectrum(*material.program, section, images, point);
+}
+
+template <class T>
+Vector3<T> evaluate_caster_normal(const Material& material, std::span<const Image> images,
+                                  const ShadingPoint<T>& point) {
+    const Section& section = material.program->caster_normal;
+    if (section.result == kNoOperand) return facing_normal(point);
+    return evaluate_vector(*material.program, section, images, point);
+}
+
+template Vector3<float> evaluate_caster_normal(const Material&, std::span<const Image>, const ShadingPoint<float>&);
+template Vector3<Dual2> evaluate_caster_normal(const Material&, std::span<const Image>, const ShadingPoint<Dual2>&);
+
+}  // namespace spc

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A material as the host describes it: typed nodes, constants, options and links, by name. compile() in
+// program.h validates it.
+#pragma once
+
+#include "math/vec.h"
+
+#include <string>
+#include <vector>
+
+namespace spc {
+
+inline constexpr uint32_t kNone = 0xffffffffu;
+
+struct GraphNode {
+    std::string name;
+    std::string kind;
+    uint32_t image = kNone;
+};
+struct GraphInput {
+    uint32_t node;
+    std::string socket;
+    std::array<float, 4> value;
+};
+struct GraphOption {
+    uint32_t node;
+    std::string option;
+    std::string value;
+};
+struct GraphLink {
+    uint32_t from_node;
+    std::string from_socket;
+    uint32_t to_node;
+    std::string to_socket;
+};
+struct Graph {
+    std::string name;
+    std::vector<GraphNode> nodes;
+    std::vector<GraphInput> inputs;
+    std::vector<GraphOption> options;
+    std::vector<GraphLink> links;
+};
+
+// The text behind spc_node_kinds(): one line per kind from the table that compile() uses.
+const char* node_kinds_text();
+
+}  // namespace spc

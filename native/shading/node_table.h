@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Every kind of node that a graph may use: one row each, from which validation, compilation and the text of
+// spc_node_kinds() follow. Not seen outside of shading/.
+#pragma once
+
+#include <span>
+#include <string_view>
+
+#include "shading/expression.h"
+
+namespace spc {
+
+class NodeContext;  // compiler.h
+
+enum class SocketType : uint8_t { scalar, color, vector, shader };
+
+// What an unlinked input reads. Only those with a constant of their own can be given one.
+enum class Unlinked : uint8_t {
+    constant,
+    normal,       // the interpolated normal
+    uv,           // the active UV layer
+    direction     // of a background; elsewhere the position
+};
+
+struct InputSocket {
+    const char* name;
+    SocketType type;
+    std::array<float, 3> value{};
+    Unlinked unlinked = Unlinked::constant;
+};
+struct OutputSocket {
+    const char* name;
+    SocketType type;
+};
+struct NodeOption {
+    const char* name;
+    const char* values;  // "A|B|C", the first is the default; "" = any text, by default none
+};
+
+struct NodeKind {
+    const char* name;
+    const char* label;  // as Blender calls it; for messages
+    std::span<const InputSocket> inputs;
+    std::span<const OutputSocket> outputs;
+    std::span<const NodeOption> options;
+    bool reads_image;
+    // One of them: the value of an output, or what a shader adds to the surface under a weight (a scalar).
+    ExprId (*value)(NodeContext&, int output);
+    void (*surface)(NodeContext&, ExprId weight);
+};
+
+std::span<const NodeKind> node_table();
+const char* type_name(SocketType type);  // "float", "color", "vector", "shader"
+
+}  // namespace spc

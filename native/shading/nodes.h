@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The functions behind the rows of the node table. Inputs and options are named by their place in the row.
+#pragma once
+
+#include "shading/compiler.h"
+
+namespace spc::nodes {
+
+// nodes_value.cpp
+ExprId image_texture(NodeContext& node, int output);
+ExprId environment_texture(NodeContext& node, int output);
+ExprId normal_map(NodeContext& node, int output);
+ExprId uv_map(NodeContext& node, int output);
+ExprId texture_coordinate(NodeContext& node, int output);
+ExprId mapping(NodeContext& node, int output);
+ExprId same_as_input(NodeContext& node, int output);
+
+// nodes_surface.cpp
+void diffuse(NodeContext& node, ExprId weight);
+void glossy(NodeContext& node, ExprId weight);
+void glass(NodeContext& node, ExprId weight);
+void refraction(NodeContext& node, ExprId weight);
+void transparent(NodeContext& node, ExprId weight);
+void emission(NodeContext& node, ExprId weight);
+void background(NodeContext& node, ExprId weight);
+void mix_shader(NodeContext& node, ExprId weight);
+void add_shader(NodeContext& node, ExprId weight);
+void output(NodeContext& node, ExprId weight);
+void principled(NodeContext& node, ExprId weight);
+
+}  // namespace spc::nodes

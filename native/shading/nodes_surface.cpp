@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Shader nodes: what each adds to a surface. Semantics are Cycles'; docs/nodes.md lists what differs.
+#include "shading/nodes.h"
+
+namespace spc::nodes {
+namespace {
+
+// A term under `weight`, with the node's Normal input.
+ClosureTerm term(NodeContext& node, ClosureOp op, const std::string& part, ExprId weight, ExprId normal) {
+    ClosureTerm t;
+    t.op = op;
+    t.node = node.index;
+    t.label = node.label() + part;
+    t.in[0] = weight;
+    t.in[1] = normal;
+    return t;
+}
+
+// Normal maps are unit already; any other vector is made so, and the interpolated normal stands in for zero.
+ExprId normal_input(NodeContext& node, int socket) {
+    const ExprId normal = node.input(socket);
+    if (normal == kNoExpr || node.e[normal].op == Op::normal_map) return normal;
+    if (node.e.is_constant(normal, 0.0f)) return kNoExpr;
+    return node.e.make({Op::shading_normal, 3, 0, 0, {normal, kNoExpr, kNoExpr}, {}});
+}
+
+ExprId alpha_of(NodeContext& node, ExprId roughness) {
+    const ExprId r = node.e.clamp01(roughness);
+    return node.e.multiply(r, r);
+}
+
+// Indices at and below zero mean nothing; Cycles' bound.
+ExprId ior_of(NodeContext& node, ExprId ior) {
+    return node.e.maximum(ior, node.e.constant(1e-5f));
+}
+
+ClosureModes modes_of(const std::string& distribution) {
+    ClosureModes modes;
+    if (distribution == "BECKMANN") modes.model = MicrofacetModel::beckmann;
+    modes.energy_compensated = distribution == "MULTI_GGX";
+    return modes;
+}
+
+void mix_into(NodeContext& node, int socket, ExprId weight) {
+    const ResolvedInput& source = node.source(socket);
+    if (source.from_node == kNone) return;
+    const OutputSocket& from = node.c.node(source.from_node).kind->outputs[static_cast<size_t>(source.from_output)];
+    if (from.type == SocketType::shader) return node.c.add_weight(source.from_node, weight);
+    node.c.add_emission(node.input(socket), weight);  // Blender takes a value for an emission
+}
+
+}  // namespace
+
+void output(NodeContext& node, ExprId weight) { mix_into(node, 0, weight); }
+
+void mix_shader(NodeContext& node, ExprId weight) {
+    enum { kFac, kShader, kShader1 };
+    const ExprId fac = node.e.clamp01(node.input(kFac));
+    mix_into(node, kShader, node.e.multiply(weight, node.e.one_minus(fac)));
+    mix_into(node, kShader1, node.e.multiply(weight, fac));
+}
+
+void add_shader(NodeContext& node, ExprId weight) {
+    mix_into(node, 0, weight);
+    mix_into(node, 1, weight);
+}
+
+void emission(NodeContext& node, ExprId weight) {
+    enum { kColor, kStrength };
+    node.c.add_emission(node.e.scale(node.input(kColor), node.input(kStrength)), weight);
+}
+
+void background(NodeContext& node, ExprId weight) { emission(node, weight); }
+
+void diffuse(NodeContext& node, ExprId weight) {
+    enum { kColor, kRoughness, kNormal };
+    if (!node.e.is_constant(node.input(kRoughness), 0.0f))
+        node.warn("Roughness of a Diffuse BSDF is not supported; 0 is used");
+    ClosureTerm t = term(node, ClosureOp::lambert, "", weight, normal_input(node, kNormal));
+    t.in[2] = node.input(kColor);
+    node.c.add_term(t);
+}
+
+void glossy(NodeContext& node, ExprId weight) {
+    enum { kColor, kRoughness, kNormal };
+    ClosureTerm t = term(node, ClosureOp::glossy, "", weight, normal_input(node, kNormal));
+    t.modes = modes_of(node.option(0));
+    t.in[2] = alpha_of(node, node.input(kRoughness));
+    t.in[3] = node.input(kColor);
+    node.c.add_term(t);
+}
+
+void glass(NodeContext& node, ExprId weight) {
+    enum { kColor, kRoughness, kIor, kNormal };
+    ClosureTerm t = term(node, ClosureOp::dielectric, "", weight, normal_input(node, kNormal));
+    t.modes = modes_of(node.option(0));
+    t.in[2] = alpha_of(node, node.input(kRoughness));
+    t.in[3] = ior_of(node, node.input(kIor));
+    t.in[4] = t.in[5] = node.input(kColor);
+    node.c.add_term(t);
+}
+
+void refraction(NodeContext& node, ExprId weight) {
+    enum { kColor, kRoughness, kIor, kNormal };
+    ClosureTerm t = term(node, ClosureOp::dielectric, "", weight, normal_input(node, kNormal));
+    t.modes = modes_of(node.option(0));
+    t.modes.reflects = t.modes.fresnel_weighted = false;
+    t.in[2] = alpha_of(node, node.input(kRoughness));
+    t.in[3] = ior_of(node, node.input(kIor));
+    t.in[4] = node.e.constant(Vec3(0.0f));
+    t.in[5] = node.input(kColor);
+    node.c.add_term(t);
+}
+
+void transparent(NodeContext& node, ExprId weight) {
+    ClosureTerm t = term(node, ClosureOp::transparent, "", weight, kNoExpr);
+    t.in[2] = node.input(0);
+    node.c.add_term(t);
+}
+
+// Layers from the top: Alpha over all, then emission, then a mix of metal, of glass, and of a dielectric's
+// reflection over Lambert. The last pair divides light by the reflection's albedo where it is evaluated.
+void principled(NodeContext& node, ExprId weight) {
+    enum {
+        kBaseColor, kMetallic, kRoughness, kIor, kAlpha, kNormal, kSpecularLevel, kSpecularTint,
+        kTransmission, kEmissionColor, kEmissionStrength
+    };
+    ExprBuilder& e = node.e;
+    const ClosureModes modes = modes_of(node.option(0));
+    const ExprId one = e.constant(Vec3(1.0f));
+    const ExprId normal = normal_input(node, kNormal);
+    const ExprId base = e.non_negative(node.input(kBaseColor)), clamped_base = e.clamp01(base);
+    const ExprId tint = e.non_negative(node.input(kSpecularTint)), clamped_tint = e.clamp01(tint);
+    const ExprId rough_alpha = alpha_of(node, node.input(kRoughness));
+    const ExprId ior = ior_of(node, node.input(kIor));
+
+    const ExprId coverage = e.clamp01(node.input(kAlpha));
+    ClosureTerm gap = term(node, ClosureOp::transparent, " (alpha)", e.multiply(weight, e.one_minus(coverage)), kNoExpr);
+    gap.in[2] = one;
+    node.c.add_term(gap);
+    weight = e.multiply(weight, coverage);
+
+    node.c.add_emission(e.scale(node.input(kEmissionColor), node.input(kEmissionStrength)), weight);
+
+    const ExprId metallic = e.clamp01(node.input(kMetallic));
+    ClosureTerm metal = term(node, ClosureOp::metal, " (metal)", e.multiply(weight, metallic), normal);
+    metal.modes = modes;
+    metal.in[2] = rough_alpha;
+    metal.in[3] = clamped_base;
+    metal.in[4] = clamped_tint;
+    node.c.add_term(metal);
+    weight = e.multiply(weight, e.one_minus(metallic));
+
+    const ExprId transmission = e.clamp01(node.input(kTransmission));
+    ClosureTerm glass = term(node, ClosureOp::dielectric, " (transmission)", e.multiply(weight, transmission), normal);
+    glass.modes = modes;
+    glass.in[2] = rough_alpha;
+    glass.in[3] = ior;
+    glass.in[4] = clamped_tint;
+    glass.in[5] = e.square_root(clamped_base);  // light crosses such an interface twice
+    node.c.add_term(glass);
+    weight = e.multiply(weight, e.one_minus(transmission));
+
+    const ExprId index = e.make({Op::dielectric_ior, 1, 0, 0, {ior, node.input(kSpecularLevel), kNoExpr}, {}});
+    const ExprId ratio = e.divide(e.subtract(index, e.constant(1.0f)), e.add(index, e.constant(1.0f)));
+    ClosureTerm coated = term(node, ClosureOp::coated, " (specular)", weight, normal);
+    coated.modes = modes;
+    coated.in[2] = rough_alpha;
+    coated.in[3] = index;
+    coated.in[4] = e.clamp01(e.scale(tint, e.multiply(ratio, ratio)));
+    coated.in[5] = base;
+    node.c.add_term(coated);
+}
+
+}  // namespace spc::nodes

@@ -1,0 +1,38 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The addon's table of nodes and the core's list of kinds name the same things."""
+
+import re
+
+import pytest
+
+from specula import native
+from specula.export.nodes import NODES
+
+ROWS = {row.kind: row for row in NODES.values()}
+# Set by functions of the table rather than by its columns.
+CONSTANT_INPUTS = {"rgb": {"Color"}, "value": {"Value"}}
+
+
+def listed(line: str) -> dict[str, set[str]]:
+    """'in', 'out' and 'option' -> names in a line of native.node_kinds().
+
+    A line reads `in Socket:type ... out Socket:type ... option name=A|B ...`; sockets have spaces.
+    """
+    names = {"in": set(), "out": set(), "option": set()}
+    for section, text in re.findall(r"\b(in|out|option) (.*?)(?= in | out | option |$)", line):
+        pattern = r"(\w+)=" if section == "option" else r"([^:]+?):\w+\s*"
+        names[section] |= {name.strip() for name in re.findall(pattern, text)}
+    return names
+
+
+def test_kinds():
+    assert set(native.node_kinds()) == set(ROWS) | {"output"}
+
+
+@pytest.mark.parametrize("kind", sorted(ROWS))
+def test_sockets_and_options(kind):
+    row = ROWS[kind]
+    names = listed(native.node_kinds()[kind])
+    assert names["in"] == set(row.inputs) | CONSTANT_INPUTS.get(kind, set())
+    assert names["out"] == set(row.outputs)
+    assert names["option"] == set(row.options)

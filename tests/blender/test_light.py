@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+import math
+
+import bpy
+import numpy as np
+import pytest
+from scenes import add_light, add_node, export
+
+from specula.export.desc import AreaShape, LightType, Visibility
+
+PROPERTIES = bpy.types.AreaLight.bl_rna.properties
+
+
+def only_light():
+    scene, warnings = export()
+    (light,) = scene.lights
+    return light, warnings
+
+
+def emission_of(light):
+    """The Emission node that shades a light."""
+    if not light.use_nodes:
+        light.use_nodes = True
+    light.node_tree.nodes.clear()
+    output = light.node_tree.nodes.new("ShaderNodeOutputLight")
+    return add_node(light, "ShaderNodeEmission", output.inputs["Surface"])
+
+
+def test_point():
+    obj = add_light("POINT", energy=10.0, color=(1, 0.5, 0.25), shadow_soft_size=0.125)
+    obj.location = (1, 2, 3)
+    light, warnings = only_light()
+    assert light.type == LightType.POINT
+    assert light.power == (10, 5, 2.5)
+    assert light.radius == 0.125
+    assert light.visibility == Visibility.ALL & ~Visibility.CAMERA  # Blender's own default
+    assert light.feeds_caustics is True
+    np.testing.assert_array_equal(light.transform[:, 3], (1, 2, 3))
+    assert warnings == []
+
+
+def test_spot():
+    add_light("SPOT", spot_size=1.0, spot_blend=0.25, shadow_soft_size=0.5)
+    light, _ = only_light()
+    assert light.type == LightType.SPOT
+    assert (light.spot_angle, light.spot_blend, light.radius) == (1.0, 0.25, 0.5)
+
+
+def test_sun():
+    add_light("SUN", energy=3.0, angle=0.125)
+    light, _ = only_light()
+    assert light.type == LightType.SUN
+    assert light.power == (3, 3, 3)
+    assert light.sun_angle == 0.125
+
+
+@pytest.mark.parametrize(
+    ("shape", "expected", "size"),
+    [
+        ("SQUARE", AreaShape.RECTANGLE, (2.0, 2.0)),
+        ("RECTANGLE", AreaShape.RECTANGLE, (2.0, 3.0)),
+        ("DISK", AreaShape.ELLIPSE, (2.0, 2.0)),
+        ("ELLIPSE", AreaShape.ELLIPSE, (2.0, 3.0)),
+    ],
+)
+def test_area(shape, expected, size):
+    add_light("AREA", shape=shape, size=2.0, size_y=3.0, energy=7.0)
+    light, warnings = only_light()
+    assert light.type == LightType.AREA
+    assert (light.shape, light.size, light.power) == (expected, size, (7, 7, 7))
+    assert warnings == []
+
+
+def test_spread_is_named():
+    add_light("AREA", name="Softbox", spread=math.radians(90))
+    _, warnings = only_light()
+    assert len(warnings) == 1
+    assert "light Softbox: spread" in warnings[0]
+
+
+def test_emission_node_multiplies():
+    obj = add_light("POINT", energy=2.0, color=(1, 0.5, 1))
+    emission = emission_of(obj.data)
+    emission.inputs["Color"].default_value = (0.5, 1, 1, 1)
+    emission.inputs["Strength"].default_value = 4.0
+    light, warnings = only_light()
+    assert light.power == (4, 4, 8)
+    assert warnings == []
+
+
+def test_other_nodes_are_named():
+    obj = add_light("POINT", energy=2.0)
+    emission = emission_of(obj.data)
+    add_node(obj.data, "ShaderNodeLightFalloff", emission.inputs["Strength"])
+    light, warnings = only_light()
+    assert light.power == (2, 2, 2)
+    assert len(warnings) == 1
+    assert "light Light" in warnings[0]
+
+
+def test_a_light_can_be_kept_from_caustics_shadows_and_rays():
+    obj = add_light("POINT")
+    obj.data.specula.caustics = False
+    obj.visible_camera = True
+    obj.visible_glossy = False
+    if hasattr(obj.data.cycles, "cast_shadow"):
+        obj.data.cycles.cast_shadow = False
+    else:
+        obj.data.use_shadow = False
+    light, _ = only_light()
+    assert light.feeds_caustics is False
+    assert light.visibility == Visibility.ALL & ~(Visibility.SHADOW | Visibility.GLOSSY)
+
+
+def test_a_portal_is_no_light():
+    add_light("AREA").data.cycles.is_portal = True
+    assert export()[0].lights == []
+
+
+@pytest.mark.skipif("exposure" not in PROPERTIES, reason="lights have no exposure yet")
+def test_exposure_and_temperature():
+    obj = add_light("POINT", energy=1.0, exposure=2.0)
+    assert only_light()[0].power == (4, 4, 4)
+    obj.data.use_temperature = True
+    obj.data.temperature = 3000
+    red, green, blue = only_light()[0].power
+    assert red > green > blue
+
+
+@pytest.mark.skipif("normalize" not in PROPERTIES, reason="always normalized")
+@pytest.mark.parametrize(
+    ("type", "properties", "factor"),
+    [
+        ("AREA", {"shape": "RECTANGLE", "size": 2.0, "size_y": 3.0}, 12.0),
+        ("AREA", {"shape": "ELLIPSE", "size": 2.0, "size_y": 3.0}, 3.0 * math.pi),
+        ("POINT", {"shadow_soft_size": 0.5}, math.pi),
+        ("POINT", {"shadow_soft_size": 0.0}, 4.0),
+        ("SUN", {"angle": 0.5}, 0.192293),
+    ],
+)
+def test_power_that_is_not_normalized(type, properties, factor):
+    """Factors between Cycles' renders with and without `normalize`, scale (2, 1, 1)."""
+    obj = add_light(type, energy=1.0, normalize=False, **properties)
+    obj.scale = (2, 1, 1)
+    assert only_light()[0].power == pytest.approx([factor] * 3, rel=1e-4)

@@ -1,0 +1,422 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+import bpy
+import numpy as np
+import pytest
+from scenes import (
+    add_mesh,
+    add_node,
+    export,
+    links,
+    new_image,
+    new_material,
+    new_world,
+    node,
+    output_of,
+    surface,
+)
+
+from specula.export import compat
+from specula.export.desc import NONE, AlphaMode, ColorSpace, MaterialNeeds, Visibility
+from specula.export.image import Images
+from specula.export.log import ExportLog
+from specula.export.material import export_material
+from specula.export.nodes import NODES
+
+OLD_PRINCIPLED = bpy.app.version < (4, 0, 0)
+
+
+def convert(material):
+    """(MaterialDesc, MaterialNeeds, warnings, images)"""
+    log = ExportLog()
+    images = Images(log)
+    desc, needs = export_material(material, images, log)
+    return desc, needs, log.warnings, images.descs
+
+
+def set_input(blender_node, name, value):
+    compat.find_input(blender_node, name).default_value = value
+
+
+def group_with(material, inner, socket_type, interface_name):
+    """A group node in `material` whose group has one output; returns (group node, group tree)."""
+    tree = bpy.data.node_groups.new("Group", "ShaderNodeTree")
+    if hasattr(tree, "interface"):
+        tree.interface.new_socket(interface_name, in_out="OUTPUT", socket_type=socket_type)
+    else:
+        tree.outputs.new(socket_type, interface_name)
+    result = tree.nodes.new("NodeGroupOutput")
+    shader = tree.nodes.new(inner)
+    tree.links.new(shader.outputs[0], result.inputs[0])
+    group = material.node_tree.nodes.new("ShaderNodeGroup")
+    group.node_tree = tree
+    return group, shader
+
+
+def add_group_input(group, name, socket_type):
+    tree = group.node_tree
+    if hasattr(tree, "interface"):
+        tree.interface.new_socket(name, in_out="INPUT", socket_type=socket_type)
+    else:
+        tree.inputs.new(socket_type, name)
+    return tree.nodes.new("NodeGroupInput")
+
+
+def test_constants_and_options_of_a_shader():
+    material = new_material()
+    shader = add_node(material, "ShaderNodeBsdfGlass", surface(material), distribution="GGX")
+    set_input(shader, "IOR", 1.33)
+    set_input(shader, "Roughness", 0.25)
+    desc, needs, warnings, _ = convert(material)
+    glass = node(desc, "bsdf_glass")
+    assert links(desc) == {"bsdf_glass.BSDF -> output.Surface"}
+    assert glass.options == {"distribution": "GGX"}
+    assert glass.inputs["IOR"][0] == pytest.approx(1.33)
+    assert glass.inputs["Roughness"][0] == pytest.approx(0.25)
+    assert glass.inputs["Color"] == (1, 1, 1, 1)
+    assert "Normal" not in glass.inputs
+    assert glass.image == NONE
+    assert (needs, warnings) == (MaterialNeeds(), [])
+
+
+def test_only_reachable_nodes_are_exported():
+    material = new_material()
+    add_node(material, "ShaderNodeBsdfDiffuse", surface(material))
+    add_node(material, "ShaderNodeTexNoise")
+    desc, _, warnings, _ = convert(material)
+    assert [n.kind for n in desc.nodes] == ["output", "bsdf_diffuse"]
+    assert warnings == []
+
+
+def test_the_output_for_cycles_wins():
+    material = new_material()
+    output_of(material).target = "EEVEE"
+    add_node(material, "ShaderNodeBsdfDiffuse", surface(material))
+    other = add_node(material, "ShaderNodeOutputMaterial", target="CYCLES")
+    add_node(material, "ShaderNodeEmission", other.inputs["Surface"])
+    desc, *_ = convert(material)
+    assert links(desc) == {"emission.Emission -> output.Surface"}
+
+
+def test_no_output_and_no_nodes():
+    material = new_material()
+    material.node_tree.nodes.clear()
+    desc, *_ = convert(material)
+    assert [n.kind for n in desc.nodes] == ["output"]
+
+
+def test_mix_and_a_shared_node_once():
+    material = new_material()
+    mix = add_node(material, "ShaderNodeMixShader", surface(material))
+    one = add_node(material, "ShaderNodeBsdfDiffuse", mix.inputs[1])
+    two = add_node(material, "ShaderNodeBsdfTransparent", mix.inputs[2])
+    rgb = add_node(material, "ShaderNodeRGB", one.inputs["Color"])
+    rgb.outputs[0].default_value = (0.1, 0.2, 0.3, 1)
+    material.node_tree.links.new(rgb.outputs[0], two.inputs["Color"])
+    desc, *_ = convert(material)
+    assert links(desc) == {
+        "mix_shader.Shader -> output.Surface",
+        "bsdf_diffuse.BSDF -> mix_shader.Shader",
+        "bsdf_transparent.BSDF -> mix_shader.Shader_001",
+        "rgb.Color -> bsdf_diffuse.Color",
+        "rgb.Color -> bsdf_transparent.Color",
+    }
+    assert node(desc, "mix_shader").inputs == {"Fac": (0.5, 0.5, 0.5, 1.0)}
+    assert node(desc, "rgb").inputs["Color"] == pytest.approx((0.1, 0.2, 0.3, 1))
+
+
+def test_groups_are_flattened_both_ways():
+    material = new_material()
+    group, shader = group_with(material, "ShaderNodeBsdfDiffuse", "NodeSocketShader", "Shader")
+    inside = add_group_input(group, "Tint", "NodeSocketColor")
+    group.node_tree.links.new(inside.outputs[0], shader.inputs["Color"])
+    material.node_tree.links.new(group.outputs[0], surface(material))
+    group.inputs[0].default_value = (0.5, 0.25, 0.125, 1)
+    desc, *_ = convert(material)
+    assert links(desc) == {"bsdf_diffuse.BSDF -> output.Surface"}
+    assert node(desc, "bsdf_diffuse").inputs["Color"] == (0.5, 0.25, 0.125, 1)
+
+    add_node(material, "ShaderNodeRGB", group.inputs[0])
+    desc, *_ = convert(material)
+    assert "rgb.Color -> bsdf_diffuse.Color" in links(desc)
+
+
+def test_one_group_used_twice_keeps_its_uses_apart():
+    material = new_material()
+    mix = add_node(material, "ShaderNodeMixShader", surface(material))
+    group, shader = group_with(material, "ShaderNodeBsdfDiffuse", "NodeSocketShader", "Shader")
+    inside = add_group_input(group, "Rough", "NodeSocketFloat")
+    group.node_tree.links.new(inside.outputs[0], shader.inputs["Roughness"])
+    second = material.node_tree.nodes.new("ShaderNodeGroup")
+    second.node_tree = group.node_tree
+    for value, user, socket in ((0.25, group, 1), (0.75, second, 2)):
+        user.inputs[0].default_value = value
+        material.node_tree.links.new(user.outputs[0], mix.inputs[socket])
+    desc, *_ = convert(material)
+    roughness = [n.inputs["Roughness"][0] for n in desc.nodes if n.kind == "bsdf_diffuse"]
+    assert roughness == [0.25, 0.75]
+
+
+def test_a_colour_given_to_a_group_for_a_scalar_is_its_luminance():
+    material = new_material()
+    group, shader = group_with(material, "ShaderNodeBsdfDiffuse", "NodeSocketShader", "Shader")
+    inside = add_group_input(group, "Mask", "NodeSocketColor")
+    group.node_tree.links.new(inside.outputs[0], shader.inputs["Roughness"])
+    material.node_tree.links.new(group.outputs[0], surface(material))
+    group.inputs[0].default_value = (0, 1, 0, 1)
+    desc, *_ = convert(material)
+    assert node(desc, "bsdf_diffuse").inputs["Roughness"][0] == pytest.approx(0.7152, abs=1e-4)
+
+
+def test_reroutes_and_muted_nodes_are_seen_through():
+    material = new_material()
+    tree = material.node_tree
+    reroute = add_node(material, "NodeReroute", surface(material))
+    mix = add_node(material, "ShaderNodeMixShader", reroute.inputs[0])
+    add_node(material, "ShaderNodeBsdfDiffuse", mix.inputs[1])
+    mix.mute = True
+    tree.update_tag()
+    desc, *_ = convert(material)
+    assert links(desc) == {"bsdf_diffuse.BSDF -> output.Surface"}
+
+
+def test_a_muted_link_is_no_link():
+    material = new_material()
+    shader = add_node(material, "ShaderNodeBsdfDiffuse", surface(material))
+    add_node(material, "ShaderNodeRGB", shader.inputs["Color"])
+    shader.inputs["Color"].links[0].is_muted = True
+    desc, *_ = convert(material)
+    assert [n.kind for n in desc.nodes] == ["output", "bsdf_diffuse"]
+    assert "Color" in node(desc, "bsdf_diffuse").inputs
+
+
+def test_unknown_shader_is_magenta_and_warned_of_once():
+    material = new_material("strange")
+    mix = add_node(material, "ShaderNodeMixShader", surface(material))
+    toon = add_node(material, "ShaderNodeBsdfToon", mix.inputs[1])
+    material.node_tree.links.new(toon.outputs[0], mix.inputs[2])
+    desc, _, warnings, _ = convert(material)
+    assert all(n.inputs["Color"] == (1, 0, 1, 1) for n in desc.nodes if n.kind == "emission")
+    assert "emission.Emission -> mix_shader.Shader" in links(desc)
+    (warning,) = warnings
+    assert "material strange" in warning
+    assert toon.name in warning
+
+
+def test_unknown_value_node_leaves_the_reader_its_constant():
+    material = new_material("noisy")
+    shader = add_node(material, "ShaderNodeBsdfDiffuse", surface(material))
+    shader.inputs["Color"].default_value = (0.25, 0.5, 0.75, 1)
+    add_node(material, "ShaderNodeTexNoise", shader.inputs["Color"])
+    desc, _, warnings, _ = convert(material)
+    assert node(desc, "bsdf_diffuse").inputs["Color"] == (0.25, 0.5, 0.75, 1)
+    assert len(warnings) == 1
+    assert "material noisy, node Noise Texture" in warnings[0]
+
+
+def test_settings_that_are_not_modelled_are_named():
+    material = new_material()
+    shader = add_node(material, "ShaderNodeBsdfPrincipled", surface(material))
+    set_input(shader, "Coat Weight", 0.5)
+    add_node(material, "ShaderNodeDisplacement", output_of(material).inputs["Displacement"])
+    _, _, warnings, _ = convert(material)
+    assert len(warnings) == 2
+    assert any("coat" in warning.lower() for warning in warnings)
+    assert any("Displacement" in warning for warning in warnings)
+
+
+def test_principled_has_the_names_of_blender_5():
+    material = new_material()
+    shader = add_node(material, "ShaderNodeBsdfPrincipled", surface(material))
+    for name, value in {
+        "Transmission Weight": 0.5,
+        "Specular IOR Level": 0.25,
+        "Emission Color": (1, 0, 0, 1),
+        "Emission Strength": 2.0,
+        "IOR": 1.25,
+    }.items():
+        set_input(shader, name, value)
+    desc, _, warnings, _ = convert(material)
+    inputs = node(desc, "bsdf_principled").inputs
+    assert set(inputs) == set(NODES["ShaderNodeBsdfPrincipled"].inputs) - {"Normal"}
+    assert inputs["Transmission Weight"][0] == 0.5
+    assert inputs["Specular IOR Level"][0] == 0.25
+    assert inputs["Emission Color"] == (1, 0, 0, 1)
+    assert inputs["Emission Strength"][0] == 2.0
+    assert inputs["IOR"][0] == 1.25
+    assert inputs["Specular Tint"] == (1, 1, 1, 1)
+    assert warnings == []
+
+
+@pytest.mark.skipif(not OLD_PRINCIPLED, reason="Specular Tint is a colour since 4.0")
+def test_scalar_specular_tint_mixes_towards_the_base_colour():
+    material = new_material()
+    shader = add_node(material, "ShaderNodeBsdfPrincipled", surface(material))
+    set_input(shader, "Base Color", (0.2, 0.4, 0.6, 1))
+    set_input(shader, "Specular Tint", 0.4)
+    desc, *_ = convert(material)
+    tint = node(desc, "bsdf_principled").inputs["Specular Tint"]
+    assert tint == pytest.approx((0.68, 0.76, 0.84, 1), abs=1e-6)  # as Blender 5.0 opens it
+
+
+def test_sharp_is_ggx_of_roughness_zero():
+    material = new_material()
+    shader = add_node(material, "ShaderNodeBsdfGlossy", surface(material))
+    set_input(shader, "Roughness", 0.5)
+    try:
+        shader.distribution = "SHARP"
+    except TypeError:
+        pytest.skip("no SHARP in this Blender")
+    desc, _, warnings, _ = convert(material)
+    glossy = node(desc, "bsdf_glossy")
+    assert glossy.options == {"distribution": "GGX"}
+    assert glossy.inputs["Roughness"][0] == 0.0
+    assert warnings == []
+
+
+def test_an_unknown_choice_falls_back_with_a_warning():
+    material = new_material()
+    add_node(material, "ShaderNodeBsdfGlossy", surface(material), distribution="ASHIKHMIN_SHIRLEY")
+    desc, _, warnings, _ = convert(material)
+    assert node(desc, "bsdf_glossy").options == {"distribution": "GGX"}
+    assert "ASHIKHMIN_SHIRLEY" in warnings[0]
+
+
+def test_normal_map_reads_tangents_of_its_layer():
+    material = new_material()
+    shader = add_node(material, "ShaderNodeBsdfDiffuse", surface(material))
+    normal = add_node(material, "ShaderNodeNormalMap", shader.inputs["Normal"], uv_map="detail")
+    add_node(material, "ShaderNodeTexImage", normal.inputs["Color"], image=new_image())
+    desc, needs, *_ = convert(material)
+    assert node(desc, "normal_map").options == {"space": "TANGENT", "uv_map": "detail"}
+    assert needs == MaterialNeeds(frozenset([""]), frozenset(["detail"]))
+    normal.space = "WORLD"
+    assert convert(material)[1].tangents == frozenset()
+
+
+@pytest.mark.parametrize(("output", "uv_maps"), [("UV", {""}), ("Generated", set())])
+def test_texture_coordinates_need_uv_only_for_uv(output, uv_maps):
+    material = new_material()
+    shader = add_node(material, "ShaderNodeBsdfDiffuse", surface(material))
+    texture = add_node(material, "ShaderNodeTexImage", shader.inputs["Color"], image=new_image())
+    mapping = add_node(material, "ShaderNodeMapping", texture.inputs["Vector"])
+    coordinate = add_node(material, "ShaderNodeTexCoord", mapping.inputs["Vector"], output)
+    assert coordinate.outputs[output].is_linked
+    desc, needs, warnings, _ = convert(material)
+    assert needs.uv_maps == uv_maps
+    assert node(desc, "mapping").options == {"vector_type": "POINT"}
+    assert f"texture_coordinate.{output} -> mapping.Vector" in links(desc)
+    assert warnings == []
+
+
+def test_one_image_for_two_users():
+    image = new_image()
+    for name in ("a", "b"):
+        material = new_material(name)
+        shader = add_node(material, "ShaderNodeBsdfDiffuse", surface(material))
+        add_node(material, "ShaderNodeTexImage", shader.inputs["Color"], image=image)
+        add_mesh(material=material)
+    scene, _ = export()
+    assert len(scene.images) == 1
+    assert {node(m, "image_texture").image for m in scene.materials} == {0}
+
+
+def added(image, user="test"):
+    """(ImageDesc, warnings) of adding one image."""
+    log = ExportLog()
+    images = Images(log)
+    images.add(image, user)
+    return images.descs[0], log.warnings
+
+
+def test_generated_image_gives_pixels_from_the_bottom_up():
+    image = bpy.data.images.new("Ramp", 2, 3, float_buffer=True)
+    pixels = np.arange(24, dtype=np.float32) / 24
+    image.pixels.foreach_set(pixels)
+    desc, _ = added(image)
+    np.testing.assert_array_equal(desc.pixels, pixels.reshape(3, 2, 4))
+    assert desc.color_space == ColorSpace.LINEAR
+    assert (desc.path, desc.encoded) == (None, None)
+
+
+@pytest.fixture
+def image_file(tmp_path):
+    """An image that was loaded from a PNG file."""
+    image = new_image()
+    image.file_format = "PNG"
+    image.filepath_raw = str(tmp_path / "texture.png")
+    image.save()
+    return bpy.data.images.load(str(tmp_path / "texture.png"))
+
+
+def test_image_file_is_left_to_the_core(image_file):
+    image_file.alpha_mode = "NONE"
+    image_file.colorspace_settings.name = "Non-Color"
+    desc, warnings = added(image_file)
+    assert desc.path == image_file.filepath
+    assert desc.pixels is None
+    assert desc.color_space == ColorSpace.DATA
+    assert desc.alpha_mode == AlphaMode.NONE
+    assert warnings == []
+
+
+def test_painted_image_gives_its_pixels(image_file):
+    image_file.pixels[0] = 1.0
+    assert image_file.is_dirty
+    desc, _ = added(image_file)
+    assert desc.path is None
+    assert desc.pixels[0, 0, 0] == 1.0
+    assert desc.color_space == ColorSpace.SRGB
+
+
+def test_packed_image_gives_its_bytes(image_file, tmp_path):
+    image_file.pack()
+    (tmp_path / "texture.png").unlink()
+    desc, warnings = added(image_file)
+    assert desc.encoded.startswith(b"\x89PNG")
+    assert warnings == []
+
+
+def test_node_without_image_is_magenta():
+    desc, warnings = added(None, "material m, node n")
+    assert desc.pixels.tolist() == [[[255, 0, 255, 255]]]
+    assert warnings == ["material m, node n: has no image, shown in magenta"]
+
+
+def test_missing_file_is_magenta():
+    image = bpy.data.images.new("gone", 1, 1)
+    image.source = "FILE"
+    image.filepath = "/nowhere/gone.png"
+    desc, warnings = added(image)
+    assert desc.pixels.tolist() == [[[255, 0, 255, 255]]]
+    assert warnings == ["image gone: /nowhere/gone.png is missing, shown in magenta"]
+
+
+def test_unknown_colour_space_is_named():
+    image = new_image("odd")
+    image.colorspace_settings.name = "Filmic sRGB"
+    desc, warnings = added(image)
+    assert desc.color_space == ColorSpace.SRGB
+    assert warnings == ["image odd: colour space Filmic sRGB is not supported, sRGB is used"]
+
+
+def test_world_is_a_background_graph():
+    world = new_world()
+    background = add_node(world, "ShaderNodeBackground", surface(world))
+    add_node(world, "ShaderNodeTexEnvironment", background.inputs["Color"], image=new_image())
+    world.specula.caustics = False
+    world.cycles_visibility.camera = False
+    scene, warnings = export()
+    desc = scene.materials[scene.environment.material]
+    assert links(desc) == {
+        "background.Background -> output.Surface",
+        "environment_texture.Color -> background.Color",
+    }
+    assert node(desc, "environment_texture").options["projection"] == "EQUIRECTANGULAR"
+    assert scene.environment.feeds_caustics is False
+    assert scene.environment.visibility == Visibility.ALL & ~Visibility.CAMERA
+    assert warnings == []
+
+
+def test_no_world_is_no_environment():
+    bpy.context.scene.world = None
+    assert export()[0].environment is None

@@ -1,0 +1,248 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Final renders through Blender's own render call and the real core."""
+
+import subprocess
+import time
+
+import bpy
+import numpy as np
+import pytest
+from scenes import add_camera, add_mesh, add_node, link, new_material, new_world, surface
+
+from specula import native, rendering, statistics
+
+EMITTED = (0.5, 0.25, 0.125)
+
+
+@pytest.fixture
+def glowing_quad():
+    """A quad that fills the frame and emits EMITTED, seen from 5 m."""
+    material = new_material("glow")
+    emission = add_node(material, "ShaderNodeEmission", surface(material))
+    emission.inputs["Color"].default_value = (*EMITTED, 1)
+    obj = add_mesh("Quad", material=material)
+    obj.scale = (10, 10, 1)
+    add_camera((0, 0, 5))
+    scene = bpy.context.scene
+    scene.world = None
+    scene.cycles.pixel_filter_type = "BOX"
+    return scene
+
+
+def render_layers(tmp_path) -> tuple[dict[str, np.ndarray], dict[str, str]]:
+    """Renders the open file.
+
+    Returns 'layer.pass' -> (H, W, C) float32, bottom row first, and the metadata of the file.
+    """
+    scene = bpy.context.scene
+    image_settings = scene.render.image_settings
+    if hasattr(image_settings, "media_type"):
+        image_settings.media_type = "MULTI_LAYER_IMAGE"
+    image_settings.file_format = "OPEN_EXR_MULTILAYER"
+    image_settings.color_depth = "32"
+    scene.render.filepath = str(tmp_path / "render.exr")
+    bpy.ops.render.render(write_still=True)
+    return read_layers(tmp_path / "render.exr")
+
+
+# Run by Debian's Python, which has OpenImageIO: PyPI's bpy has no reader of multilayer files.
+READER = """
+import sys
+import numpy as np
+import OpenImageIO as oiio
+image = oiio.ImageInput.open(sys.argv[1])
+arrays, part = {}, 0
+while image.seek_subimage(part, 0):  # Blender 5.0 gives every pass a part of its own
+    spec = image.spec()
+    arrays[f"pixels {part}"] = image.read_image("float").reshape(
+        spec.height, spec.width, spec.nchannels)[::-1]
+    arrays[f"channels {part}"] = spec.channelnames
+    arrays[f"metadata {part}"] = [(a.name, str(a.value)) for a in spec.extra_attribs]
+    part += 1
+np.savez(sys.argv[2], **arrays)
+"""
+
+
+def read_layers(path) -> tuple[dict[str, np.ndarray], dict[str, str]]:
+    """Passes and metadata of a multilayer EXR."""
+    arrays = path.with_suffix(".npz")
+    subprocess.run(["/usr/bin/python3", "-c", READER, str(path), str(arrays)], check=True)
+    content = np.load(arrays)
+    layers = {}
+    for part in range(len(content.files) // 3):
+        groups: dict[str, list[int]] = {}
+        for index, channel in enumerate(content[f"channels {part}"]):
+            groups.setdefault(str(channel).rpartition(".")[0], []).append(index)
+        pixels = content[f"pixels {part}"]
+        layers |= {name: pixels[:, :, indices] for name, indices in groups.items()}
+    return layers, dict(content["metadata 0"].tolist())
+
+
+def last_stats():
+    return statistics.last["Scene", bpy.context.view_layer.name]
+
+
+def test_combined_is_what_the_quad_emits(glowing_quad, tmp_path):
+    layers, stamp = render_layers(tmp_path)
+    combined = layers["ViewLayer.Combined"]
+    assert combined.shape == (16, 32, 4)
+    np.testing.assert_allclose(combined, np.broadcast_to((*EMITTED, 1), combined.shape), rtol=1e-4)
+    assert stamp["specula.version"] == native.version()
+    assert int(stamp["specula.scene.triangles"]) == 2
+    assert int(stamp["specula.render.nan_samples"]) == 0
+    assert last_stats().samples_done == 1
+
+
+def test_film_exposure_scales_colour_and_not_alpha(glowing_quad, tmp_path):
+    glowing_quad.cycles.film_exposure = 2.0
+    combined = render_layers(tmp_path)[0]["ViewLayer.Combined"]
+    np.testing.assert_allclose(combined[8, 16], (1.0, 0.5, 0.25, 1.0), rtol=1e-4)
+
+
+def test_passes(glowing_quad, tmp_path):
+    layer = bpy.context.view_layer
+    layer.use_pass_z = layer.use_pass_position = layer.use_pass_normal = True
+    layer.specula.use_pass_caustics = True
+    layers, _ = render_layers(tmp_path)
+    assert set(layers) == {
+        f"ViewLayer.{name}" for name in ("Combined", "Depth", "Position", "Normal", "Caustics")
+    }
+    np.testing.assert_allclose(layers["ViewLayer.Depth"], 5.0, rtol=1e-4)
+    np.testing.assert_allclose(layers["ViewLayer.Normal"][8, 16], (0, 0, 1), atol=1e-5)
+    position = layers["ViewLayer.Position"]
+    np.testing.assert_allclose(position[:, :, 2], 0.0, atol=1e-4)
+    assert position[8, 0, 0] < -1 < 1 < position[8, 31, 0]  # x grows to the right
+    assert position[0, 16, 1] < 0 < position[15, 16, 1]  # and y upwards
+    assert not layers["ViewLayer.Caustics"].any()
+
+
+def test_passes_are_only_there_if_asked_for(glowing_quad, tmp_path):
+    assert set(render_layers(tmp_path)[0]) == {"ViewLayer.Combined"}
+
+
+def test_border_renders_its_part_of_the_frame(glowing_quad, tmp_path):
+    render = glowing_quad.render
+    render.use_border = True
+    render.border_min_x, render.border_max_x = 0.25, 0.75
+    render.border_min_y, render.border_max_y = 0.5, 1.0
+    bpy.context.view_layer.use_pass_position = True
+    layers, _ = render_layers(tmp_path)
+    combined = layers["ViewLayer.Combined"]
+    assert combined.shape == (16, 32, 4)
+    inside = np.zeros((16, 32), bool)
+    inside[8:, 8:24] = True
+    np.testing.assert_array_equal(combined[:, :, 3] > 0, inside)
+    assert layers["ViewLayer.Position"][15, 16, 1] > 0
+
+    render.use_crop_to_border = True
+    cropped = render_layers(tmp_path)[0]["ViewLayer.Combined"]
+    assert cropped.shape == (8, 16, 4)
+    np.testing.assert_allclose(cropped[:, :, 0], EMITTED[0], rtol=1e-4)
+
+
+def test_transparent_film(glowing_quad, tmp_path):
+    world = new_world()
+    background = add_node(world, "ShaderNodeBackground", surface(world))
+    background.inputs["Color"].default_value = (1, 1, 1, 1)
+    bpy.data.objects["Quad"].location.x = 10  # covers the right half
+    glowing_quad.render.film_transparent = True
+    alpha = render_layers(tmp_path)[0]["ViewLayer.Combined"][:, :, 3]
+    np.testing.assert_array_equal(alpha[:, :15], 0)
+    np.testing.assert_array_equal(alpha[:, 17:], 1)
+
+
+def test_every_view_layer_is_rendered(glowing_quad, tmp_path):
+    second = glowing_quad.view_layers.new("Second")
+    second.use_pass_z = True
+    hidden = bpy.data.collections.new("Hidden")
+    glowing_quad.collection.children.link(hidden)
+    quad = bpy.data.objects["Quad"]
+    glowing_quad.collection.objects.unlink(quad)
+    hidden.objects.link(quad)
+    second.layer_collection.children["Hidden"].exclude = True
+    layers, stamp = render_layers(tmp_path)
+    assert layers["ViewLayer.Combined"][8, 16, 0] == pytest.approx(EMITTED[0], rel=1e-4)
+    assert layers["Second.Combined"][8, 16, 0] == 0
+    assert layers["Second.Depth"][8, 16, 0] == pytest.approx(1e10)
+    assert stamp["specula.ViewLayer.scene.triangles"] == "2"
+    assert stamp["specula.Second.scene.triangles"] == "0"
+    assert {("Scene", "ViewLayer"), ("Scene", "Second")} <= set(statistics.last)
+
+
+def test_a_disabled_view_layer_is_not_rendered(glowing_quad, tmp_path):
+    glowing_quad.view_layers.new("Second").use = False
+    assert set(render_layers(tmp_path)[0]) == {"ViewLayer.Combined"}
+
+
+def test_warnings_are_told_once(glowing_quad, tmp_path, capfd):
+    material = bpy.data.objects["Quad"].material_slots[0].material
+    emission = next(n for n in material.node_tree.nodes if n.bl_idname == "ShaderNodeEmission")
+    add_node(material, "ShaderNodeTexNoise", emission.inputs["Strength"])
+    link("Twin", bpy.data.objects["Quad"].data)
+    render_layers(tmp_path)
+    output = "".join(capfd.readouterr())
+    assert output.count("material glow, node Noise Texture") == 1
+    assert len(last_stats().warnings) == 1
+
+
+def test_statistics_are_printed_as_one_block(glowing_quad, tmp_path, capfd):
+    render_layers(tmp_path)
+    output = "".join(capfd.readouterr())
+    assert last_stats().block() in output
+    for label in ("Version:", "Samples per pixel:", "Rays:", "Walks:", "Energy given up:"):
+        assert output.count(label) == 1
+
+
+def test_a_time_limit_is_a_success(glowing_quad, tmp_path):
+    glowing_quad.specula.samples = 1 << 20
+    glowing_quad.specula.time_limit = 1.0
+    start = time.monotonic()
+    combined = render_layers(tmp_path)[0]["ViewLayer.Combined"]
+    assert time.monotonic() - start < 5
+    assert combined[8, 16, 0] == pytest.approx(EMITTED[0], rel=1e-3)
+    assert 1 <= last_stats().samples_done < 1 << 20
+
+
+class BrokenOff:
+    """An engine whose user presses Escape after some polls."""
+
+    def __init__(self, engine, polls: int):
+        self.engine = engine
+        self.polls = polls
+
+    def __getattr__(self, name):
+        return getattr(self.engine, name)
+
+    def test_break(self) -> bool:
+        self.polls -= 1
+        return self.polls < 0
+
+
+@pytest.mark.parametrize("polls", [0, 4])
+def test_a_break_cancels(glowing_quad, monkeypatch, polls):
+    glowing_quad.specula.samples = 1 << 20
+    render = rendering.render_view_layer
+    results = []
+    monkeypatch.setattr(
+        rendering,
+        "render_view_layer",
+        lambda engine, depsgraph: results.append(render(BrokenOff(engine, polls), depsgraph)),
+    )
+    start = time.monotonic()
+    bpy.ops.render.render()
+    assert time.monotonic() - start < 5
+    assert results == [None]
+
+
+def test_partial_results_are_shown(glowing_quad, monkeypatch):
+    shown = []
+    monkeypatch.setattr(rendering, "SHOW_SECONDS", 0.05)
+    monkeypatch.setattr(rendering, "POLL_MILLISECONDS", 20)
+    show = rendering.Film.show
+    monkeypatch.setattr(
+        rendering.Film, "show", lambda self, session: (show(self, session), shown.append(1))
+    )
+    glowing_quad.specula.samples = 1 << 20
+    glowing_quad.specula.time_limit = 0.5
+    bpy.ops.render.render()
+    assert len(shown) >= 3

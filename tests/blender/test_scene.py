@@ -1,0 +1,205 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+import bpy
+import numpy as np
+import pytest
+from mathutils import Matrix
+from scenes import add_camera, add_light, add_mesh, export, link, new_material
+
+from specula.export.desc import CausticsRole, ExportError, Visibility
+
+
+def names(scene):
+    return sorted(instance.name for instance in scene.instances)
+
+
+def test_every_kind_of_geometry_arrives_once():
+    bpy.ops.mesh.primitive_cube_add()
+    bpy.ops.curve.primitive_bezier_circle_add()
+    bpy.context.object.data.bevel_depth = 0.1
+    bpy.ops.surface.primitive_nurbs_surface_sphere_add()
+    bpy.ops.object.text_add()
+    bpy.ops.object.metaball_add()
+    scene, warnings = export()
+    assert len(scene.instances) == len(scene.meshes) == 5
+    assert all(len(mesh.triangles) > 0 for mesh in scene.meshes)
+    assert warnings == []
+
+
+def test_curve_keeps_its_material():
+    bpy.ops.object.text_add()
+    bpy.context.object.data.materials.append(new_material("ink"))
+    scene, _ = export()
+    (index,) = scene.instances[0].materials
+    assert scene.materials[index].name == "ink"
+
+
+def test_objects_that_share_a_mesh_share_it_here():
+    first = add_mesh()
+    second = link("Second", first.data)
+    second.location.x = 3
+    scene, _ = export()
+    assert len(scene.meshes) == 1
+    assert [instance.mesh for instance in scene.instances] == [0, 0]
+    assert scene.instances[0].transform[0, 3] == 0
+    assert scene.instances[1].transform[0, 3] == 3
+
+
+def test_a_modifier_makes_a_mesh_of_its_own():
+    first = add_mesh()
+    second = link("Second", first.data)
+    second.modifiers.new("Array", "ARRAY")
+    scene, _ = export()
+    assert sorted(len(mesh.triangles) for mesh in scene.meshes) == [2, 4]
+
+
+def test_collection_instances_share_geometry_and_are_placed():
+    obj = add_mesh()
+    collection = bpy.data.collections.new("Group")
+    collection.objects.link(obj)
+    bpy.context.scene.collection.objects.unlink(obj)
+    for x in (1.0, 2.0):
+        empty = link("Empty", None)
+        empty.instance_type = "COLLECTION"
+        empty.instance_collection = collection
+        empty.location.x = x
+    scene, _ = export()
+    assert len(scene.meshes) == 1
+    assert sorted(i.transform[0, 3] for i in scene.instances) == [1.0, 2.0]
+
+
+def test_vertex_instancer_shows_its_children_and_not_the_child_itself():
+    parent = add_mesh("Parent")
+    child = add_mesh("Child")
+    child.parent = parent
+    parent.instance_type = "VERTS"
+    parent.show_instancer_for_render = False
+    scene, _ = export()
+    assert names(scene) == ["Child"] * 4
+
+
+def test_transform_is_the_world_matrix():
+    obj = add_mesh()
+    matrix = Matrix.Translation((1, 2, 3)) @ Matrix.Rotation(0.3, 4, "X") @ Matrix.Scale(-2, 4)
+    obj.matrix_world = matrix
+    scene, _ = export()
+    np.testing.assert_allclose(scene.instances[0].transform, np.array(matrix)[:3], atol=1e-6)
+
+
+def test_hidden_objects_stay_away():
+    add_mesh("Shown")
+    add_mesh("Hidden").hide_render = True
+    excluded = bpy.data.collections.new("Excluded")
+    bpy.context.scene.collection.children.link(excluded)
+    obj = add_mesh("InExcluded")
+    bpy.context.scene.collection.objects.unlink(obj)
+    excluded.objects.link(obj)
+    bpy.context.view_layer.layer_collection.children["Excluded"].exclude = True
+    scene, _ = export()
+    assert names(scene) == ["Shown"]
+
+
+def test_hidden_in_the_viewport_only_is_rendered():
+    add_mesh("Shown").hide_viewport = True
+    scene, _ = export()
+    assert names(scene) == ["Shown"]
+
+
+def test_ray_visibility_of_object_and_instancer():
+    obj = add_mesh()
+    obj.visible_camera = False
+    obj.visible_shadow = False
+    scene, _ = export()
+    expected = Visibility.DIFFUSE | Visibility.GLOSSY | Visibility.TRANSMISSION
+    assert scene.instances[0].visibility == expected
+
+
+def test_a_mesh_without_faces_is_left_out():
+    add_mesh(faces=[])
+    scene, warnings = export()
+    assert (scene.meshes, scene.instances, warnings) == ([], [], [])
+
+
+def test_a_scale_of_zero_is_left_out_with_a_warning():
+    add_mesh("Flat").scale.x = 0
+    scene, warnings = export()
+    assert scene.instances == []
+    assert warnings == ["object Flat: has a scale of zero, it is not rendered"]
+
+
+def test_unsupported_objects_and_holdouts_are_named_once():
+    add_mesh("Hole").is_holdout = True
+    link("Smoke", bpy.data.volumes.new("Smoke"))
+    _, warnings = export()
+    assert len(warnings) == 2
+    assert any("Hole" in warning and "holdout" in warning for warning in warnings)
+    assert any("Smoke" in warning and "VOLUME" in warning for warning in warnings)
+
+
+@pytest.mark.parametrize("role", ["AUTO", "CASTER", "RECEIVER", "BOTH", "OFF"])
+def test_caustics_role(role):
+    add_mesh().specula.caustics = role
+    scene, _ = export()
+    assert scene.instances[0].caustics_role == CausticsRole[role]
+
+
+@pytest.mark.parametrize(
+    ("caster", "receiver", "role"),
+    [
+        (False, False, "AUTO"),
+        (False, True, "AUTO"),
+        (True, False, "CASTER"),
+        (True, True, "BOTH"),
+    ],
+)
+def test_caustics_role_follows_the_flags_of_cycles(caster, receiver, role):
+    obj = add_mesh()
+    obj.cycles.is_caustics_caster = caster
+    obj.cycles.is_caustics_receiver = receiver
+    scene, _ = export()
+    assert scene.instances[0].caustics_role == CausticsRole[role]
+
+
+def test_material_slots_of_object_and_data():
+    data_material, object_material = new_material("data"), new_material("object")
+    obj = add_mesh(material=data_material)
+    other = link("Other", obj.data)
+    other.material_slots[0].link = "OBJECT"
+    other.material_slots[0].material = object_material
+    scene, _ = export()
+    by_name = {i.name: scene.materials[i.materials[0]].name for i in scene.instances}
+    assert by_name == {"Mesh": "data", "Other": "object"}
+    assert len(scene.meshes) == 1
+
+
+def test_empty_slot_is_grey():
+    add_mesh().data.materials.append(None)
+    add_mesh("NoSlots")
+    scene, _ = export()
+    assert [m.nodes[1].kind for m in scene.materials] == ["bsdf_diffuse"]
+    assert scene.materials[0].nodes[1].inputs["Color"] == (0.8, 0.8, 0.8, 1.0)
+
+
+def test_an_exception_names_its_object(monkeypatch):
+    from specula.export import scene
+
+    def broken(*_):
+        raise RuntimeError("broken")
+
+    monkeypatch.setattr(scene, "export_mesh", broken)
+    add_mesh("Culprit")
+    with pytest.raises(ExportError, match="object Culprit: RuntimeError: broken"):
+        export()
+
+
+def test_everything_together_reaches_the_core():
+    from specula.upload import upload
+
+    add_camera()
+    add_light()
+    add_mesh()
+    scene, _ = export()
+    with upload(scene) as native_scene:
+        native_scene.commit(1)
+        stats = native_scene.stats()
+    assert stats["triangles"] == 2
+    assert stats["instances"] == 1

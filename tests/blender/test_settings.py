@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+import addon_utils
+import bpy
+import pytest
+
+from specula.export.desc import Constraint, Method, PixelFilter
+from specula.export.settings import PREVIEW_SAMPLES, export_settings
+
+CYCLES = {
+    "samples": 77,
+    "time_limit": 5.0,
+    "seed": 3,
+    "max_bounces": 9,
+    "diffuse_bounces": 1,
+    "glossy_bounces": 2,
+    "transmission_bounces": 5,
+    "transparent_max_bounces": 6,
+    "caustics_reflective": False,
+    "pixel_filter_type": "GAUSSIAN",
+    "filter_width": 2.5,
+}
+
+
+@pytest.fixture
+def scene():
+    scene = bpy.context.scene
+    scene.specula.samples = 0
+    for name, value in CYCLES.items():
+        setattr(scene.cycles, name, value)
+    return scene
+
+
+def check_cycles(settings):
+    assert settings.samples == 77
+    assert settings.time_limit == 5.0
+    assert settings.seed == 3
+    assert settings.max_bounces == 9
+    assert settings.max_diffuse_bounces == 1
+    assert settings.max_glossy_bounces == 2
+    assert settings.max_transmission_bounces == 5
+    assert settings.max_transparent_bounces == 6
+    assert settings.caustics_reflective is False
+    assert settings.caustics_refractive is True
+    assert settings.pixel_filter == PixelFilter.GAUSSIAN
+    assert settings.filter_width == 2.5
+
+
+def test_settings_of_cycles_are_ours(scene):
+    check_cycles(export_settings(scene))
+
+
+def test_settings_of_cycles_outlive_its_addon(scene):
+    addon_utils.disable("cycles")
+    try:
+        assert not hasattr(scene, "cycles")
+        check_cycles(export_settings(scene))
+    finally:
+        addon_utils.enable("cycles")
+
+
+def test_our_settings_win(scene):
+    own = {
+        "samples": 8,
+        "time_limit": 2.0,
+        "seed": 0,
+        "max_bounces": 0,
+        "max_diffuse_bounces": 11,
+        "max_glossy_bounces": 12,
+        "max_transmission_bounces": 13,
+        "max_transparent_bounces": 14,
+        "set_size": 5,
+        "two_stage": False,
+    }
+    for name, value in own.items():
+        setattr(scene.specula, name, value)
+    settings = export_settings(scene)
+    assert {name: getattr(settings, name) for name in own} == own
+
+
+def test_method_and_constraint(scene):
+    assert export_settings(scene).method == Method.SMS_UNBIASED
+    scene.specula.method, scene.specula.constraint = "PT", "ANGLE_DIFFERENCE"
+    settings = export_settings(scene)
+    assert (settings.method, settings.constraint) == (Method.PT, Constraint.ANGLE_DIFFERENCE)
+
+
+def test_seed_follows_the_frame_only_if_animated(scene):
+    scene.frame_set(10)
+    assert export_settings(scene).seed == 3
+    scene.cycles.use_animated_seed = True
+    assert export_settings(scene).seed == 13
+
+
+def test_threads_film_and_preview(scene):
+    assert export_settings(scene).threads == 0
+    scene.render.threads_mode, scene.render.threads = "FIXED", 3
+    scene.render.film_transparent = True
+    settings = export_settings(scene, is_preview=True)
+    assert (settings.threads, settings.transparent_film) == (3, True)
+    assert settings.samples == PREVIEW_SAMPLES

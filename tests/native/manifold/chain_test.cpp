@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// One interaction against closed forms: plane and sphere, reflection and refraction; derivatives against differences.
+#include "manifold/chain.h"
+
+#include "manifold/walk.h"
+#include "support/scenes.h"
+
+#include <gtest/gtest.h>
+
+namespace spc {
+namespace {
+
+using test::SceneMaker;
+
+constexpr double kRelative = 1e-4;
+
+void expect_relative(double actual, double expected, const char* what) {
+    EXPECT_NEAR(actual, expected, kRelative * std::abs(expected)) << what;
+}
+
+ManifoldSettings settings_with(Constraint constraint, bool two_stage = false) {
+    ManifoldSettings settings;
+    settings.enabled = true;
+    settings.constraint = constraint;
+    settings.two_stage = two_stage;
+    return settings;
+}
+
+// The first root of many walks, and whether all that converged agree on it.
+struct Found {
+    std::optional<ChainRoot> root;
+    int converged = 0, others = 0;
+};
+Found find_root(const RenderScene& world, const ManifoldSettings& settings, const Vec3& x, const ChainEnd& end) {
+    Found found;
+    Pcg pcg(7);
+    ManifoldStats stats;
+    const ChainQuery query{x, end, &world.casters.casters[0]};
+    for (int i = 0; i < 64; ++i) {
+        const std::optional<ChainRoot> root = random_walk(*world.scene, settings, query, pcg, stats);
+        if (!root) continue;
+        ++found.converged;
+        if (!found.root)
+            found.root = root;
+        else if (!same_root(settings, *found.root, *root))
+            ++found.others;
+    }
+    return found;
+}
+
+class BothConstraints : public ::testing::TestWithParam<Constraint> {};
+INSTANTIATE_TEST_SUITE_P(Constraints, BothConstraints,
+                         ::testing::Values(Constraint::half_vector, Constraint::angle_difference));
+
+TEST_P(BothConstraints, PlaneMirrorIsItsMirrorImage) {
+    SceneMaker maker;
+    maker.add(test::square(5.0f), test::mirror());
+    const RenderScene world = maker.finish();
+    const Vec3 x(-1.0f, 0.3f, 1.0f), y(1.5f, -0.7f, 2.0f);
+    const ChainEnd end{false, y, {}};
+    const Found found = find_root(world, settings_with(GetParam()), x, end);
+    ASSERT_TRUE(found.root);
+    EXPECT_EQ(found.others, 0);
+    EXPECT_GT(found.converged, 60);
+    const Vec3d image(y.x, y.y, -y.z), along = image - Vec3d(x);
+    const Vec3d expected = Vec3d(x) + along * (1.0 / 3.0);
+    EXPECT_LT(length(Vec3d(found.root->patch.p) - expected), kRelative * length(along));
+    expect_relative(*geometry_term(Interaction::reflection, 1.0f, x, found.root->patch, end), 1.0 / dot(along, along), "G");
+    // A sun: the angle at x is the angle at the light.
+    const ChainEnd sun{true, {}, normalize(Vec3(1, 0, 2))};
+    const Found sunlit = find_root(world, settings_with(GetParam()), x, sun);
+    ASSERT_TRUE(sunlit.root);
+    EXPECT_LT(length(sunlit.root->patch.p - Vec3(-0.5f, 0.3f, 0.0f)), 1e-4f);
+    expect_relative(*geometry_term(Interaction::reflection, 1.0f, x, sunlit.root->patch, sun), 1.0, "G of a sun");
+}
+
+// A cap of the unit sphere around a direction, finer than single precision can tell from a sphere.
+Mesh sphere_cap(const Vec3d& axis, double half_angle) {
+    const Frame frame = Frame::around(Vec3(axis));
+    const auto point = [=](double u, double v) {
+        return normalize(axis + Vec3d(frame.x) * (half_angle * (2 * u - 1)) + Vec3d(frame.y) * (half_angle * (2 * v - 1)));
+    };
+    return test::grid(400, point, point);
+}
+
+// Point of the unit circle in the xz plane where light from x reaches y by reflection (Alhazen's problem), by bisection.
+double alhazen_angle(const Vec3d& x, const Vec3d& y, double low, double high) {
+    const auto imbalance = [&](double a) {
+        const Vec3d n(std::sin(a), 0, std::cos(a)), t(std::cos(a), 0, -std::sin(a));
+        return dot(t, normalize(x - n)) + dot(t, normalize(y - n));
+    };
+    for (int i = 0; i < 100; ++i) {
+        const double mid = 0.5 * (low + high);
+        (imbalance(mid) * imbalance(low) > 0.0 ? low : high) = mid;
+    }
+    return 0.5 * (low + high);
+}
+
+TEST_P(BothConstraints, MirrorSphereIsAlhazensPointWithCoddingtonsTerm) {
+    const Vec3d x(-1.5, 0, 2.0), y(2.5, 0, 1.2);
+    const double angle = alhazen_angle(x, y, std::atan2(x.x, x.z), std::atan2(y.x, y.z));
+    const Vec3d p(std::sin(angle), 0, std::cos(angle));
+    SceneMaker maker;
+    maker.add(sphere_cap(p, 0.01), test::mirror());
+    const RenderScene world = maker.finish();
+    const ChainEnd end{false, Vec3(y), {}};
+    const Found found = find_root(world, settings_with(GetParam()), Vec3(x), end);
+    ASSERT_TRUE(found.root);
+    EXPECT_EQ(found.others, 0);
+    EXPECT_LT(length(Vec3d(found.root->patch.p) - p), kRelative);
+    const double d1 = length(x - p), d2 = length(y - p), cosine = dot(normalize(x - p), p);
+    const double tangential = d1 + d2 + 2 * d1 * d2 / cosine, sagittal = d1 + d2 + 2 * d1 * d2 * cosine;
+    // The term needs the sphere itself: differences of single-precision corner normals hold its curvature to 1e-3 only.
+    const Frame frame = Frame::around(Vec3(p));
+    const CasterPatch exact{Vec3(p), frame.x, frame.y, Vec3(p), frame.x, frame.y, Vec3(p)};
+    expect_relative(*geometry_term(Interaction::reflection, 1.0f, Vec3(x), exact, end), 1.0 / (tangential * sagittal), "G");
+    EXPECT_NEAR(*geometry_term(Interaction::reflection, 1.0f, Vec3(x), found.root->patch, end) * tangential * sagittal, 1.0, 1e-3);
+}
+
+TEST_P(BothConstraints, FlatRefractionIsSnellsPoint) {
+    constexpr double ior = 1.33, depth = 1.0, height = 2.0, across = 1.5;
+    SceneMaker maker;
+    maker.add(test::square(5.0f), test::refraction(float(ior)));
+    const RenderScene world = maker.finish();
+    const Vec3 x(0, 0, -depth), y(across, 0, height);
+    double low = 0.0, high = across;  // sin(theta in water) ior = sin(theta in air)
+    for (int i = 0; i < 100; ++i) {
+        const double s = 0.5 * (low + high);
+        const double inside = s / std::hypot(s, depth), outside = (across - s) / std::hypot(across - s, height);
+        (inside * ior < outside ? low : high) = s;
+    }
+    const ChainEnd end{false, y, {}};
+    const Found found = find_root(world, settings_with(GetParam()), x, end);
+    ASSERT_TRUE(found.root);
+    EXPECT_EQ(found.others, 0);
+    EXPECT_LT(length(found.root->patch.p - Vec3(float(low), 0, 0)), 1e-4f);
+    EXPECT_EQ(found.root->interaction, Interaction::refraction);
+    EXPECT_FLOAT_EQ(found.root->eta, 1.0f / float(ior));
+    const double sin1 = low / std::hypot(low, depth), cos1 = std::sqrt(1 - sin1 * sin1);
+    const double sin2 = ior * sin1, cos2 = std::sqrt(1 - sin2 * sin2);
+    const double dx_dtheta = depth / (cos1 * cos1) + height / (cos2 * cos2) * (ior * cos1 / cos2);
+    expect_relative(*geometry_term(Interaction::refraction, found.root->eta, x, found.root->patch, end),
+                    1.0 / (across / sin1 * cos2 * dx_dtheta), "G");
+}
+
+TEST_P(BothConstraints, NoChainWhereTotalReflectionForbidsIt) {
+    SceneMaker maker;
+    maker.add(test::square(50.0f), test::refraction(1.5f));
+    const RenderScene world = maker.finish();
+    // A sun below the critical angle, looked for from outside towards inside.
+    const ChainEnd grazing{true, {}, normalize(Vec3(5.0f, 0.0f, -1.0f))};
+    const Found found = find_root(world, settings_with(GetParam()), Vec3(0, 0, 1), grazing);
+    EXPECT_FALSE(found.root);
+}
+
+// A smooth analytic surface around (u, v) = (0, 0), for derivatives.
+CasterPatch curved_patch(double u, double v, const std::array<double, 12>& k) {
+    CasterPatch patch;
+    const Vec3d p(u + k[0] * v * v, v + k[1] * u * v, k[2] * u + k[3] * v + k[4] * u * u);
+    const Vec3d raw(k[5] * u + k[6] * v * v, k[7] * v + k[8] * u, 1.0 + k[9] * u * v);
+    const Vec3d raw_u(k[5], k[8], k[9] * v), raw_v(2 * k[6] * v, k[7], k[9] * u);
+    const Vec3d n = normalize(raw);
+    const auto derivative = [&](const Vec3d& d) { return Vec3((d - n * dot(n, d)) / length(raw)); };
+    patch.p = Vec3(p);
+    patch.dp_du = Vec3(1, float(k[1] * v), float(k[2] + 2 * k[4] * u));
+    patch.dp_dv = Vec3(float(2 * k[0] * v), float(1 + k[1] * u), float(k[3]));
+    patch.n = Vec3(n);
+    patch.dn_du = derivative(raw_u);
+    patch.dn_dv = derivative(raw_v);
+    patch.ng = normalize(cross(patch.dp_du, patch.dp_dv));
+    return patch;
+}
+
+// The constraints' Jacobian is that of Newton's local equation: exact up to terms that vanish with C, so it is
+// checked at a root: x, u and v random, the light placed where the scattered ray goes.
+TEST_P(BothConstraints, DerivativesMatchCentralDifferencesAtRoots) {
+    Pcg pcg(3);
+    const auto uniform = [&](double a, double b) { return a + (b - a) * double(pcg.one()); };
+    for (int trial = 0; trial < 200; ++trial) {
+        std::array<double, 12> k;
+        for (double& value : k) value = uniform(-0.5, 0.5);
+        const bool refracts = trial % 2 == 1;
+        const double u = uniform(-0.2, 0.2), v = uniform(-0.2, 0.2), ior = uniform(1.1, 1.8);
+        const CasterPatch patch = curved_patch(u, v, k);
+        const Vec3d n(patch.n), p(patch.p);
+        const Vec3d wi = normalize(n + Vec3d(uniform(-0.6, 0.6), uniform(-0.6, 0.6), 0.0));
+        const double c = dot(wi, n);
+        const Vec3d wo = refracts ? wi * (-1 / ior) + n * (c / ior - std::sqrt(1 - (1 - c * c) / (ior * ior)))
+                                  : n * (2 * c) - wi;
+        const Vec3 x(p + wi * uniform(1, 3));
+        const bool distant = trial % 3 == 0;
+        const ChainEnd end{distant, Vec3(p + wo * uniform(1, 3)), Vec3(wo)};
+        const auto at = [&](double du, double dv) {
+            return evaluate_constraint(GetParam(), refracts ? Interaction::refraction : Interaction::reflection,
+                                       float(ior), x, curved_patch(u + du, v + dv, k), end);
+        };
+        const auto value = at(0, 0);
+        ASSERT_TRUE(value);
+        EXPECT_LT(value->size(), 1e-5f);
+        constexpr double h = 2e-3;
+        const auto pu = at(h, 0), mu = at(-h, 0), pv = at(0, h), mv = at(0, -h);
+        ASSERT_TRUE(pu && mu && pv && mv);
+        // The half-vector's frame and the angle's equator move with the point, by rotations that only second order sees.
+        const auto sized = [](const Vec2& a) { return std::hypot(a.x, a.y); };
+        const double scale = std::max({1.0f, sized(value->dc_du), sized(value->dc_dv)});
+        const auto quotient = [&](const Vec2& a, const Vec2& b) { return (a - b) * float(0.5 / h); };
+        EXPECT_NEAR(sized(quotient(pu->c, mu->c)), sized(value->dc_du), 5e-3 * scale);
+        EXPECT_NEAR(sized(quotient(pv->c, mv->c)), sized(value->dc_dv), 5e-3 * scale);
+        // Their determinant is what Newton needs besides; it does not see the rotations either.
+        const Vec2 du = quotient(pu->c, mu->c), dv = quotient(pv->c, mv->c);
+        EXPECT_NEAR(du.x * dv.y - du.y * dv.x,
+                    value->dc_du.x * value->dc_dv.y - value->dc_du.y * value->dc_dv.x, 1e-2 * scale * scale);
+    }
+}
+
+// geometry_term against differences of the traced map itself: from a direction at x through the patch to the light.
+TEST(GeometryTerm, MatchesDifferencesOfTheTracedMap) {
+    constexpr double ior = 1.45;
+    const std::array<double, 12> k{0.1, -0.2, 0.3, 0.1, 0.0, 0.2, 0.1, -0.3, 0.15, 0.1, 0, 0};
+    for (const bool refracts : {false, true}) {
+        const CasterPatch patch = curved_patch(0.0, 0.0, k);
+        const Vec3d x(0.4, -0.3, 1.5);
+        // Only first order counts: the plane of the patch, with the normal's linear model.
+        const Vec3d p0(patch.p), pu(patch.dp_du), pv(patch.dp_dv), ng = normalize(cross(pu, pv));
+        const auto scatter = [&](const Vec3d& d, Vec3d& hit) {
+            hit = x + d * (dot(p0 - x, ng) / dot(d, ng));
+            const Vec3d r = hit - p0;
+            const double uu = dot(pu, pu), uv = dot(pu, pv), vv = dot(pv, pv), det = uu * vv - uv * uv;
+            const double du = (dot(r, pu) * vv - dot(r, pv) * uv) / det, dv = (dot(r, pv) * uu - dot(r, pu) * uv) / det;
+            const Vec3d n = normalize(Vec3d(patch.n) + Vec3d(patch.dn_du) * du + Vec3d(patch.dn_dv) * dv);
+            const double c = -dot(d, n);
+            return refracts ? d / ior + n * (c / ior - std::sqrt(1 - (1 - c * c) / (ior * ior))) : d + n * (2 * c);
+        };
+        const Vec3d d0 = normalize(p0 - x);
+        Vec3d hit;
+        const Vec3d out = scatter(d0, hit);
+        const Vec3d y = hit + out * 1.7;
+        const Frame frame = Frame::around(Vec3(d0)), plane = Frame::around(Vec3(out));
+        const auto landing = [&](const Vec3d& turn) {
+            Vec3d from;
+            const Vec3d w = scatter(normalize(d0 + turn), from);
+            const Vec3d q = from + w * (dot(y - from, out) / dot(w, out)) - y;
+            return Vec2(float(dot(q, Vec3d(plane.x))), float(dot(q, Vec3d(plane.y))));
+        };
+        constexpr double h = 1e-3;
+        const Vec2 a = (landing(Vec3d(frame.x) * h) - landing(Vec3d(frame.x) * -h)) * float(0.5 / h);
+        const Vec2 b = (landing(Vec3d(frame.y) * h) - landing(Vec3d(frame.y) * -h)) * float(0.5 / h);
+        const std::optional<double> g =
+            geometry_term(refracts ? Interaction::refraction : Interaction::reflection, float(ior), Vec3(x), patch,
+                          {false, Vec3(y), {}});
+        ASSERT_TRUE(g);
+        EXPECT_NEAR(*g * std::abs(double(a.x * b.y - a.y * b.x)), 1.0, 2e-4);
+    }
+}
+
+}  // namespace
+}  // namespace spc

@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`./dev build`: configure and compile a CMake preset."""
+
+from __future__ import annotations
+
+import argparse
+import os
+from pathlib import Path
+
+from tools import setup
+from tools.common import BUILD, ROOT, locked, run, say
+
+PRESETS = ("release", "dev", "asan")
+
+
+def environment() -> dict[str, str]:
+    """Environment for CMake. ccache takes paths relative to the root: checkouts share its cache."""
+    return {"CCACHE_BASEDIR": str(ROOT), "CCACHE_NOHASHDIR": "1"} | dict(os.environ)
+
+
+def configure(preset: str, quiet: bool = False) -> None:
+    """Make build/`preset` ready for ninja.
+
+    Ninja itself runs CMake again when CMake's files change, but does not know of the presets.
+    """
+    ninja_file = BUILD / preset / "build.ninja"
+    if (
+        ninja_file.exists()
+        and ninja_file.stat().st_mtime > (ROOT / "CMakePresets.json").stat().st_mtime
+    ):
+        return
+    say(f"configuring {preset}")
+    run(["cmake", "--preset", preset], f"configuring {preset}", environment(), quiet)
+
+
+def build(preset: str, quiet: bool = False) -> Path:
+    """Compile `preset`; returns the folder with its libraries. `quiet`: output only on failure."""
+    with locked(BUILD / f"{preset}.lock"):
+        configure(preset, quiet)
+        run(["cmake", "--build", "--preset", preset], f"building {preset}", environment(), quiet)
+    return BUILD / preset / "lib"
+
+
+def main(argv: list[str]) -> int:
+    """Entry of `./dev build`."""
+    parser = argparse.ArgumentParser(prog="./dev build", description="Compile into build/PRESET.")
+    parser.add_argument("--preset", choices=PRESETS, default="release")
+    preset = parser.parse_args(argv).preset
+    setup.ensure("build" if preset == "release" else "test native")
+    build(preset)
+    return 0

@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`./dev demo`: from a fresh checkout to a picture."""
+
+from __future__ import annotations
+
+import argparse
+import re
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+from tools import host, setup
+from tools.common import BUILD, ROOT, DevError, say
+
+SCENE = ROOT / "blend_scenes" / "swimming_pool.blend"
+FOLDER = BUILD / "demo"
+PICTURE = FOLDER / "swimming_pool_0001.png"
+LOG = FOLDER / "swimming_pool.log"
+SECONDS_BETWEEN_LINES = 5.0  # where standard error is no terminal
+
+
+class Progress:
+    """Blender's "Fra:1 Mem:... | Time:... | text" lines as one line that changes.
+
+    Where standard error is no terminal, a line now and then.
+    """
+
+    def __init__(self) -> None:
+        self.terminal = sys.stderr.isatty()
+        self.start = time.monotonic()
+        self.printed = -SECONDS_BETWEEN_LINES
+
+    def show(self, line: str) -> None:
+        """Take in one line of Blender's output."""
+        match = re.match(r"Fra:\d+ .*?\| (?:Time:\S+ \| )?(?P<text>.*)", line)
+        if not match:
+            return
+        elapsed = time.monotonic() - self.start
+        text = f"rendering, {elapsed:5.1f} s: {match['text'].strip()}"
+        if self.terminal:
+            sys.stderr.write(f"\r\x1b[K{text[:100]}")
+            sys.stderr.flush()
+        elif elapsed - self.printed >= SECONDS_BETWEEN_LINES:
+            self.printed = elapsed
+            say(text)
+
+    def end(self) -> None:
+        """Leave the changing line."""
+        if self.terminal:
+            sys.stderr.write("\r\x1b[K")
+        say(f"Blender ran for {time.monotonic() - self.start:.1f} s")
+
+
+def render(scene: Path, libraries: Path) -> int:
+    """Render frame 1 of `scene` to PICTURE, Blender's output to LOG; returns the exit code."""
+    arguments = ["--background", str(scene), "-E", "SPECULA"]
+    arguments += ["-o", str(FOLDER / "swimming_pool_"), "-F", "PNG", "-f", "1"]
+    progress = Progress()
+    with (
+        open(LOG, "w") as log,
+        subprocess.Popen(
+            host.blender_command(arguments),
+            env=host.blender_environment(libraries),
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            errors="replace",
+        ) as process,
+    ):
+        for line in process.stdout:
+            log.write(line)
+            progress.show(line)
+    progress.end()
+    return process.returncode
+
+
+def main(argv: list[str]) -> int:
+    """Entry of `./dev demo`."""
+    description = (
+        "Render a swimming pool with Specula; the last line printed is the picture's path."
+    )
+    argparse.ArgumentParser(prog="./dev demo", description=description).parse_args(argv)
+    if not SCENE.exists():
+        raise DevError(f"there is no {SCENE.relative_to(ROOT)}")
+    setup.ensure("demo")
+    libraries = host.library_folder(quiet=False)
+    FOLDER.mkdir(parents=True, exist_ok=True)
+    PICTURE.unlink(missing_ok=True)  # an old picture must not pass for a new one
+    code = render(SCENE, libraries)
+    if code != 0 or not PICTURE.exists():
+        sys.stderr.writelines(LOG.read_text().splitlines(keepends=True)[-25:])
+        wrote = "a" if PICTURE.exists() else "no"
+        raise DevError(
+            f"Blender wrote {wrote} picture, exit code {code}; all of its output is in {LOG}"
+        )
+    print(PICTURE)
+    return 0

@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`./dev package`: the addon as artists install it, with its libraries, as one zip file."""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import zipfile
+from pathlib import Path
+
+from tools import setup
+from tools.build import build
+from tools.common import BUILD, ROOT, DevError
+
+ADDON = ROOT / "addon"
+MANIFEST = "blender_manifest.toml"
+TIMESTAMP = (1980, 1, 1, 0, 0, 0)  # the first that a zip file can hold: same input, same bytes
+
+
+def addon_version() -> str:
+    """Version in bl_info, such as 0.1.0; the addon is parsed, not imported (that needs Blender)."""
+    source = ADDON / "__init__.py"
+    if not source.exists():
+        raise DevError("there is no addon in addon/")
+    for node in ast.parse(source.read_text()).body:
+        targets = node.targets if isinstance(node, ast.Assign) else []
+        if any(isinstance(target, ast.Name) and target.id == "bl_info" for target in targets):
+            return ".".join(str(part) for part in ast.literal_eval(node.value)["version"])
+    raise DevError(f"no bl_info in {source.relative_to(ROOT)}")
+
+
+def contents(libraries: Path) -> dict[str, Path]:
+    """Name in the zip file -> file."""
+    files = {path.relative_to(ADDON).as_posix(): path for path in ADDON.rglob("*.py")}
+    if (ADDON / MANIFEST).exists():
+        files[MANIFEST] = ADDON / MANIFEST
+    found = sorted(libraries.glob("libspecula-*.so"))
+    if not found:
+        raise DevError(f"there are no libraries in {libraries}")
+    files |= {f"lib/{path.name}": path for path in found}
+    files["LICENSE"] = ROOT / "LICENSE"
+    return {f"specula/{name}": path for name, path in files.items()}
+
+
+def write_zip(target: Path, files: dict[str, Path]) -> None:
+    """Write `files` sorted and without anything that differs between two runs."""
+    target.parent.mkdir(parents=True, exist_ok=True)
+    partial = target.with_suffix(".partial")
+    with zipfile.ZipFile(partial, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name in sorted(files):
+            entry = zipfile.ZipInfo(name, TIMESTAMP)
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            entry.create_system = 3  # Unix, which the permissions are written for
+            entry.external_attr = (0o755 if name.endswith(".so") else 0o644) << 16
+            archive.writestr(entry, files[name].read_bytes())
+    partial.replace(target)
+
+
+def main(argv: list[str]) -> int:
+    """Entry of `./dev package`."""
+    parser = argparse.ArgumentParser(
+        prog="./dev package", description="Zip the addon with its libraries."
+    )
+    parser.add_argument(
+        "--out", type=Path, default=BUILD / "package", metavar="DIR", help="default: build/package"
+    )
+    folder = parser.parse_args(argv).out
+    version = addon_version()
+    setup.ensure("package")
+    target = folder.resolve() / f"specula-{version}.zip"
+    write_zip(target, contents(build("release")))
+    print(target)
+    return 0

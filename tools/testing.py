@@ -1,0 +1,229 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`./dev test`: every suite runs, whatever failed before it; then a summary, and one exit code."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import re
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from tools import host, setup
+from tools.build import build
+from tools.common import BUILD, PYTHON, ROOT, DevError, say
+
+LOGS = BUILD / "test-logs"
+SUITE_SECONDS = 25 * 60  # a suite that hangs must not hold up a machine for ever
+
+CTEST_CLOSING = re.compile(r"^(\d+% tests passed, .*|No tests were found!!!)$")
+PYTEST_CLOSING = re.compile(r"^=+ .* in [\d.]+s.*=+$")
+PYTEST_NO_TESTS = 5
+
+
+@dataclass
+class Result:
+    """What came of one suite."""
+
+    name: str
+    outcome: str = "failed"  # "passed", "failed" or "no test"
+    # The runner's last words, or why it could not run.
+    closing: list[str] = field(default_factory=list)
+    seconds: float = 0.0
+
+
+def run_logged(
+    command: list[str], log: Path, env: Mapping[str, str] | None = None
+) -> tuple[int, list[str]]:
+    """Run a program in the project's root; returns (exit code, lines of its output).
+
+    The output goes to the terminal and to `log`. After SUITE_SECONDS, or when ./dev is interrupted,
+    it is killed with all of its children.
+    """
+    print(f"\n--- {' '.join(command)}", flush=True)
+    lines = []
+    with subprocess.Popen(
+        command,
+        cwd=ROOT,
+        env=env,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        errors="replace",
+        start_new_session=True,  # a process group of its own, to be killed as one
+    ) as process:
+
+        def kill() -> None:
+            os.killpg(process.pid, signal.SIGKILL)
+
+        def give_up() -> None:
+            say(f"no end after {SUITE_SECONDS} s, killing: {' '.join(command)}")
+            kill()
+
+        timer = threading.Timer(SUITE_SECONDS, give_up)
+        timer.start()
+        try:
+            with open(log, "w") as file:
+                for line in process.stdout:
+                    lines.append(line.rstrip("\n"))
+                    file.write(line)
+                    sys.stdout.write(line)
+                    sys.stdout.flush()
+            process.wait()
+        except BaseException:
+            kill()
+            raise
+        finally:
+            timer.cancel()
+    return process.returncode, lines
+
+
+def run_ctest(preset: str, log: Path, selection: str | None) -> Result:
+    """The native tests of one preset."""
+    build(preset)
+    command = ["ctest", "--preset", preset, "--parallel", str(os.cpu_count() or 1)]
+    if selection:
+        command += ["-R", selection, "--no-tests=ignore"]
+    code, lines = run_logged(command, log)
+    closing = [line for line in lines if CTEST_CLOSING.match(line)]
+    ran = bool(closing) and not closing[-1].startswith("No tests")
+    if code == 0 and not ran:
+        return Result(preset, "no test", closing)
+    return Result(
+        preset, "passed" if code == 0 else "failed", closing or [f"ctest: exit code {code}"]
+    )
+
+
+def run_pytest(
+    folder: str, log: Path, selection: str | None, runner: list[str], env: Mapping[str, str]
+) -> Result:
+    """The tests in `folder`; `runner` is the command line before pytest's arguments."""
+    if not (ROOT / folder).is_dir():
+        raise DevError(f"there is no folder {folder}")
+    command = [*runner, folder]
+    if selection:
+        command += ["-k", selection]
+    code, lines = run_logged(command, log, env)
+    closing = [line for line in lines if PYTEST_CLOSING.match(line)][-1:]
+    if not closing:  # it died before its last words, whatever the exit code says
+        return Result(folder, "failed", [f"pytest did not come to its end: exit code {code}"])
+    if code == PYTEST_NO_TESTS and selection:
+        return Result(folder, "no test", closing)
+    return Result(folder, "passed" if code == 0 else "failed", closing)
+
+
+def run_native(log: Path, selection: str | None) -> Result:
+    """GoogleTest with asserts on."""
+    return run_ctest("dev", log, selection)
+
+
+def run_asan(log: Path, selection: str | None) -> Result:
+    """GoogleTest under the sanitizers, without the slow tests."""
+    return run_ctest("asan", log, selection)
+
+
+def run_addon(log: Path, selection: str | None) -> Result:
+    """What of the addon works without Blender; `import specula` finds addon/."""
+    env = dict(os.environ)
+    env["PYTHONPATH"] = str(host.scripts_folder(BUILD / "python") / "addons")
+    return run_pytest("tests/addon", log, selection, [PYTHON, "-m", "pytest"], env)
+
+
+def run_blender(log: Path, selection: str | None) -> Result:
+    """The addon inside Debian's Blender."""
+    script = str(host.TOOLS / "pytest_in_blender.py")
+    arguments = ["--background", "--python-exit-code", "1", "--python", script, "--"]
+    env = host.blender_environment(host.library_folder(quiet=False))
+    return run_pytest("tests/blender", log, selection, host.blender_command(arguments), env)
+
+
+def run_bpy(log: Path, selection: str | None) -> Result:
+    """The addon inside today's Blender."""
+    runner = host.bpy_command(str(host.TOOLS / "pytest_in_blender.py"), [])
+    env = host.bpy_environment(host.library_folder(quiet=False))
+    return run_pytest("tests/blender", log, selection, runner, env)
+
+
+def run_images(log: Path, selection: str | None) -> Result:
+    """Renders against reference images."""
+    env = os.environ | {"SPECULA_LIBRARY_DIR": str(host.library_folder(quiet=False))}
+    return run_pytest("tests/images", log, selection, [PYTHON, "-m", "pytest"], env)
+
+
+SUITES: dict[str, Callable[[Path, str | None], Result]] = {
+    "native": run_native,
+    "asan": run_asan,
+    "addon": run_addon,
+    "blender": run_blender,
+    "bpy": run_bpy,
+    "images": run_images,
+}
+
+
+def run_suite(name: str, selection: str | None) -> Result:
+    """Run one suite; whatever keeps it from running is a failed result."""
+    print(f"\n=== suite {name}: {SUITES[name].__doc__}", flush=True)
+    start = time.monotonic()
+    try:
+        result = SUITES[name](LOGS / f"{name}.log", selection)
+    except DevError as error:
+        print(f"dev: error: {error}", flush=True)
+        result = Result(name, "failed", [str(error)])
+    result.name = name
+    result.seconds = time.monotonic() - start
+    return result
+
+
+def report(results: list[Result]) -> bool:
+    """Print the summary, each runner's closing lines unchanged; returns whether all is well."""
+    print("\n--- summary; logs are in build/test-logs/")
+    for result in results:
+        print(f"{result.name} ({result.seconds:.0f} s): {result.outcome}")
+        for line in result.closing:
+            print(line)
+    failed = [result.name for result in results if result.outcome == "failed"]
+    if failed:
+        print(f"failed: {' '.join(failed)}")
+    elif all(result.outcome == "no test" for result in results):
+        print("failed: no test ran")
+        return False
+    return not failed
+
+
+def raise_interrupt(*_: object) -> None:
+    """Signal handler: SIGTERM ends the suite as Ctrl-C does, so that no child stays behind."""
+    raise KeyboardInterrupt
+
+
+def main(argv: list[str]) -> int:
+    """Entry of `./dev test`."""
+    parser = argparse.ArgumentParser(
+        prog="./dev test", description="Run the tests; all suites but asan by default."
+    )
+    parser.add_argument("suites", nargs="*", metavar="SUITE", help=" ".join(SUITES))
+    parser.add_argument(
+        "--asan",
+        action="store_true",
+        help="also the native tests under the sanitizers, slow ones excepted",
+    )
+    parser.add_argument(
+        "-k", metavar="EXPRESSION", help="only tests that match (pytest -k, ctest -R)"
+    )
+    args = parser.parse_args(argv)
+    for name in args.suites:
+        if name not in SUITES:
+            parser.error(f"no suite '{name}'; there are: {' '.join(SUITES)}")
+    wanted = set(args.suites or SUITES.keys() - {"asan"}) | ({"asan"} if args.asan else set())
+    names = [name for name in SUITES if name in wanted]
+
+    signal.signal(signal.SIGTERM, raise_interrupt)
+    setup.ensure(*(f"test {name}" for name in names))
+    LOGS.mkdir(parents=True, exist_ok=True)
+    return 0 if report([run_suite(name, args.k) for name in names]) else 1

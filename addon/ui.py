@@ -17,13 +17,15 @@ EXCLUDED_PANELS = {
     "RENDER_PT_freestyle",
     "RENDER_PT_gpencil",
     "RENDER_PT_simplify_greasepencil",
+    "RENDER_PT_stereoscopy",
     "VIEWLAYER_PT_filter",
     "VIEWLAYER_PT_layer_passes",  # replaced by SPECULA_PT_passes
     "WORLD_PT_mist",
 }
 
-# EEVEE's panels that only show slots and node trees.
+# EEVEE's panels that only show slots, node trees and previews.
 BORROWED_PANELS = (
+    "MATERIAL_PT_preview",
     "EEVEE_MATERIAL_PT_context_material",
     "EEVEE_MATERIAL_PT_surface",
     "EEVEE_WORLD_PT_surface",
@@ -31,12 +33,16 @@ BORROWED_PANELS = (
 
 
 def shared_panels() -> list[type]:
-    """Blender's panels that Specula uses too."""
+    """Blender's panels that Specula uses too.
+
+    Some have a copy for the sidebar of node editors, named NODE_..., with which they share their
+    set of engines.
+    """
     panels = [
         panel
         for panel in bpy.types.Panel.__subclasses__()
         if "BLENDER_RENDER" in getattr(panel, "COMPAT_ENGINES", ())
-        and panel.__name__ not in EXCLUDED_PANELS
+        and panel.__name__.removeprefix("NODE_") not in EXCLUDED_PANELS
     ]
     borrowed = (getattr(bpy.types, name, None) for name in BORROWED_PANELS)
     return panels + [panel for panel in borrowed if panel]
@@ -175,13 +181,15 @@ class SPECULA_PT_light(SpeculaPanel, bpy.types.Panel):
     bl_label = "Light"
     bl_context = "data"
 
-    # What a light has beyond colour and energy.
+    # Those that this Blender's light has are shown.
+    COMMON = ("use_temperature", "temperature", "color", "energy", "exposure", "normalize")
     PROPERTIES = {
         "POINT": ("shadow_soft_size",),
         "SPOT": ("shadow_soft_size", "spot_size", "spot_blend"),
         "SUN": ("angle",),
         "AREA": ("shape", "size"),
     }
+    LABELS = {"shadow_soft_size": "Radius"}
 
     @classmethod
     def poll(cls, context) -> bool:
@@ -191,9 +199,9 @@ class SPECULA_PT_light(SpeculaPanel, bpy.types.Panel):
         light = context.light
         self.layout.row().prop(light, "type", expand=True)
         column = self.column()
-        for name in ("color", "energy", "exposure", *self.PROPERTIES[light.type]):
+        for name in (*self.COMMON, *self.PROPERTIES[light.type]):
             if hasattr(light, name):
-                column.prop(light, name)
+                column.prop(light, name, text=self.LABELS.get(name))
         if light.type == "AREA" and light.shape in {"RECTANGLE", "ELLIPSE"}:
             column.prop(light, "size_y")
         column.separator()

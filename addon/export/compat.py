@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Every difference between Blender versions that export meets, found by feature, not by number.
+"""Every difference between Blender versions that export meets, found by feature where possible.
 
 Written for 3.4 and 5.0; what holds between them is told by which attribute exists.
 """
 
 from __future__ import annotations
+
+import math
 
 import numpy as np
 
@@ -128,8 +130,16 @@ def casts_shadows(light) -> bool:
 
 
 def light_gain(light) -> tuple[float, float, float]:
-    """What multiplies colour and energy since 4.5: exposure in stops, blackbody tint."""
+    """What multiplies colour and energy: exposure in stops and blackbody tint, since 4.5.
+
+    Until 3.6 a watt of an area light was pi / 4 of today's; Blender converts old files likewise.
+    No feature tells that, so it is by number.
+    """
+    import bpy  # not above: tables that use this module are also read without Blender
+
     gain = 2.0 ** getattr(light, "exposure", 0.0)
+    if light.type == "AREA" and bpy.app.version < (4, 0, 0):
+        gain *= math.pi / 4
     if getattr(light, "use_temperature", False):
         return tuple(gain * channel for channel in light.temperature_color)
     return (gain, gain, gain)

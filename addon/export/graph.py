@@ -38,8 +38,11 @@ class Output:
 def source(socket, path: GroupPath) -> Constant | Output | None:
     """What input `socket` reads; None if it has neither link nor value, so that its default holds.
 
-    A shader or a normal has no value; so has an input that a muted node or an empty group cuts off.
+    A shader or a normal has no value; so has an input that a muted node or an empty group cuts off
+    (`socket` itself is None where a group has no such socket).
     """
+    if socket is None:
+        return None
     link = next((link for link in socket.links if link.is_valid and not link.is_muted), None)
     if link is None:
         return constant(socket)
@@ -68,7 +71,7 @@ def group_output(tree):
 
 
 def _same(sockets, socket):
-    return next(other for other in sockets if other.identifier == socket.identifier)
+    return next((other for other in sockets if other.identifier == socket.identifier), None)
 
 
 def constant(socket) -> Constant | None:

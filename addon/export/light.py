@@ -71,6 +71,10 @@ def _node_emission(light, owner: str, log: ExportLog) -> tuple[float, float, flo
 
 
 def _point(desc: LightDesc, light, owner: str, log: ExportLog) -> None:
+    """A sphere. Cycles' soft falloff (its default, and all it had until 3.6) is a disk instead.
+
+    At ten times the radius the disk gives 1% less light.
+    """
     desc.radius = light.shadow_soft_size
     if not compat.is_normalized(light):
         # Of a sphere; Cycles' point, which has no area, shines with a factor of 4.

@@ -56,10 +56,10 @@ class Converter:
         output = tree.get_output_node("CYCLES")
         if output:
             self._input(0, output, "Surface", path=())
-            for name in ("Volume", "Displacement"):
-                socket = compat.find_input(output, name)
+            for unsupported in ("Volume", "Displacement"):
+                socket = compat.find_input(output, unsupported)
                 if socket and socket.is_linked:
-                    self.warn(output, f"{name} is not supported and has no effect")
+                    self.warn(output, f"{unsupported} is not supported and has no effect")
         return MaterialDesc(name, self._nodes, self._links), self.needs
 
     # ---------------------------------------------------- for `adjust` functions in nodes.py

@@ -40,9 +40,14 @@ class SceneExport:
         for instance in self.depsgraph.object_instances:
             if instance.show_self:
                 self._named_instance(instance)
-        if self.depsgraph.scene_eval.render.use_motion_blur:
-            self.log.warn("scene", "motion blur is not supported, the frame is still")
+        self._check_scene(self.depsgraph.scene_eval.render)
         return self.scene
+
+    def _check_scene(self, render) -> None:
+        if render.use_motion_blur:
+            self.log.warn("scene", "motion blur is not supported, the frame is still")
+        if render.use_multiview:
+            self.log.warn("scene", "stereoscopy is not supported, all views are the same")
 
     def _named_instance(self, instance) -> None:
         """So that whatever goes wrong with an object says which one it was."""
@@ -69,11 +74,19 @@ class SceneExport:
             if light:
                 self.scene.lights.append(light)
             return
+        self._check_object(obj, owner)
+        self._mesh_instance(obj, transform, visibility, caustics_role(instance))
+
+    def _check_object(self, obj, owner: str) -> None:
         if obj.is_holdout:
             self.log.warn(owner, "holdout is not supported, the object is rendered")
-        self._mesh_instance(obj, owner, transform, visibility)
+        if any(
+            system.settings.type == "HAIR" and system.settings.render_type == "PATH"
+            for system in obj.particle_systems
+        ):
+            self.log.warn(owner, "hair is not supported, it is not rendered")
 
-    def _mesh_instance(self, obj, owner: str, transform: np.ndarray, visibility) -> None:
+    def _mesh_instance(self, obj, transform: np.ndarray, visibility, role) -> None:
         materials = [self._material(slot.material) for slot in obj.material_slots]
         materials = materials or [self._material(None)]
         needs = MaterialNeeds()
@@ -83,7 +96,7 @@ class SceneExport:
         if mesh is None:
             return
         if np.linalg.det(transform[:, :3].astype(np.float64)) == 0.0:
-            self.log.warn(owner, "has a scale of zero, it is not rendered")
+            self.log.warn(f"object {obj.name}", "has a scale of zero, it is not rendered")
             return
         self.scene.instances.append(
             InstanceDesc(
@@ -92,7 +105,7 @@ class SceneExport:
                 transform=transform,
                 materials=[index for index, _ in materials],
                 visibility=visibility,
-                caustics_role=caustics_role(obj),
+                caustics_role=role,
             )
         )
 

@@ -47,8 +47,13 @@ def world_visibility(world) -> Visibility:
     return visible
 
 
-def caustics_role(obj) -> CausticsRole:
-    """Specula's setting; where it is AUTO, Cycles' caster flag asks for more than AUTO would."""
+def caustics_role(instance) -> CausticsRole:
+    """Specula's setting; where it is AUTO, Cycles' caster flag asks for more than AUTO would.
+
+    Read from the object that is instanced: `instance.object` is then a temporary copy, which leaks
+    the property group that reading one may create.
+    """
+    obj = instance.instance_object if instance.is_instance else instance.object
     role = CausticsRole[obj.specula.caustics]
     if role != CausticsRole.AUTO or not compat.cycles_value(obj, "is_caustics_caster", False):
         return role

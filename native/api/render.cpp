@@ -16,17 +16,21 @@ std::string& last_error() {
     return message;
 }
 
+// Beyond these a render could neither be cancelled in time nor show anything.
+constexpr uint32_t kMostWalks = 4096;
+constexpr float kWidestFilter = 1000.0f;
+
 void check_settings(const spc_render_settings& s) {
     require(s.method <= SPC_METHOD_SMS_BIASED, fmt::format("unknown method {}", s.method));
     require(s.constraint <= SPC_CONSTRAINT_ANGLE_DIFFERENCE, fmt::format("unknown constraint {}", s.constraint));
     require(s.pixel_filter <= SPC_FILTER_BLACKMAN_HARRIS, fmt::format("unknown pixel filter {}", s.pixel_filter));
     require(s.samples >= 1, "samples must be at least 1");
     require(s.samples <= 0xffffffffu - s.first_sample, "first_sample + samples is out of range");
-    require(s.set_size >= 1, "set_size must be at least 1");
+    require(s.set_size >= 1 && s.set_size <= kMostWalks, fmt::format("set_size must lie in [1, {}]", kMostWalks));
     require(std::isfinite(s.time_limit) && s.time_limit >= 0.0f, "time_limit must be finite and not negative");
-    require(s.threads <= 1024, "threads must be at most 1024");
-    require(s.pixel_filter == SPC_FILTER_BOX || (std::isfinite(s.filter_width) && s.filter_width > 0.0f),
-            "filter_width must be finite and positive");
+    require_thread_count(s.threads);
+    require(s.pixel_filter == SPC_FILTER_BOX || (s.filter_width > 0.0f && s.filter_width <= kWidestFilter),
+            fmt::format("filter_width must be positive and at most {} pixels", kWidestFilter));
 }
 
 RenderSettings to_settings(const spc_render_settings& s) {

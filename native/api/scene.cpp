@@ -111,6 +111,7 @@ UvLayer to_uv_layer(const spc_uv_layer& desc, size_t corners, const std::string&
     layer.tangent_signs.resize(corners);
     for (size_t i = 0; i < corners; ++i) {
         const float* t = desc.tangents + 4 * i;
+        require(std::isfinite(t[3]), fmt::format("{}: UV layer {}: tangent sign {} is not finite", owner, layer.name, i));
         layer.tangents[i] = {t[0], t[1], t[2]};
         layer.tangent_signs[i] = t[3] < 0.0f ? -1.0f : 1.0f;
     }
@@ -127,7 +128,7 @@ Mesh to_mesh(const spc_mesh_desc& desc) {
     mesh.positions = copied<Vec3>(desc.positions, desc.vertex_count, owner, "positions");
     mesh.triangles = copied<std::array<uint32_t, 3>>(desc.triangles, triangles, owner, "triangles");
     if (desc.normals != nullptr) mesh.normals = copied<Vec3>(desc.normals, 3 * triangles, owner, "normals");
-    if (desc.material_slots != nullptr && desc.slot_count > 1)
+    if (desc.material_slots != nullptr)
         mesh.slots = copied<uint32_t>(desc.material_slots, triangles, owner, "material_slots");
     mesh.slot_count = desc.slot_count;
     require(desc.uv_layers != nullptr || desc.uv_layer_count == 0, owner + ": uv_layers is null");
@@ -211,7 +212,10 @@ void fill_stats(const spc_scene& handle, spc_scene_stats& stats) {
 using namespace spc::api;
 
 spc_status spc_scene_create(spc_scene** scene) {
-    return gate("spc_scene_create", [&] { checked_output(scene, "scene") = new spc_scene; });
+    return gate("spc_scene_create", [&] {
+        spc_scene*& out = checked_output(scene, "scene");  // first: an assignment evaluates its right side before
+        out = new spc_scene;
+    });
 }
 
 void spc_scene_destroy(spc_scene* scene) { delete scene; }
@@ -284,6 +288,7 @@ spc_status spc_scene_set_environment(spc_scene* scene, const spc_environment_des
 spc_status spc_scene_commit(spc_scene* scene, uint32_t threads) {
     return gate("spc_scene_commit", [&] {
         spc::SceneBuilder& builder = builder_of(scene);
+        require_thread_count(threads);
         const auto start = std::chrono::steady_clock::now();
         builder.require_complete();
         // From here on only a lack of memory can stop it; then the scene is lost.

@@ -8,11 +8,12 @@ namespace {
 
 // The largest float below 1.
 constexpr float kBelowOne = 0x1.fffffep-1f;
-// Least share of an entry that is not zero: two steps of the table's precision just below 1. So every such entry can be
-// drawn with up to 4 million of them, and rarer ones are drawn too often, which their probability says.
+// Least share of an entry that is not zero: two steps of the table's precision just below 1. So
+// every such entry can be drawn with up to 4 million of them, and rarer ones are drawn too often,
+// which their probability says.
 constexpr double kLeastShare = 0x1p-23;
-// A position keeps this distance from its cell's edges, in cells per cell of the row, so that rounding cannot move
-// it into the next cell.
+// A position keeps this distance from its cell's edges, in cells per cell of the row, so that
+// rounding cannot move it into the next cell.
 constexpr float kEdge = 2.5e-7f;
 
 float position_in_cell(uint32_t cell, float offset, uint32_t count) {
@@ -38,7 +39,9 @@ DiscreteDistribution::DiscreteDistribution(std::span<const float> weights) {
     if (!(sum > 0.0)) return;
 
     const double least = kLeastShare * sum;
-    const auto lifted = [&](float weight) { return weight > 0.0f ? std::max<double>(weight, least) : 0.0; };
+    const auto lifted = [&](float weight) {
+        return weight > 0.0f ? std::max<double>(weight, least) : 0.0;
+    };
     double lifted_sum = 0.0;
     size_t last = 0;  // entry that is not zero
     for (size_t i = 0; i < weights.size(); ++i) {
@@ -54,7 +57,9 @@ DiscreteDistribution::DiscreteDistribution(std::span<const float> weights) {
     std::fill(cumulative_.begin() + static_cast<std::ptrdiff_t>(last) + 1, cumulative_.end(), 1.0f);
 }
 
-float DiscreteDistribution::probability(size_t i) const { return cumulative_[i + 1] - cumulative_[i]; }
+float DiscreteDistribution::probability(size_t i) const {
+    return cumulative_[i + 1] - cumulative_[i];
+}
 
 DiscreteDistribution::Sample DiscreteDistribution::sample(float u) const {
     SPC_ASSERT(!empty());
@@ -66,7 +71,8 @@ DiscreteDistribution::Sample DiscreteDistribution::sample(float u) const {
         length -= half;
     }
     const float probability = cumulative_[low + 1] - cumulative_[low];
-    return {static_cast<uint32_t>(low), probability, std::min((u - cumulative_[low]) / probability, kBelowOne)};
+    return {static_cast<uint32_t>(low), probability,
+            std::min((u - cumulative_[low]) / probability, kBelowOne)};
 }
 
 Distribution2D::Distribution2D(std::span<const float> values, uint32_t width, uint32_t height)
@@ -87,7 +93,8 @@ Distribution2D::Sample Distribution2D::sample(const Vec2& u) const {
     const DiscreteDistribution::Sample y = marginal_.sample(u.y);
     const DiscreteDistribution::Sample x = rows_[y.index].sample(u.x);
     const float cells = static_cast<float>(width_) * static_cast<float>(height_);
-    return {{position_in_cell(x.index, x.remapped, width_), position_in_cell(y.index, y.remapped, height_)},
+    return {{position_in_cell(x.index, x.remapped, width_),
+             position_in_cell(y.index, y.remapped, height_)},
             x.probability * y.probability * cells};
 }
 

@@ -51,7 +51,8 @@ void finish(Image& image, ColorSpace space, AlphaMode alpha, bool stored_premult
     image.srgb_encoded = space == ColorSpace::srgb && !image.bytes.empty();
     if (space == ColorSpace::srgb && !image.floats.empty()) {
         for (size_t i = 0; i < image.floats.size(); ++i)
-            if (image.channels != 4 || i % 4 != 3) image.floats[i] = srgb_to_linear(image.floats[i]);
+            if (image.channels != 4 || i % 4 != 3)
+                image.floats[i] = srgb_to_linear(image.floats[i]);
     }
     if (image.channels != 4) return;
     apply_alpha(image.bytes, uint8_t{255}, alpha == AlphaMode::none, associates && !multiplied);
@@ -115,15 +116,16 @@ Image image_from_input(const std::string& name, OIIO::ImageInput& input, ColorSp
     image.name = name;
     image.width = static_cast<uint32_t>(spec.width);
     image.height = static_cast<uint32_t>(spec.height);
-    image.channels = spec.nchannels == 1 || spec.nchannels == 3 ? static_cast<uint32_t>(spec.nchannels) : 4u;
+    image.channels =
+        spec.nchannels == 1 || spec.nchannels == 3 ? static_cast<uint32_t>(spec.nchannels) : 4u;
     check_size(name, image.width, image.height, image.channels);
 
     bool bytes = spec.format == OIIO::TypeDesc::UINT8;
     for (const OIIO::TypeDesc& format : spec.channelformats)
         bytes = bytes && format == OIIO::TypeDesc::UINT8;
-    const bool stored_premultiplied =
-        spec.alpha_channel >= 0 && !spec.get_int_attribute("oiio:UnassociatedAlpha", 0) &&
-        !says_nothing_of_straight_alpha(input);
+    const bool stored_premultiplied = spec.alpha_channel >= 0 &&
+                                      !spec.get_int_attribute("oiio:UnassociatedAlpha", 0) &&
+                                      !says_nothing_of_straight_alpha(input);
     if (bytes) {
         read_texels(input, name, OIIO::TypeDesc::UINT8, image.bytes);
     } else {
@@ -149,11 +151,21 @@ const char* extension_by_signature(std::span<const uint8_t> encoded) {
     };
     using std::string_view_literals::operator""sv;
     static constexpr Signature kSignatures[] = {
-        {"\x89PNG"sv, ".png"},     {"\xff\xd8\xff"sv, ".jpg"},     {"\x76\x2f\x31\x01"sv, ".exr"},
-        {"#?"sv, ".hdr"},          {"II\x2a\x00"sv, ".tif"},       {"MM\x00\x2a"sv, ".tif"},
-        {"BM"sv, ".bmp"},          {"DDS "sv, ".dds"},             {"8BPS"sv, ".psd"},
-        {"RIFF"sv, ".webp"},       {"\x00\x00\x00\x0cjP"sv, ".jp2"}, {"GIF8"sv, ".gif"},
-        {"\xff\x4f\xff\x51"sv, ".j2c"}, {"SDPX"sv, ".dpx"},        {"XPDS"sv, ".dpx"},
+        {"\x89PNG"sv, ".png"},
+        {"\xff\xd8\xff"sv, ".jpg"},
+        {"\x76\x2f\x31\x01"sv, ".exr"},
+        {"#?"sv, ".hdr"},
+        {"II\x2a\x00"sv, ".tif"},
+        {"MM\x00\x2a"sv, ".tif"},
+        {"BM"sv, ".bmp"},
+        {"DDS "sv, ".dds"},
+        {"8BPS"sv, ".psd"},
+        {"RIFF"sv, ".webp"},
+        {"\x00\x00\x00\x0cjP"sv, ".jp2"},
+        {"GIF8"sv, ".gif"},
+        {"\xff\x4f\xff\x51"sv, ".j2c"},
+        {"SDPX"sv, ".dpx"},
+        {"XPDS"sv, ".dpx"},
     };
     const std::string_view head(reinterpret_cast<const char*>(encoded.data()), encoded.size());
     for (const Signature& s : kSignatures)
@@ -212,8 +224,8 @@ Image image_from_file(const std::string& name, const std::string& path, ColorSpa
 
 Image image_from_memory(const std::string& name, std::span<const uint8_t> encoded, ColorSpace space,
                         AlphaMode alpha) {
-    OIIO::Filesystem::IOMemReader reader(
-        OIIO::cspan<uint8_t>(encoded.data(), static_cast<OIIO::cspan<uint8_t>::index_type>(encoded.size())));
+    OIIO::Filesystem::IOMemReader reader(OIIO::cspan<uint8_t>(
+        encoded.data(), static_cast<OIIO::cspan<uint8_t>::index_type>(encoded.size())));
     OIIO::ImageSpec config = raw_alpha();
     // With a configuration, OpenImageIO 2.4 takes the reader from there and not from the argument.
     void* proxy = static_cast<OIIO::Filesystem::IOProxy*>(&reader);

@@ -28,12 +28,15 @@ struct Texels {
 
     // Unscaled: the filters multiply by kScale once.
     Float4 at(int x, int y) const {
-        const Texel* t = data + (static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x)) * kChannels;
+        const Texel* t =
+            data + (static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x)) *
+                       kChannels;
         if constexpr (kChannels == 1) {
             const float grey = static_cast<float>(t[0]);
             return Float4{grey, grey, grey, kOpaque};
         } else if constexpr (kChannels == 3) {
-            return Float4{static_cast<float>(t[0]), static_cast<float>(t[1]), static_cast<float>(t[2]), kOpaque};
+            return Float4{static_cast<float>(t[0]), static_cast<float>(t[1]),
+                          static_cast<float>(t[2]), kOpaque};
         } else if constexpr (std::is_same_v<Texel, uint8_t>) {
             Byte4 bytes;
             std::memcpy(&bytes, t, sizeof(bytes));
@@ -58,7 +61,8 @@ float fold(float u, Extension extension) {
     switch (extension) {
         case Extension::repeat: u -= std::floor(u); break;
         case Extension::mirror: u -= 2.0f * std::floor(0.5f * u); break;
-        case Extension::extend: return std::min(std::max(-2.0f, u), 3.0f);  // NaN becomes -2 by the order
+        case Extension::extend:
+            return std::min(std::max(-2.0f, u), 3.0f);  // NaN becomes -2 by the order
         case Extension::clip: return u > -4.0f && u < 5.0f ? u : -4.0f;
     }
     return u >= 0.0f && u <= 2.0f ? u : 0.0f;
@@ -118,7 +122,8 @@ Filtered filter_linear(const Image4& image, float u, float v, Extension extensio
         c11 = image.at_or_clear(s.i + 1, t.i + 1);
     } else {
         const int x0 = wrap(s.i, image.width, extension), x1 = wrap(s.i + 1, image.width, extension);
-        const int y0 = wrap(t.i, image.height, extension), y1 = wrap(t.i + 1, image.height, extension);
+        const int y0 = wrap(t.i, image.height, extension),
+                  y1 = wrap(t.i + 1, image.height, extension);
         c00 = image.at(x0, y0);
         c10 = image.at(x1, y0);
         c01 = image.at(x0, y1);
@@ -162,9 +167,10 @@ Filtered filter_cubic(const Image4& image, float u, float v, Extension extension
         Float4 row{}, slope{};
         for (int i = 0; i < 4; ++i) {
             const int x = s.i - 1 + i, y = t.i - 1 + j;
-            const Float4 texel = extension == Extension::clip
-                                     ? image.at_or_clear(x, y)
-                                     : image.at(wrap(x, image.width, extension), wrap(y, image.height, extension));
+            const Float4 texel =
+                extension == Extension::clip
+                    ? image.at_or_clear(x, y)
+                    : image.at(wrap(x, image.width, extension), wrap(y, image.height, extension));
             row += splat(ws.w[i]) * texel;
             if constexpr (kDerivatives) slope += splat(ws.dw[i]) * texel;
         }
@@ -182,9 +188,10 @@ Filtered filter_cubic(const Image4& image, float u, float v, Extension extension
 }
 
 template <bool kDerivatives, class Texel, int kChannels>
-Filtered filter(const Image& image, const Texel* data, float u, float v, Interpolation interpolation,
-                Extension extension) {
-    const Texels<Texel, kChannels> texels{data, static_cast<int>(image.width), static_cast<int>(image.height)};
+Filtered filter(const Image& image, const Texel* data, float u, float v,
+                Interpolation interpolation, Extension extension) {
+    const Texels<Texel, kChannels> texels{data, static_cast<int>(image.width),
+                                          static_cast<int>(image.height)};
     switch (interpolation) {
         case Interpolation::closest: return filter_closest(texels, u, v, extension);
         case Interpolation::cubic: return filter_cubic<kDerivatives>(texels, u, v, extension);
@@ -194,8 +201,8 @@ Filtered filter(const Image& image, const Texel* data, float u, float v, Interpo
 }
 
 template <bool kDerivatives, class Texel>
-Filtered filter(const Image& image, const Texel* data, float u, float v, Interpolation interpolation,
-                Extension extension) {
+Filtered filter(const Image& image, const Texel* data, float u, float v,
+                Interpolation interpolation, Extension extension) {
     u = fold(u, extension);
     v = fold(v, extension);
     switch (image.channels) {
@@ -206,7 +213,8 @@ Filtered filter(const Image& image, const Texel* data, float u, float v, Interpo
 }
 
 template <bool kDerivatives>
-Filtered filter(const Image& image, float u, float v, Interpolation interpolation, Extension extension) {
+Filtered filter(const Image& image, float u, float v, Interpolation interpolation,
+                Extension extension) {
     if (!image.bytes.empty())
         return filter<kDerivatives>(image, image.bytes.data(), u, v, interpolation, extension);
     if (!image.floats.empty())
@@ -229,7 +237,8 @@ const std::array<float, kSrgbIntervals + 2> kSrgbTable = [] {
 float to_linear(float encoded) {
     const float x = encoded * kSrgbIntervals;
     if (!(x > 0.0f)) return 0.0f;
-    if (x > kSrgbIntervals) return srgb_to_linear(encoded);  // only where division by alpha went beyond 1
+    if (x > kSrgbIntervals)
+        return srgb_to_linear(encoded);  // only where division by alpha went beyond 1
     const int i = static_cast<int>(x);
     const size_t k = static_cast<size_t>(i);
     return kSrgbTable[k] + (kSrgbTable[k + 1] - kSrgbTable[k]) * (x - static_cast<float>(i));
@@ -262,10 +271,11 @@ Rgba<T> finish(const Image& image, Rgba<T> c, bool straight) {
 }  // namespace
 
 template <class T>
-Rgba<T> lookup(const Image& image, const T& u, const T& v, Interpolation interpolation, Extension extension,
-               bool straight) {
+Rgba<T> lookup(const Image& image, const T& u, const T& v, Interpolation interpolation,
+               Extension extension, bool straight) {
     constexpr bool kDerivatives = std::is_same_v<T, Dual2>;
-    const Filtered c = filter<kDerivatives>(image, value_of(u), value_of(v), interpolation, extension);
+    const Filtered c =
+        filter<kDerivatives>(image, value_of(u), value_of(v), interpolation, extension);
     if constexpr (kDerivatives) {
         const float w = static_cast<float>(image.width), h = static_cast<float>(image.height);
         const Float4 du = c.ds * splat(w * u.du) + c.dt * splat(h * v.du);
@@ -277,8 +287,10 @@ Rgba<T> lookup(const Image& image, const T& u, const T& v, Interpolation interpo
     }
 }
 
-template Rgba<float> lookup(const Image&, const float&, const float&, Interpolation, Extension, bool);
-template Rgba<Dual2> lookup(const Image&, const Dual2&, const Dual2&, Interpolation, Extension, bool);
+template Rgba<float> lookup(const Image&, const float&, const float&, Interpolation, Extension,
+                            bool);
+template Rgba<Dual2> lookup(const Image&, const Dual2&, const Dual2&, Interpolation, Extension,
+                            bool);
 
 Rgba<float> mean(const Image& image, bool straight) {
     double sum[4] = {};
@@ -286,13 +298,14 @@ Rgba<float> mean(const Image& image, bool straight) {
         for (uint32_t x = 0; x < image.width; ++x) {
             const float u = (static_cast<float>(x) + 0.5f) / static_cast<float>(image.width);
             const float v = (static_cast<float>(y) + 0.5f) / static_cast<float>(image.height);
-            const Rgba<float> c = lookup(image, u, v, Interpolation::closest, Extension::extend, straight);
+            const Rgba<float> c =
+                lookup(image, u, v, Interpolation::closest, Extension::extend, straight);
             sum[0] += c.r, sum[1] += c.g, sum[2] += c.b, sum[3] += c.a;
         }
     }
     const double inv = 1.0 / std::max(1.0, double(image.width) * image.height);
-    return {static_cast<float>(sum[0] * inv), static_cast<float>(sum[1] * inv), static_cast<float>(sum[2] * inv),
-            static_cast<float>(sum[3] * inv)};
+    return {static_cast<float>(sum[0] * inv), static_cast<float>(sum[1] * inv),
+            static_cast<float>(sum[2] * inv), static_cast<float>(sum[3] * inv)};
 }
 
 }  // namespace spc

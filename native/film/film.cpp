@@ -3,6 +3,10 @@
 
 #include "core/error.h"
 
+#include <utility>
+
+#include <utility>
+
 namespace spc {
 
 void accumulate(PixelSums& pixel, const FilmSample& sample) {
@@ -65,28 +69,40 @@ void write_pixel(Pass pass, const PixelSums& pixel, float* out) {
 }  // namespace
 
 Film::Film(uint32_t width, uint32_t height)
-    : width_(width), height_(height), tiles_across_((width + kTileSize - 1) / kTileSize),
-      tiles_(static_cast<size_t>(tiles_across_) * ((height + kTileSize - 1) / kTileSize)) {
-    for (uint32_t t = 0; t < tile_count(); ++t) {
-        const TileBounds b = bounds(t);
-        tiles_[t].pixels.resize(static_cast<size_t>(b.width) * b.height);
-    }
-}
+    : width_(width),
+      height_(height),
+      tiles_across_(static_cast<uint32_t>((uint64_t{width} + kTileSize - 1) / kTileSize)),
+      pixels_(static_cast<size_t>(width) * height),
+      mutexes_(static_cast<size_t>(tiles_across_) *
+               ((uint64_t{height} + kTileSize - 1) / kTileSize)) {}
 
 Film::TileBounds Film::bounds(uint32_t tile) const {
     const uint32_t x0 = tile % tiles_across_ * kTileSize, y0 = tile / tiles_across_ * kTileSize;
     return {x0, y0, std::min(kTileSize, width_ - x0), std::min(kTileSize, height_ - y0)};
 }
 
+// The tiles below fill whole rows; those to the left are as high as this one.
+std::span<const PixelSums> Film::tile_pixels(uint32_t tile) const {
+    const TileBounds b = bounds(tile);
+    const size_t begin = static_cast<size_t>(b.y0) * width_ + static_cast<size_t>(b.x0) * b.height;
+    return std::span(pixels_).subspan(begin, static_cast<size_t>(b.width) * b.height);
+}
+std::span<PixelSums> Film::tile_pixels(uint32_t tile) {
+    const std::span<const PixelSums> pixels = std::as_const(*this).tile_pixels(tile);
+    return {const_cast<PixelSums*>(pixels.data()), pixels.size()};
+}
+
 std::vector<PixelSums> Film::copy_tile(uint32_t tile) const {
-    const std::lock_guard lock(tiles_[tile].mutex);
-    return tiles_[tile].pixels;
+    const std::span<const PixelSums> pixels = tile_pixels(tile);
+    const std::lock_guard lock(mutexes_[tile]);
+    return {pixels.begin(), pixels.end()};
 }
 
 void Film::store_tile(uint32_t tile, std::span<const PixelSums> pixels) {
-    SPC_ASSERT(pixels.size() == tiles_[tile].pixels.size());
-    const std::lock_guard lock(tiles_[tile].mutex);
-    std::copy(pixels.begin(), pixels.end(), tiles_[tile].pixels.begin());
+    const std::span<PixelSums> out = tile_pixels(tile);
+    SPC_ASSERT(pixels.size() == out.size());
+    const std::lock_guard lock(mutexes_[tile]);
+    std::copy(pixels.begin(), pixels.end(), out.begin());
 }
 
 void Film::read(Pass pass, std::span<float> out) const {
@@ -95,10 +111,11 @@ void Film::read(Pass pass, std::span<float> out) const {
     std::fill(out.begin(), out.end(), 0.0f);
     for (uint32_t t = 0; t < tile_count(); ++t) {
         const TileBounds b = bounds(t);
-        const std::lock_guard lock(tiles_[t].mutex);
+        const std::span<const PixelSums> pixels = tile_pixels(t);
+        const std::lock_guard lock(mutexes_[t]);
         for (uint32_t y = 0; y < b.height; ++y)
             for (uint32_t x = 0; x < b.width; ++x) {
-                const PixelSums& pixel = tiles_[t].pixels[static_cast<size_t>(y) * b.width + x];
+                const PixelSums& pixel = pixels[static_cast<size_t>(y) * b.width + x];
                 const size_t at = static_cast<size_t>(b.y0 + y) * width_ + b.x0 + x;
                 if (pixel.count > 0) write_pixel(pass, pixel, out.data() + at * channels);
             }

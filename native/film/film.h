@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Accumulates samples of every pixel in the order of their index, so that sums do not depend on threads or tiles.
+// Accumulates samples of every pixel in the order of their index, so that sums do not depend on
+// threads or tiles.
 #pragma once
 
 #include "math/vec.h"
@@ -36,13 +37,14 @@ public:
     Film(uint32_t width, uint32_t height);
     uint32_t width() const { return width_; }
     uint32_t height() const { return height_; }
-    uint32_t tile_count() const { return static_cast<uint32_t>(tiles_.size()); }
+    uint32_t tile_count() const { return static_cast<uint32_t>(mutexes_.size()); }
 
     struct TileBounds {
         uint32_t x0, y0, width, height;
     };
     TileBounds bounds(uint32_t tile) const;
-    // A worker takes a copy, adds samples, and puts it back; readers meanwhile see the state before.
+    // A worker takes a copy, adds samples, and puts it back; readers meanwhile see the state
+    // before.
     std::vector<PixelSums> copy_tile(uint32_t tile) const;
     void store_tile(uint32_t tile, std::span<const PixelSums> pixels);
 
@@ -50,12 +52,12 @@ public:
     void read(Pass pass, std::span<float> out) const;
 
 private:
-    struct Tile {
-        mutable std::mutex mutex;
-        std::vector<PixelSums> pixels;
-    };
+    std::span<PixelSums> tile_pixels(uint32_t tile);
+    std::span<const PixelSums> tile_pixels(uint32_t tile) const;
+
     uint32_t width_, height_, tiles_across_;
-    std::vector<Tile> tiles_;
+    std::vector<PixelSums> pixels_;  // tile after tile; one block: too large a frame fails at once
+    mutable std::vector<std::mutex> mutexes_;  // of each tile
 };
 
 }  // namespace spc

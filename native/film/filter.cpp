@@ -11,7 +11,8 @@ double density(FilterKind kind, double x, double width) {
         case FilterKind::gaussian: return std::exp(-8.0 * x * x / (width * width));
         case FilterKind::blackman_harris: {
             const double v = 2.0 * std::numbers::pi * (x / (2.0 * width) + 0.5);
-            return 0.35875 - 0.48829 * std::cos(v) + 0.14128 * std::cos(2.0 * v) - 0.01168 * std::cos(3.0 * v);
+            return 0.35875 - 0.48829 * std::cos(v) + 0.14128 * std::cos(2.0 * v) -
+                   0.01168 * std::cos(3.0 * v);
         }
     }
     return 0.0;
@@ -20,27 +21,26 @@ double density(FilterKind kind, double x, double width) {
 }  // namespace
 
 PixelFilter::PixelFilter(FilterKind kind, float width) {
-    constexpr int kFine = 8192, kCoarse = 1024;
-    const double reach = kind == FilterKind::box ? 0.5 : kind == FilterKind::gaussian ? 1.5 * width : 1.0 * width;
-    std::vector<double> cumulative(kFine + 1, 0.0);
-    const double step = 2.0 * reach / kFine;
-    for (int i = 0; i < kFine; ++i)
-        cumulative[static_cast<size_t>(i) + 1] =
-            cumulative[static_cast<size_t>(i)] + density(kind, -reach + (i + 0.5) * step, width);
-    size_t cell = 0;
-    for (int i = 0; i <= kCoarse; ++i) {
-        const double target = cumulative.back() * i / kCoarse;
-        while (cell + 1 < kFine && cumulative[cell + 1] < target) ++cell;
-        const double inside = cumulative[cell + 1] - cumulative[cell];
-        const double t = inside > 0.0 ? std::clamp((target - cumulative[cell]) / inside, 0.0, 1.0) : 0.0;
-        inverse_.push_back(static_cast<float>(-reach + (static_cast<double>(cell) + t) * step));
-    }
+    constexpr int kCells = 1024;
+    const double w = static_cast<double>(width);
+    reach_ = kind == FilterKind::box ? 0.5 : kind == FilterKind::gaussian ? 1.5 * w : w;
+    cumulative_.assign(1, 0.0);
+    for (int i = 0; i < kCells; ++i)
+        cumulative_.push_back(cumulative_.back() +
+                              density(kind, reach_ * ((2 * i + 1.0) / kCells - 1.0), w));
+    for (double& c : cumulative_) c /= cumulative_.back();
 }
 
+// By search instead of a table of the inverse: that would be coarse in the tails, where it is
+// steep.
 float PixelFilter::invert(float u) const {
-    const float at = u * static_cast<float>(inverse_.size() - 1);
-    const auto i = std::min(static_cast<size_t>(at), inverse_.size() - 2);
-    return lerp(inverse_[i], inverse_[i + 1], at - static_cast<float>(i));
+    const auto above =
+        std::upper_bound(cumulative_.begin() + 1, cumulative_.end() - 1, static_cast<double>(u));
+    const double from = *(above - 1), to = *above;
+    const double cell = static_cast<double>(above - 1 - cumulative_.begin()) +
+                        (static_cast<double>(u) - from) / (to - from);
+    return static_cast<float>(reach_ *
+                              (2.0 * cell / static_cast<double>(cumulative_.size() - 1) - 1.0));
 }
 
 }  // namespace spc

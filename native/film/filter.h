@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Blender's pixel filters by importance: a sample belongs to one pixel and is displaced by the filter's density, so
-// pixels stay independent of each other.
+// Blender's pixel filters by importance: a sample belongs to one pixel and is displaced by the
+// filter's density, so pixels stay independent of each other.
 #pragma once
 
 #include "math/vec.h"
@@ -13,15 +13,16 @@ enum class FilterKind : uint8_t { box, gaussian, blackman_harris };
 
 class PixelFilter {
 public:
-    // `width` as Blender states it, in pixels: its filters reach further than that (Gaussian 3, Blackman-Harris
-    // 2 times in all); the box is always one pixel.
+    // `width` as Blender states it, in pixels: its filters reach further than that (Gaussian 3,
+    // Blackman-Harris 2 times in all); the box is always one pixel.
     PixelFilter(FilterKind kind, float width);
     // Offset from the pixel's centre for uniform u.
     Vec2 sample(const Vec2& u) const { return {invert(u.x), invert(u.y)}; }
 
 private:
     float invert(float u) const;
-    std::vector<float> inverse_;  // of the cumulative density, at equal steps of u
+    double reach_;                    // offsets lie within +-reach_
+    std::vector<double> cumulative_;  // of the density, at equal steps
 };
 
 }  // namespace spc

@@ -32,6 +32,20 @@ struct PathTracer {
         return 1.0f;
     }
 
+    // The world and every sun with a disc, in the direction of a ray that leaves the scene.
+    Spectrum emission_from_afar(const Vec3& direction) const {
+        Spectrum sum = emission_of_world(direction);
+        for (const uint32_t sun : world.lights.disc_suns) {
+            if ((light_visibility(world.lights, sun) & ray_kind) == 0) continue;
+            const Spectrum radiance = lamp_radiance(world.lights.lamps[sun], Vec3(0.0f), direction * -1.0f);
+            if (is_black(radiance)) continue;
+            sum += radiance * weight_of(pdf_direct_sun(world.lights, sun, direction),
+                                        pdf_light_point_sun(world.lights, sun, direction),
+                                        {true, Vec3(0.0f), direction}, 1.0f);
+        }
+        return sum;
+    }
+
     Spectrum emission_of_world(const Vec3& direction) const {
         if (!world.lights.has_world || (scene().environment.visibility & ray_kind) == 0) return Spectrum(0.0f);
         const Spectrum radiance = world_radiance(world.lights, scene(), direction);
@@ -45,7 +59,7 @@ struct PathTracer {
 
     Spectrum emission_of_lamp(const Ray& ray, const Hit& hit) const {
         const Vec3 p = ray.origin + ray.direction * hit.t;
-        const Spectrum radiance = lamp_radiance(scene(), hit.light, p, ray.direction * -1.0f);
+        const Spectrum radiance = lamp_radiance(world.lights.lamps[hit.light], p, ray.direction * -1.0f);
         if (is_black(radiance)) return radiance;
         float pdf_direct = 0.0f, pdf_point = 0.0f, cos_y = 0.0f;
         if (history.stage == PathHistory::Stage::scattered)
@@ -83,8 +97,11 @@ struct PathTracer {
         const uint32_t kind = dot(light->wi, surface.ng) > 0.0f ? kVisibleDiffuse | kVisibleGlossy : kVisibleTransmission;
         if ((visibility & kind) == 0) return Spectrum(0.0f);
         Spectrum through(1.0f);
-        if ((visibility & kVisibleShadow) != 0)
-            through = transmittance(scene(), surface.p, surface.ng, light->wi, light->distance, kVisibleShadow, stats.rays);
+        if ((visibility & kVisibleShadow) != 0) {
+            const bool distant = std::isinf(light->distance);
+            const ChainEnd end{distant, distant ? Vec3(0.0f) : surface.p + light->wi * light->distance, light->wi};
+            through = transmittance(scene(), surface.p, surface.ng, end, kVisibleShadow, stats.rays);
+        }
         const float density = light->delta ? light->pdf_omega : light->pdf_omega + f.pdf_omega;
         return f.f_cos * light->radiance * through * (1.0f / density);  // f L / p_light times its balance weight
     }
@@ -152,7 +169,7 @@ PathSample path_radiance(const RenderScene& world, const IntegratorSettings& set
             if (path.ray_kind == kVisibleCamera && settings.transparent_film)
                 out.alpha = 0.0f;
             else
-                out.radiance += throughput * path.emission_of_world(ray.direction);
+                out.radiance += throughput * path.emission_from_afar(ray.direction);
             break;
         }
         if (hit->light != kNone) {  // lamps are looked through, as in Cycles

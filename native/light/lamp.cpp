@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Units: from Blender's power P to what a lamp sends out, confirmed against Cycles 5.0.1 to 5 digits by the irradiance
-// on a diffuse plane:
+// Units: from Blender's power P to what a lamp sends out, confirmed against Cycles 5.0.1 to 5
+// digits by the irradiance on a diffuse plane:
 //   point, radius 0   intensity  P / (4 pi)
 //   point, radius r   radiance   P / (4 pi^2 r^2) from a sphere; from inside it too
-//   spot              the same times smoothstep((cos - cos_half) / ((1 - cos_half) blend)), cos measured in the lamp's
-//                     own, possibly scaled, space; a spot's power is that of the point lamp which it is cut from.
-//                     Inside the sphere there is no beam: it shines everywhere
-//   sun               irradiance P across its direction; disc of half angle h: radiance P / (pi sin^2 h)
-//   area              radiance   P / (pi area), scale of the transform included in the area; one side
-// The lamps' scale changes nothing but areas, and beams where it is uneven. One difference is meant: with Blender's
-// "soft falloff" Cycles replaces the sphere by a disk that faces the receiver: E d^2 / (d^2 + r^2) instead of E.
+//   spot              the same times smoothstep((cos - cos_half) / ((1 - cos_half) blend)), cos in
+//                     the lamp's own, possibly scaled, space: the power is that of the point lamp
+//                     which the beam is cut from. Inside the sphere it shines everywhere
+//   sun               irradiance P across its direction; disc of half angle h: P / (pi sin^2 h)
+//   area              radiance   P / (pi area) on one side; the area includes the transform's scale
+// The lamps' scale changes nothing but areas, and beams where it is uneven. One difference is
+// meant: with Blender's "soft falloff" Cycles replaces the sphere by a disk that faces the
+// receiver: E d^2 / (d^2 + r^2) instead of E.
 #include "light/lamp.h"
 
 #include "light/rectangle.h"
@@ -18,8 +19,8 @@
 namespace spc {
 namespace {
 
-// A rectangle whose half diagonal is below this share of the distance is sampled by area: the density then varies
-// by a tenth at most, and trigonometry is saved.
+// A rectangle whose half diagonal is below this share of the distance is sampled by area: the
+// density then varies by 15 % at most, and trigonometry is saved.
 constexpr float kFarRectangle = 0.05f;
 
 float smoothstep(float t) {
@@ -31,8 +32,11 @@ SpotProfile make_profile(const LightDesc& desc) {
     SpotProfile profile;
     if (desc.type != LightType::spot) return profile;
     profile.uniform = false;
-    const Vec3 x = desc.to_world.column(0), y = desc.to_world.column(1), z = desc.to_world.column(2) * -1.0f;
-    const auto over_square = [](const Vec3& a) { return a * (1.0f / std::max(length_squared(a), 1e-30f)); };
+    const Vec3 x = desc.to_world.column(0), y = desc.to_world.column(1),
+               z = desc.to_world.column(2) * -1.0f;
+    const auto over_square = [](const Vec3& a) {
+        return a * (1.0f / std::max(length_squared(a), 1e-30f));
+    };
     const float unit = length(z);
     profile.x = over_square(x) * unit;
     profile.y = over_square(y) * unit;
@@ -40,17 +44,18 @@ SpotProfile make_profile(const LightDesc& desc) {
     const float half = 0.5f * desc.spot_angle;
     profile.cos_half = std::cos(half);
     profile.inv_smooth = std::min(1.0f / ((1.0f - profile.cos_half) * desc.spot_blend), 1e30f);
-    const float widest = std::tan(half) * std::sqrt(std::max(length_squared(x), length_squared(y))) / unit;
+    const float widest =
+        std::tan(half) * std::sqrt(std::max(length_squared(x), length_squared(y))) / unit;
     profile.cos_widest = half < 0.5f * kPi ? 1.0f / std::sqrt(1.0f + widest * widest) : 0.0f;
     return profile;
 }
 
 Spectrum scaled(const Spectrum& power, double factor) { return power * static_cast<float>(factor); }
 
-// Where a direction sampled around a sphere's centre meets it. `sin2` is the squared sine of its angle with the
-// direction to the centre, `cos` the cosine; `side` -1 from outside, +1 from inside.
-float distance_to_sphere(float d, float radius, float cos, float sin2, float side) {
-    return d * cos + side * safe_sqrt(radius * radius - d * d * sin2);
+// How far a sphere is along a direction whose angle with that to its centre, d away, has this
+// cosine and squared sine.
+float distance_to_sphere(float d, float radius, float cos, float sin2) {
+    return d * cos - safe_sqrt(radius * radius - d * d * sin2);
 }
 
 // 1 - cos of the cone that a sphere fills, seen from outside.
@@ -81,7 +86,8 @@ std::optional<LampSample> sample_one(const SphereLamp& lamp, const Vec3& p, cons
     if (!(d2 > lamp.radius * lamp.radius)) {
         const Vec3 wi = uniform_sphere(u);
         const float along = dot(wi, to_center);
-        const float t = along + safe_sqrt(lamp.radius * lamp.radius - length_squared(to_center - wi * along));
+        const float t =
+            along + safe_sqrt(lamp.radius * lamp.radius - length_squared(to_center - wi * along));
         return LampSample{wi, t, lamp.radiance, kUniformSpherePdf, false};
     }
     const float d = std::sqrt(d2);
@@ -93,17 +99,18 @@ std::optional<LampSample> sample_one(const SphereLamp& lamp, const Vec3& p, cons
         const float profile = lamp.profile.towards(wi * -1.0f);
         const float cos = dot(wi, center_direction);
         const float sin2 = length_squared(center_direction - wi * cos);
-        if (!(profile > 0.0f && cos > 0.0f && sin2 * d2 < lamp.radius * lamp.radius)) return std::nullopt;
-        return LampSample{wi, distance_to_sphere(d, lamp.radius, cos, sin2, -1.0f), lamp.radiance * profile,
-                          uniform_cone_pdf(beam), false};
+        if (!(profile > 0.0f && cos > 0.0f && sin2 * d2 < lamp.radius * lamp.radius))
+            return std::nullopt;
+        return LampSample{wi, distance_to_sphere(d, lamp.radius, cos, sin2),
+                          lamp.radiance * profile, uniform_cone_pdf(beam), false};
     }
     const Vec3 local = uniform_cone(u, cone);
     const Vec3 wi = Frame::around(center_direction).to_world(local);
     const float profile = lamp.profile.towards(wi * -1.0f);
     if (!(profile > 0.0f)) return std::nullopt;
     const float sin2 = local.x * local.x + local.y * local.y;
-    return LampSample{wi, distance_to_sphere(d, lamp.radius, local.z, sin2, -1.0f), lamp.radiance * profile,
-                      uniform_cone_pdf(cone), false};
+    return LampSample{wi, distance_to_sphere(d, lamp.radius, local.z, sin2),
+                      lamp.radiance * profile, uniform_cone_pdf(cone), false};
 }
 
 std::optional<LampSample> sample_one(const ParallelSun& lamp, const Vec3&, const Vec2&) {
@@ -111,16 +118,18 @@ std::optional<LampSample> sample_one(const ParallelSun& lamp, const Vec3&, const
 }
 
 std::optional<LampSample> sample_one(const DiscSun& lamp, const Vec3&, const Vec2& u) {
-    return LampSample{lamp.frame.to_world(uniform_cone(u, lamp.one_minus_cos)), kInfinity, lamp.radiance,
-                      uniform_cone_pdf(lamp.one_minus_cos), false};
+    return LampSample{lamp.frame.to_world(uniform_cone(u, lamp.one_minus_cos)), kInfinity,
+                      lamp.radiance, uniform_cone_pdf(lamp.one_minus_cos), false};
 }
 
-// The rectangle as p sees it, if it is to be sampled by solid angle. `height` is p's distance to its plane.
-std::optional<SphericalRectangle> near_rectangle(const AreaLamp& lamp, const Vec3& from_p, float height) {
+// The rectangle as p sees it, if it is to be sampled by solid angle. `height` is p's distance to
+// its plane.
+std::optional<SphericalRectangle> near_rectangle(const AreaLamp& lamp, const Vec3& from_p,
+                                                 float height) {
     if (!(length_squared(from_p) < lamp.near_squared)) return std::nullopt;
     const float x = dot(from_p, lamp.axis_x), y = dot(from_p, lamp.axis_y);
-    const SphericalRectangle rectangle(x - lamp.length_x, x + lamp.length_x, y - lamp.length_y, y + lamp.length_y,
-                                       height);
+    const SphericalRectangle rectangle(x - lamp.length_x, x + lamp.length_x, y - lamp.length_y,
+                                       y + lamp.length_y, height);
     if (!(rectangle.solid_angle > kLeastRectangleSolidAngle)) return std::nullopt;
     return rectangle;
 }
@@ -157,7 +166,8 @@ float pdf_one(const AreaLamp& lamp, const Vec3& p, const Vec3&, float distance) 
     const Vec3 to_center = lamp.center - p;
     const float height = -dot(to_center, lamp.normal);
     if (!(height > 0.0f)) return 0.0f;
-    if (const auto rectangle = near_rectangle(lamp, to_center, height)) return 1.0f / rectangle->solid_angle;
+    if (const auto rectangle = near_rectangle(lamp, to_center, height))
+        return 1.0f / rectangle->solid_angle;
     return distance * distance * distance / (height * lamp.area);
 }
 
@@ -179,14 +189,18 @@ LampPoint point_one(const SphereLamp& lamp, const Vec2& u) {
     const Vec3 n = uniform_sphere(u);
     return {.p = lamp.center + n * lamp.radius, .n = n, .pdf = kUniformSpherePdf / sqr(lamp.radius)};
 }
-LampPoint point_one(const ParallelSun& lamp, const Vec2&) { return {.direction = lamp.direction, .pdf = 1.0f}; }
+LampPoint point_one(const ParallelSun& lamp, const Vec2&) {
+    return {.direction = lamp.direction, .pdf = 1.0f};
+}
 LampPoint point_one(const DiscSun& lamp, const Vec2& u) {
     return {.direction = lamp.frame.to_world(uniform_cone(u, lamp.one_minus_cos)),
             .pdf = uniform_cone_pdf(lamp.one_minus_cos)};
 }
 LampPoint point_one(const AreaLamp& lamp, const Vec2& u) {
     const Vec2 q = lamp.ellipse ? concentric_disk(u) : Vec2(2.0f * u.x - 1.0f, 2.0f * u.y - 1.0f);
-    return {.p = lamp.center + lamp.half_x * q.x + lamp.half_y * q.y, .n = lamp.normal, .pdf = 1.0f / lamp.area};
+    return {.p = lamp.center + lamp.half_x * q.x + lamp.half_y * q.y,
+            .n = lamp.normal,
+            .pdf = 1.0f / lamp.area};
 }
 
 AreaLamp make_area(const LightDesc& desc) {
@@ -195,17 +209,20 @@ AreaLamp make_area(const LightDesc& desc) {
     lamp.half_x = desc.half_x();
     lamp.half_y = desc.half_y();
     const Vec3 across = cross(lamp.half_x, lamp.half_y);
-    lamp.normal = safe_normalize(dot(across, desc.axis()) < 0.0f ? across * -1.0f : across, desc.axis());
+    lamp.normal =
+        safe_normalize(dot(across, desc.axis()) < 0.0f ? across * -1.0f : across, desc.axis());
     lamp.length_x = length(lamp.half_x);
     lamp.length_y = length(lamp.half_y);
     lamp.axis_x = safe_normalize(lamp.half_x, Vec3(0.0f));
     lamp.axis_y = safe_normalize(lamp.half_y, Vec3(0.0f));
     lamp.ellipse = desc.shape == AreaShape::ellipse;
     lamp.area = length(across) * (lamp.ellipse ? kPi : 4.0f);
-    lamp.radiance = lamp.area > 0.0f ? scaled(desc.power, 1.0 / (std::numbers::pi * lamp.area)) : Spectrum(0.0f);
+    lamp.radiance = lamp.area > 0.0f ? scaled(desc.power, 1.0 / (std::numbers::pi * lamp.area))
+                                     : Spectrum(0.0f);
     constexpr float kRightAngle = 1e-4f;  // cosine below which the sides count as orthogonal
     const bool rectangle = !lamp.ellipse && std::abs(dot(lamp.axis_x, lamp.axis_y)) < kRightAngle;
-    lamp.near_squared = rectangle ? (sqr(lamp.length_x) + sqr(lamp.length_y)) / sqr(kFarRectangle) : 0.0f;
+    lamp.near_squared =
+        rectangle ? (sqr(lamp.length_x) + sqr(lamp.length_y)) / sqr(kFarRectangle) : 0.0f;
     return lamp;
 }
 
@@ -232,7 +249,8 @@ Lamp make_lamp(const LightDesc& desc) {
             if (!(desc.radius > kLeastLampRadius))
                 return PointLamp{desc.position(), scaled(desc.power, 1.0 / (4.0 * pi)), profile};
             const double r = desc.radius;
-            return SphereLamp{desc.position(), desc.radius, scaled(desc.power, 1.0 / (4.0 * pi * pi * r * r)), profile};
+            return SphereLamp{desc.position(), desc.radius,
+                              scaled(desc.power, 1.0 / (4.0 * pi * pi * r * r)), profile};
         }
         case LightType::sun: {
             const Vec3 direction = desc.axis() * -1.0f;
@@ -247,7 +265,8 @@ Lamp make_lamp(const LightDesc& desc) {
 }
 
 double lamp_flux(const LightDesc& desc, const Lamp& lamp) {
-    if (const auto* area = std::get_if<AreaLamp>(&lamp); area != nullptr && !(area->area > 0.0f)) return 0.0;
+    if (const auto* area = std::get_if<AreaLamp>(&lamp); area != nullptr && !(area->area > 0.0f))
+        return 0.0;
     const double power = luminance(desc.power);
     if (desc.type != LightType::spot) return power;
     // Share of the sphere inside the beam; the soft part counts half.
@@ -264,7 +283,8 @@ Spectrum lamp_radiance(const Lamp& lamp, const Vec3& q, const Vec3& away) {
     return std::visit([&](const auto& l) { return radiance_one(l, q, away); }, lamp);
 }
 Spectrum delta_strength(const Lamp& lamp, const Vec3& away) {
-    if (const auto* point = std::get_if<PointLamp>(&lamp)) return point->intensity * point->profile.towards(away);
+    if (const auto* point = std::get_if<PointLamp>(&lamp))
+        return point->intensity * point->profile.towards(away);
     if (const auto* sun = std::get_if<ParallelSun>(&lamp)) return sun->irradiance;
     return Spectrum(0.0f);
 }
@@ -272,7 +292,8 @@ LampPoint sample_lamp_point(const Lamp& lamp, const Vec2& u) {
     return std::visit([&](const auto& l) { return point_one(l, u); }, lamp);
 }
 float lamp_point_pdf(const Lamp& lamp) {
-    if (const auto* sphere = std::get_if<SphereLamp>(&lamp)) return kUniformSpherePdf / sqr(sphere->radius);
+    if (const auto* sphere = std::get_if<SphereLamp>(&lamp))
+        return kUniformSpherePdf / sqr(sphere->radius);
     if (const auto* sun = std::get_if<DiscSun>(&lamp)) return uniform_cone_pdf(sun->one_minus_cos);
     if (const auto* area = std::get_if<AreaLamp>(&lamp)) return 1.0f / area->area;
     return 0.0f;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Lamps made ready to sample: everything that does not depend on the receiver computed once. Densities here are those
-// of one lamp; light.h adds the choice among all.
+// Lamps made ready to sample: everything that does not depend on the receiver computed once.
+// Densities here are those of one lamp; light.h adds the choice among all.
 #pragma once
 
 #include "scene/description.h"
@@ -9,7 +9,8 @@
 
 namespace spc {
 
-// Lamps below these extents are deltas: single precision cannot tell the directions to their points apart.
+// Lamps below these extents are deltas: single precision cannot tell the directions to their points
+// apart.
 inline constexpr float kLeastLampRadius = 1e-9f;  // m
 inline constexpr float kLeastSunAngle = 1e-5f;    // rad
 
@@ -46,10 +47,10 @@ struct DiscSun {
 struct AreaLamp {
     Vec3 center, normal;
     Vec3 half_x, half_y;
-    Vec3 axis_x, axis_y;        // unit
-    float length_x, length_y;   // of the half extents
+    Vec3 axis_x, axis_y;       // unit
+    float length_x, length_y;  // of the half extents
     float area;
-    float near_squared;         // a rectangle is sampled by solid angle from receivers nearer than this
+    float near_squared;  // a rectangle is sampled by solid angle from receivers nearer than this
     bool ellipse;
     Spectrum radiance;
 };
@@ -68,7 +69,8 @@ struct LampSample {
 };
 // Empty where the lamp does not shine on p.
 std::optional<LampSample> sample_lamp(const Lamp& lamp, const Vec3& p, const Vec2& u);
-// Density of sample_lamp for the unit direction wi, which meets the lamp at `distance`. 0 for a delta.
+// Density of sample_lamp for the unit direction wi, which meets the lamp at `distance`. 0 for a
+// delta.
 float lamp_pdf(const Lamp& lamp, const Vec3& p, const Vec3& wi, float distance);
 
 // Radiance from the point q of the lamp's surface along the unit direction `away`. 0 for a delta.

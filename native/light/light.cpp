@@ -8,8 +8,8 @@
 namespace spc {
 namespace {
 
-// Share of the choice that goes to all lights alike. Power says nothing of where a light stands: next to a lamp in a
-// closet the sun outside does not matter.
+// Share of the choice that goes to all lights alike. Power says nothing of where a light stands:
+// next to a lamp in a closet the sun outside does not matter.
 constexpr double kEvenShare = 0.2;
 
 constexpr uint32_t kSeenByBounces = kVisibleDiffuse | kVisibleGlossy | kVisibleTransmission;
@@ -23,7 +23,8 @@ DiscreteDistribution select_by_power(const std::vector<double>& power) {
     std::vector<float> weights(power.size(), 0.0f);
     for (size_t i = 0; i < power.size(); ++i)
         if (power[i] > 0.0)
-            weights[i] = static_cast<float>((1.0 - kEvenShare) * (power[i] / sum) + kEvenShare / count);
+            weights[i] =
+                static_cast<float>((1.0 - kEvenShare) * (power[i] / sum) + kEvenShare / count);
     return DiscreteDistribution(weights);
 }
 
@@ -39,8 +40,8 @@ uint32_t light_index_of_emitter(const LightSet& lights, uint32_t emitter) {
     return static_cast<uint32_t>(lights.lamps.size()) + emitter;
 }
 
-std::optional<DirectSample> sample_emitter_from(const LightSet& lights, const Scene& scene, uint32_t emitter,
-                                                const Vec3& p, const Vec2& u) {
+std::optional<DirectSample> sample_emitter_from(const LightSet& lights, const Scene& scene,
+                                                uint32_t emitter, const Vec3& p, const Vec2& u) {
     const EmitterPoint q = sample_emitter(lights.emissive[emitter], scene, u);
     const Vec3 to_q = q.p - p;
     const float d2 = length_squared(to_q);
@@ -51,7 +52,8 @@ std::optional<DirectSample> sample_emitter_from(const LightSet& lights, const Sc
     if (!(cos > 0.0f)) return std::nullopt;
     const Spectrum radiance = surface_emission(scene, q.hit, wi * -1.0f);
     if (is_black(radiance)) return std::nullopt;
-    return DirectSample{wi, d, radiance, q.pdf_area * d2 / cos, false, light_index_of_emitter(lights, emitter)};
+    return DirectSample{
+        wi, d, radiance, q.pdf_area * d2 / cos, false, light_index_of_emitter(lights, emitter)};
 }
 
 }  // namespace
@@ -101,9 +103,12 @@ LightSet build_lights(const Scene& scene) {
     return lights;
 }
 
-uint32_t light_visibility(const LightSet& lights, uint32_t light) { return lights.visibility[light]; }
+uint32_t light_visibility(const LightSet& lights, uint32_t light) {
+    return lights.visibility[light];
+}
 
-std::optional<DirectSample> sample_direct(const LightSet& lights, const Scene& scene, const Vec3& p, const Vec3& u) {
+std::optional<DirectSample> sample_direct(const LightSet& lights, const Scene& scene, const Vec3& p,
+                                          const Vec3& u) {
     if (lights.selection.empty()) return std::nullopt;
     const DiscreteDistribution::Sample chosen = lights.selection.sample(u.x);
     const Vec2 place(u.y, u.z);
@@ -113,7 +118,8 @@ std::optional<DirectSample> sample_direct(const LightSet& lights, const Scene& s
             sample = {s->wi, s->distance, s->radiance, s->pdf_omega, s->delta, chosen.index};
     } else if (chosen.index == world_index(lights)) {
         if (const std::optional<WorldSample> s = sample_world(lights, place))
-            sample = {s->wi, kInfinity, world_radiance(lights, scene, s->wi), s->pdf_omega, false, chosen.index};
+            sample = {s->wi,        kInfinity, world_radiance(lights, scene, s->wi),
+                      s->pdf_omega, false,     chosen.index};
     } else {
         const auto emitter = static_cast<uint32_t>(chosen.index - lights.lamps.size());
         sample = sample_emitter_from(lights, scene, emitter, p, place);
@@ -122,16 +128,19 @@ std::optional<DirectSample> sample_direct(const LightSet& lights, const Scene& s
     return sample;
 }
 
-float pdf_direct_lamp(const LightSet& lights, const Scene&, const Vec3& p, const Vec3& wi, const Hit& hit) {
+float pdf_direct_lamp(const LightSet& lights, const Scene&, const Vec3& p, const Vec3& wi,
+                      const Hit& hit) {
     return chance(lights.selection, hit.light) * lamp_pdf(lights.lamps[hit.light], p, wi, hit.t);
 }
 
-float pdf_direct_surface(const LightSet& lights, const Scene& scene, const Vec3& p, const Vec3& wi, const Hit& hit) {
+float pdf_direct_surface(const LightSet& lights, const Scene& scene, const Vec3& p, const Vec3& wi,
+                         const Hit& hit) {
     const uint32_t emitter = lights.emissive_of_instance[hit.surface.instance];
     if (emitter == kNone) return 0.0f;
     const float pdf_area = emitter_pdf_area(lights.emissive[emitter], hit.surface.triangle);
     if (!(pdf_area > 0.0f)) return 0.0f;
-    const std::array<Vec3, 3> corner = scene.triangle_world(hit.surface.instance, hit.surface.triangle);
+    const std::array<Vec3, 3> corner =
+        scene.triangle_world(hit.surface.instance, hit.surface.triangle);
     const Vec3 e1 = corner[1] - corner[0], e2 = corner[2] - corner[0];
     const float d2 = length_squared(corner[0] + e1 * hit.surface.u + e2 * hit.surface.v - p);
     const float cos = std::abs(dot(normalize(cross(e1, e2)), wi));
@@ -146,7 +155,8 @@ float pdf_direct_world(const LightSet& lights, const Scene&, const Vec3& wi) {
 }
 
 float pdf_direct_sun(const LightSet& lights, uint32_t light, const Vec3& wi) {
-    return chance(lights.selection, light) * lamp_pdf(lights.lamps[light], Vec3(0.0f), wi, kInfinity);
+    return chance(lights.selection, light) *
+           lamp_pdf(lights.lamps[light], Vec3(0.0f), wi, kInfinity);
 }
 
 Spectrum lamp_radiance(const Scene& scene, uint32_t light, const Vec3& p, const Vec3& direction) {
@@ -159,12 +169,14 @@ Spectrum world_radiance(const LightSet& lights, const Scene& scene, const Vec3& 
     return evaluate_background(scene.materials[scene.environment.material], scene.images, direction);
 }
 
-std::optional<LightPoint> sample_light_point(const LightSet& lights, const Scene& scene, const Vec3& u) {
+std::optional<LightPoint> sample_light_point(const LightSet& lights, const Scene& scene,
+                                             const Vec3& u) {
     if (lights.caustic_selection.empty()) return std::nullopt;
     const DiscreteDistribution::Sample chosen = lights.caustic_selection.sample(u.x);
     const Vec2 place(u.y, u.z);
     const Vec3 none(0.0f);
-    LightPoint y{chosen.index, false, false, none, none, none, {kNone, 0, 0, 0}, chosen.probability};
+    LightPoint y{chosen.index,      false, false, none, none, none, {kNone, 0, 0, 0},
+                 chosen.probability};
     if (chosen.index < lights.lamps.size()) {
         const Lamp& lamp = lights.lamps[chosen.index];
         const LampPoint point = sample_lamp_point(lamp, place);
@@ -181,7 +193,8 @@ std::optional<LightPoint> sample_light_point(const LightSet& lights, const Scene
         y.direction = s->wi;
         y.pdf *= s->pdf_omega;
     } else {
-        const EmitterPoint q = sample_emitter(lights.emissive[chosen.index - lights.lamps.size()], scene, place);
+        const EmitterPoint q =
+            sample_emitter(lights.emissive[chosen.index - lights.lamps.size()], scene, place);
         y.p = q.p;
         y.n = q.n;
         y.surface = q.hit;
@@ -190,9 +203,11 @@ std::optional<LightPoint> sample_light_point(const LightSet& lights, const Scene
     return y;
 }
 
-Spectrum radiance_at(const LightSet& lights, const Scene& scene, const LightPoint& y, const Vec3& away) {
+Spectrum radiance_at(const LightSet& lights, const Scene& scene, const LightPoint& y,
+                     const Vec3& away) {
     if (y.light >= lights.lamps.size())
-        return y.distant ? world_radiance(lights, scene, y.direction) : surface_emission(scene, y.surface, away);
+        return y.distant ? world_radiance(lights, scene, y.direction)
+                         : surface_emission(scene, y.surface, away);
     const Lamp& lamp = lights.lamps[y.light];
     if (const auto* sun = std::get_if<DiscSun>(&lamp)) return sun->radiance;
     if (y.delta) return delta_strength(lamp, away);

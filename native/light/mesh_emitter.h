@@ -13,8 +13,8 @@ struct BuiltEmitter {
 // Empty if no triangle of the instance shines.
 std::optional<BuiltEmitter> build_emitter(const Scene& scene, uint32_t instance);
 
-// A point of the emitter, uniform on a triangle that is drawn in proportion to its flux. u.x also draws the triangle:
-// the choice of the light leaves too few digits of its own number.
+// A point of the emitter, uniform on a triangle that is drawn in proportion to its flux. u.x also
+// draws the triangle: the choice of the light leaves too few digits of its own number.
 struct EmitterPoint {
     SurfaceHit hit;
     Vec3 p;

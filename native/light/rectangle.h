@@ -6,8 +6,9 @@
 
 namespace spc {
 
-// Below this solid angle (sr) single precision moves samples by more than a thousandth of the rectangle's share.
-inline constexpr float kLeastRectangleSolidAngle = 0.01f;
+// Below this solid angle (sr) single precision can move samples by more than some thousandths of
+// the rectangle.
+inline constexpr float kLeastRectangleSolidAngle = 0.02f;
 
 // The viewer is the origin: the rectangle spans [x0, x1] x [y0, y1] at distance z > 0.
 struct SphericalRectangle {
@@ -20,10 +21,12 @@ struct SphericalRectangle {
         solid_angle = corner(x1, y1) - corner(x1, y0) - start;
     }
 
-    // Position (x, y), uniform in solid angle; only where that is at least kLeastRectangleSolidAngle.
+    // Position (x, y), uniform in solid angle; only where that is at least
+    // kLeastRectangleSolidAngle.
     //
-    // The part between the planes x = 0 and x has the solid angle W = asin(c b1) + asin(c b0) with c = x / |(x, z)|
-    // and b the like for y1 and -y0. Solved for c: c = sin W / sqrt((b1 + b0 cos W)^2 + (b0 sin W)^2).
+    // The part between the planes x = 0 and x has the solid angle W = asin(c b1) + asin(c b0) with
+    // c = x / |(x, z)| and b the like for y1 and -y0. Solved for c: c = sin W / sqrt((b1 + b0 cos
+    // W)^2 + (b0 sin W)^2).
     Vec2 sample(const Vec2& u) const {
         const float angle = start + u.x * solid_angle;
         const float b0 = -y0 / std::sqrt(y0 * y0 + z * z), b1 = y1 / std::sqrt(y1 * y1 + z * z);
@@ -34,7 +37,8 @@ struct SphericalRectangle {
         // Given x, the solid angle grows with the sine of the elevation over the plane y = 0.
         const float d2 = x * x + z * z;
         const float h = lerp(y0 / std::sqrt(d2 + y0 * y0), y1 / std::sqrt(d2 + y1 * y1), u.y);
-        constexpr float kLeast = 1e-12f;  // the elevation may reach a right angle by rounding; y1 bounds it then
+        constexpr float kLeast =
+            1e-12f;  // the elevation may reach a right angle by rounding; y1 bounds it then
         const float y = h * std::sqrt(d2 / std::max(1.0f - h * h, kLeast));
         return {x, std::min(std::max(y, y0), y1)};
     }
@@ -43,7 +47,9 @@ private:
     float start;  // W at x0
 
     // Signed solid angle between the foot of the perpendicular and one corner.
-    float corner(float x, float y) const { return std::atan(x * y / (z * std::sqrt(x * x + y * y + z * z))); }
+    float corner(float x, float y) const {
+        return std::atan(x * y / (z * std::sqrt(x * x + y * y + z * z)));
+    }
 };
 
 }  // namespace spc

@@ -12,7 +12,9 @@ namespace {
 
 constexpr uint32_t kDefaultWidth = 1024;  // without an image, as Cycles
 constexpr uint32_t kLeastWidth = 256, kMostWidth = 4096;
-// Least density of a direction against the mean, so that none which the table takes for black is out of reach.
+constexpr uint32_t kMostTexelsAcross = 4;  // to a cell, each way; beyond, texels are skipped
+// Least density of a direction against the mean, so that none which the table takes for black is
+// out of reach.
 constexpr float kDensityFloor = 1e-3f;
 
 Vec3 to_direction(const Vec2& position) {
@@ -22,10 +24,12 @@ Vec3 to_direction(const Vec2& position) {
 }
 
 // Density over solid angle from one over the square: d omega = 2 pi^2 sin theta du dv.
-float to_omega(float pdf_square, float sin_theta) { return pdf_square * 0.5f * kInvPi * kInvPi / sin_theta; }
+float to_omega(float pdf_square, float sin_theta) {
+    return pdf_square * 0.5f * kInvPi * kInvPi / sin_theta;
+}
 
-// Width of the image that the world seems to show. Programs do not tell theirs; the widest panorama of the scene is
-// the best guess, and a wrong one costs time at most.
+// Width of the image that the world seems to show. Programs do not tell theirs; the widest panorama
+// of the scene is the best guess, and a wrong one costs time at most.
 uint32_t panorama_width(const Scene& scene) {
     uint32_t width = 0;
     for (const Image& image : scene.images)
@@ -33,75 +37,90 @@ uint32_t panorama_width(const Scene& scene) {
     return width == 0 ? kDefaultWidth : width;
 }
 
-class Tabulation {
-public:
-    explicit Tabulation(const Scene& scene)
-        : material_(scene.materials[scene.environment.material]), images_(scene.images) {
-        const uint32_t wanted = panorama_width(scene);
-        width_ = std::clamp(wanted, kLeastWidth, kMostWidth);
-        height_ = width_ / 2;
-        finer_ = std::clamp((wanted + width_ - 1) / width_, 1u, 4u);
-        values_.resize(static_cast<size_t>(width_) * height_);
-        first_ = evaluate_background(material_, images_, Vec3(0.0f, 0.0f, 1.0f));
-    }
+// Luminance over a grid of directions, row by row from -z, each cell's the mean over its centre or,
+// where the image has more texels than the grid has cells, over theirs.
+struct Table {
+    uint32_t width, height;
+    std::vector<float> values;
+    bool constant = true;  // every direction looked at shows the same colour, that towards +z
 
-    void run() {
+    float& at(uint32_t x, uint32_t y) { return values[static_cast<size_t>(y) * width + x]; }
+};
+
+Table tabulate(const Scene& scene, const Material& material) {
+    const uint32_t wanted = panorama_width(scene);
+    const uint32_t width = std::clamp(wanted, kLeastWidth, kMostWidth), height = width / 2;
+    const uint32_t finer = std::clamp((wanted + width - 1) / width, 1u, kMostTexelsAcross);
+    const Spectrum first = evaluate_background(material, scene.images, Vec3(0.0f, 0.0f, 1.0f));
+    Table table{width, height, std::vector<float>(static_cast<size_t>(width) * height), true};
+    std::atomic<bool> constant = true;
+    const auto brightness = [&](uint32_t fine_x, uint32_t fine_y) {
+        const Vec2 position(
+            (static_cast<float>(fine_x) + 0.5f) / static_cast<float>(width * finer),
+            (static_cast<float>(fine_y) + 0.5f) / static_cast<float>(height * finer));
+        const Spectrum color = evaluate_background(material, scene.images, to_direction(position));
+        if (color != first) constant.store(false, std::memory_order_relaxed);
+        const float value = luminance(color);
+        return std::isfinite(value) ? std::max(value, 0.0f) : 0.0f;
+    };
+    const auto fill_row = [&](uint32_t y) {
+        for (uint32_t x = 0; x < width; ++x) {
+            float sum = 0.0f;
+            for (uint32_t j = 0; j < finer; ++j)
+                for (uint32_t i = 0; i < finer; ++i)
+                    sum += brightness(x * finer + i, y * finer + j);
+            table.at(x, y) = sum / static_cast<float>(finer * finer);
+        }
+    };
+    {
         const uint32_t threads = std::max(std::thread::hardware_concurrency(), 1u);
         std::vector<std::jthread> workers;
         for (uint32_t i = 0; i < threads; ++i)
-            workers.emplace_back([this, i, threads] {
-                for (uint32_t y = i; y < height_; y += threads) fill_row(y);
+            workers.emplace_back([&fill_row, i, threads, height] {
+                for (uint32_t y = i; y < height; y += threads) fill_row(y);
             });
     }
+    table.constant = constant;
+    return table;
+}
 
-    uint32_t width() const { return width_; }
-    uint32_t height() const { return height_; }
-    bool constant() const { return constant_; }
-    Spectrum first() const { return first_; }
-    std::vector<float>& values() { return values_; }
-
-private:
-    // Bilinear texels reach half a texel into their neighbours' cells. At one texel a cell, centre and corners
-    // together see all that can be bright in it; with more, the corners' share is small.
-    void fill_row(uint32_t y) {
-        const uint32_t fine_width = width_ * finer_, fine_height = height_ * finer_;
-        const auto brightness = [&](float fine_x, float fine_y) {
-            const Vec2 position(fine_x / static_cast<float>(fine_width), fine_y / static_cast<float>(fine_height));
-            const Spectrum color = evaluate_background(material_, images_, to_direction(position));
-            if (color != first_) constant_.store(false, std::memory_order_relaxed);
-            const float value = luminance(color);
-            return std::isfinite(value) ? std::max(value, 0.0f) : 0.0f;
-        };
-        const auto corners = [&](uint32_t row, std::vector<float>& out) {
-            for (uint32_t x = 0; x < width_; ++x)
-                out[x] = brightness(static_cast<float>(x * finer_), static_cast<float>(row * finer_));
-            out[width_] = out[0];
-        };
-        std::vector<float> below(width_ + 1), above(width_ + 1);
-        corners(y, below);
-        corners(y + 1, above);
-        const float inv_count = 1.0f / static_cast<float>(finer_ * finer_);
-        const float theta = kPi * (1.0f - (static_cast<float>(y) + 0.5f) / static_cast<float>(height_));
-        const float sin_theta = std::sin(theta);
-        for (uint32_t x = 0; x < width_; ++x) {
-            float sum = 0.0f;
-            for (uint32_t j = 0; j < finer_; ++j)
-                for (uint32_t i = 0; i < finer_; ++i)
-                    sum += brightness(static_cast<float>(x * finer_ + i) + 0.5f,
-                                      static_cast<float>(y * finer_ + j) + 0.5f);
-            const float corner = 0.25f * (below[x] + below[x + 1] + above[x] + above[x + 1]);
-            values_[static_cast<size_t>(y) * width_ + x] = 0.5f * (sum * inv_count + corner) * sin_theta;
-        }
+// Means over cells of what is interpolated bilinearly between their centres: weights 1/8, 6/8, 1/8
+// each way. So a bright texel also shows in the cells that its interpolation reaches.
+void spread_to_neighbours(Table& table) {
+    const uint32_t w = table.width, h = table.height;
+    std::vector<float> along_x(table.values.size());
+    for (uint32_t y = 0; y < h; ++y)
+        for (uint32_t x = 0; x < w; ++x)
+            along_x[static_cast<size_t>(y) * w + x] =
+                0.75f * table.at(x, y) +
+                0.125f * (table.at((x + w - 1) % w, y) + table.at((x + 1) % w, y));
+    for (uint32_t y = 0; y < h; ++y) {
+        const float* row = &along_x[static_cast<size_t>(y) * w];
+        const float* below = y > 0 ? row - w : row;
+        const float* above = y + 1 < h ? row + w : row;
+        for (uint32_t x = 0; x < w; ++x)
+            table.at(x, y) = 0.75f * row[x] + 0.125f * (below[x] + above[x]);
     }
+}
 
-    const Material& material_;
-    std::span<const Image> images_;
-    uint32_t width_, height_;
-    uint32_t finer_;  // texels of the image to a cell, each way
-    std::vector<float> values_;
-    Spectrum first_{0.0f};
-    std::atomic<bool> constant_ = true;  // every direction looked at shows the colour of the first
-};
+// From radiance to density over the square, which is wider than the sphere towards the poles, with
+// its floor.
+void weigh_by_solid_angle(Table& table) {
+    std::vector<float> sin_theta(table.height);
+    for (uint32_t y = 0; y < table.height; ++y)
+        sin_theta[y] =
+            std::sin(kPi * (static_cast<float>(y) + 0.5f) / static_cast<float>(table.height));
+    double sum = 0.0, sum_sin = 0.0;
+    for (uint32_t y = 0; y < table.height; ++y)
+        for (uint32_t x = 0; x < table.width; ++x) {
+            sum += static_cast<double>(table.at(x, y)) * sin_theta[y];
+            sum_sin += sin_theta[y];
+        }
+    const auto least = static_cast<float>(kDensityFloor * sum / sum_sin);
+    for (uint32_t y = 0; y < table.height; ++y)
+        for (uint32_t x = 0; x < table.width; ++x)
+            table.at(x, y) = std::max(table.at(x, y), least) * sin_theta[y];
+}
 
 // Without an image, whatever varies does so over angles that this many directions do not miss.
 bool looks_constant(const Material& material) {
@@ -131,27 +150,15 @@ void build_world(const Scene& scene, LightSet& lights) {
         set_constant(evaluate_background(material, {}, Vec3(0.0f, 0.0f, 1.0f)), lights);
         return;
     }
-    Tabulation table(scene);
-    table.run();
-    if (table.constant()) {
-        set_constant(table.first(), lights);
+    Table table = tabulate(scene, material);
+    if (table.constant) {
+        set_constant(evaluate_background(material, scene.images, Vec3(0.0f, 0.0f, 1.0f)), lights);
         return;
     }
-    double sum = 0.0;
-    for (const float value : table.values()) sum += value;
-    if (!(sum > 0.0)) return;
-    lights.has_world = true;
-    // The floor is spread evenly over solid angle; the mean of sin theta is 2 / pi.
-    const auto mean = static_cast<float>(sum / static_cast<double>(table.values().size()));
-    for (uint32_t y = 0; y < table.height(); ++y) {
-        const float sin_theta = std::sin(kPi * (static_cast<float>(y) + 0.5f) / static_cast<float>(table.height()));
-        const float least = kDensityFloor * mean * 0.5f * kPi * sin_theta;
-        for (uint32_t x = 0; x < table.width(); ++x) {
-            float& value = table.values()[static_cast<size_t>(y) * table.width() + x];
-            value = std::max(value, least);
-        }
-    }
-    lights.world_map = Distribution2D(table.values(), table.width(), table.height());
+    spread_to_neighbours(table);
+    weigh_by_solid_angle(table);
+    lights.world_map = Distribution2D(table.values, table.width, table.height);
+    lights.has_world = !lights.world_map.empty();
 }
 
 double world_total(const LightSet& lights) {

@@ -33,7 +33,7 @@ std::optional<ConstraintValue> half_vector(Interaction interaction, float eta, c
         return Vec2(dot(frame.x, dh) - dot(frame.x, dn) * nh, dot(frame.y, dh) - dot(frame.y, dn) * nh);
     };
     return ConstraintValue{Vec2(dot(frame.x, h), dot(frame.y, h)), derivative(wi.dw_du, wo.dw_du, vertex.dn_du),
-                           derivative(wi.dw_dv, wo.dw_dv, vertex.dn_dv)};
+                           derivative(wi.dw_dv, wo.dw_dv, vertex.dn_dv), 1.0f / l};
 }
 
 // Direction into which light from wi leaves, with derivatives. Empty at total internal reflection.
@@ -60,6 +60,15 @@ std::optional<DirectionDual> scattered(Interaction interaction, float eta, const
     return DirectionDual{wi.w * -inv + n * mu, derivative(wi.dw_du, vertex.dn_du), derivative(wi.dw_dv, vertex.dn_dv)};
 }
 
+// Of single precision, with room for the handful of operations that each coordinate has seen.
+constexpr float kUnitRoundoff = 4.0f * 0x1p-24f;
+
+float largest_coordinate(const Vec3& a, const Vec3& b) {
+    float largest = 0.0f;
+    for (int i = 0; i < 3; ++i) largest = std::max({largest, std::abs(a[i]), std::abs(b[i])});
+    return largest;
+}
+
 std::optional<ConstraintValue> angle_difference(Interaction interaction, float eta, const DirectionDual& wi,
                                                 const DirectionDual& wo, const CasterPatch& vertex) {
     const std::optional<DirectionDual> s = scattered(interaction, eta, wi, vertex);
@@ -72,8 +81,10 @@ std::optional<ConstraintValue> angle_difference(Interaction interaction, float e
         const float da = dot(ds, frame.z), db = dot(ds, frame.x), dc = dot(ds, frame.y);
         return Vec2((a * db - b * da) / equatorial - dot(dwo, frame.x), dc * inv_cos_latitude - dot(dwo, frame.y));
     };
+    // Near the critical angle the refracted direction magnifies every error by 1 / cos_t.
+    const float magnified = interaction == Interaction::refraction ? 1.0f / std::abs(dot(s->w, vertex.n)) : 1.0f;
     return ConstraintValue{Vec2(std::atan2(b, a), std::asin(c)), derivative(s->dw_du, wo.dw_du),
-                           derivative(s->dw_dv, wo.dw_dv)};
+                           derivative(s->dw_dv, wo.dw_dv), magnified};
 }
 
 }  // namespace
@@ -91,8 +102,12 @@ std::optional<ConstraintValue> evaluate_constraint(Constraint constraint, Intera
     if (!(distance_x > 0.0f) || !(distance_y > 0.0f)) return std::nullopt;
     const DirectionDual wi_dual = direction_to(to_x * (1.0f / distance_x), distance_x, vertex);
     const DirectionDual wo_dual = direction_to(wo, distance_y, vertex);
-    return constraint == Constraint::half_vector ? half_vector(interaction, eta, wi_dual, wo_dual, vertex)
-                                                 : angle_difference(interaction, eta, wi_dual, wo_dual, vertex);
+    std::optional<ConstraintValue> value = constraint == Constraint::half_vector
+                                               ? half_vector(interaction, eta, wi_dual, wo_dual, vertex)
+                                               : angle_difference(interaction, eta, wi_dual, wo_dual, vertex);
+    // The two see directions of this error; so far `noise` holds how much each magnifies it.
+    if (value) value->noise *= kUnitRoundoff * (2.0f + largest_coordinate(x, vertex.p) / std::min(distance_x, distance_y));
+    return value;
 }
 
 std::optional<double> geometry_term(Interaction interaction, float eta, const Vec3& x, const CasterPatch& patch,

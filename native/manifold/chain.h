@@ -38,6 +38,7 @@ float eta_seen_from(const Vec3& front_ng, const Vec3& towards, float ior);
 struct ConstraintValue {
     Vec2 c;
     Vec2 dc_du, dc_dv;
+    float noise;  // what rounding of positions in single precision leaves of C at an exact solution
     float size() const { return std::sqrt(c.x * c.x + c.y * c.y); }
 };
 // [Zeltner20 Eq. 2 and Sec. 4.2]. Empty at total internal reflection (angle-difference) or a degenerate half-vector.

@@ -18,13 +18,13 @@ std::optional<double> solid_angle_per_light_measure(const Vec3& x, const ChainRo
 }
 
 bool chain_is_clear(const Scene& scene, const LightSet& lights, const Receiver& receiver, const ChainRoot& root, const LightPoint& y,
-                    const Vec3& wi, float distance_x, const Vec3& to_light, float distance_y, Spectrum& through,
-                    ManifoldStats& stats) {
-    through = transmittance(scene, receiver.p, receiver.ng, wi, distance_x, kVisibleDiffuse, stats.rays);
+                    Spectrum& through, ManifoldStats& stats) {
+    const ChainEnd vertex{false, root.patch.p, Vec3(0.0f)};
+    through = transmittance(scene, receiver.p, receiver.ng, vertex, kVisibleDiffuse, stats.rays);
     if (is_black(through)) return false;
     const uint32_t kind = root.interaction == Interaction::reflection ? kVisibleGlossy : kVisibleTransmission;
     if ((light_visibility(lights, y.light) & kVisibleShadow) == 0) return true;
-    through *= transmittance(scene, root.patch.p, root.patch.ng, to_light, distance_y, kind, stats.rays);
+    through *= transmittance(scene, root.patch.p, root.patch.ng, end_of(y), kind, stats.rays);
     return !is_black(through);
 }
 
@@ -32,8 +32,7 @@ bool chain_is_clear(const Scene& scene, const LightSet& lights, const Receiver& 
 Spectrum contribution(const Scene& scene, const LightSet& lights, const Receiver& receiver, const LightPoint& y,
                       float caster_probability, const ChainRoot& root, ManifoldStats& stats) {
     const Vec3 to_root = root.patch.p - receiver.p;
-    const float distance_x = length(to_root);
-    const Vec3 wi = to_root * (1.0f / distance_x);
+    const Vec3 wi = normalize(to_root);
     const ClosureEval at_x = eval(*receiver.closures, receiver.ng, receiver.wo, wi);
     if (is_black(at_x.f_cos)) return Spectrum(0.0f);
 
@@ -51,8 +50,7 @@ Spectrum contribution(const Scene& scene, const LightSet& lights, const Receiver
     const Spectrum radiance = radiance_at(lights, scene, y, away);
     if (is_black(radiance)) return Spectrum(0.0f);
     Spectrum through;
-    if (!chain_is_clear(scene, lights, receiver, root, y, wi, distance_x, to_light, distance_y, through, stats))
-        return Spectrum(0.0f);
+    if (!chain_is_clear(scene, lights, receiver, root, y, through, stats)) return Spectrum(0.0f);
 
     const double manifold_density = static_cast<double>(y.pdf) * static_cast<double>(caster_probability);
     const double path_density =
@@ -143,12 +141,16 @@ Spectrum manifold_radiance(const Scene& scene, const LightSet& lights, const Cas
     return sum;
 }
 
-Spectrum transmittance(const Scene& scene, const Vec3& a, const Vec3& ng_a, const Vec3& direction, float distance,
-                       uint32_t kind, uint64_t& rays) {
-    // Short of the far end by the same margin as the near one, so that neither surface blocks itself.
-    constexpr float kFarMargin = 1e-4f;
+Spectrum transmittance(const Scene& scene, const Vec3& a, const Vec3& ng_a, const ChainEnd& end, uint32_t kind,
+                       uint64_t& rays) {
+    constexpr float kFarMargin = 1e-4f;  // relative: the surface at the far end does not block itself
     constexpr int kMaxTransparentSurfaces = 64;
-    Ray ray{offset_origin(a, ng_a, direction), direction, 0.0f, distance * (1.0f - kFarMargin)};
+    float distance;
+    Vec3 direction = end.from(a, distance);
+    // Aimed anew from where the ray starts: a parallel ray would meet the far surface off its mark.
+    const Vec3 origin = offset_origin(a, ng_a, direction);
+    direction = end.from(origin, distance);
+    Ray ray{origin, direction, 0.0f, distance * (1.0f - kFarMargin)};
     Spectrum through(1.0f);
     for (int i = 0; i < kMaxTransparentSurfaces; ++i) {
         ++rays;

@@ -54,8 +54,9 @@ Spectrum manifold_radiance(const Scene& scene, const LightSet& lights, const Cas
                            const ManifoldSettings& settings, const Receiver& receiver, const Sampler& sampler,
                            ManifoldStats& stats);
 
-// Fraction of light that passes from a to b (both excluded) through transparent surfaces, as a ray of `kind` sees them.
-Spectrum transmittance(const Scene& scene, const Vec3& a, const Vec3& ng_a, const Vec3& direction, float distance,
-                       uint32_t kind, uint64_t& rays);
+// Fraction of light that passes from the surface point a to `end` (both excluded) through transparent surfaces, as a
+// ray of `kind` sees them.
+Spectrum transmittance(const Scene& scene, const Vec3& a, const Vec3& ng_a, const ChainEnd& end, uint32_t kind,
+                       uint64_t& rays);
 
 }  // namespace spc

@@ -20,6 +20,7 @@ struct ManifoldSettings {
     // A walk has converged when the constraint, an angle, is below this (radians). Single precision of directions
     // leaves 3e-7; solutions at folds move by the root of it.
     float tolerance = 1e-5f;
+    float seeds_by_area = 0.5f;  // share of the seeds that are uniform over the caster; the rest is what x sees of it
     int max_iterations = 20;    // walks that need more nearly always diverge
     int max_halvings = 6;       // of one step, before the walk gives up
     // Two solutions closer than this many position tolerances (|dp/dC| tolerance) are one.

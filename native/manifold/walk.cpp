@@ -48,7 +48,7 @@ public:
         std::optional<Iterate> current = evaluate(start, target);
         bool polished = false;
         for (int i = 0; current && i < settings_.max_iterations; ++i) {
-            const bool converged = current->value.size() < settings_.tolerance;
+            const bool converged = has_converged(*current);
             if (converged && polished) return current;
             ++stats_.iterations;
             std::optional<Iterate> next = step(*current, target);
@@ -56,10 +56,14 @@ public:
             polished = converged;
             current = next;
         }
-        return current && current->value.size() < settings_.tolerance ? current : std::nullopt;
+        return current && has_converged(*current) ? current : std::nullopt;
     }
 
 private:
+    bool has_converged(const Iterate& at) const {
+        return at.value.size() < std::max(settings_.tolerance, at.value.noise);
+    }
+
     std::optional<Iterate> evaluate(const SurfaceHit& hit, const NormalTarget& target) const {
         const CasterPatch patch = aimed_patch(scene_, hit, target);
         const std::optional<ConstraintValue> value =
@@ -110,10 +114,25 @@ private:
 };
 
 // A point of the caster, uniform by area.
-SurfaceHit sample_seed(const Caster& caster, Pcg& pcg) {
+SurfaceHit sample_by_area(const Caster& caster, Pcg& pcg) {
     const uint32_t triangle = caster.triangles.sample(pcg.one()).index;
-    const float root = std::sqrt(pcg.one()), v = pcg.one();
-    return {caster.instance, triangle, root * (1.0f - v), root * v};
+    const Vec2 b = uniform_triangle(pcg.two());
+    return {caster.instance, triangle, b.x, b.y};
+}
+
+// What x sees of the caster along a direction that is uniform in the cone of its bounding sphere. Empty beside it.
+std::optional<SurfaceHit> sample_by_direction(const Scene& scene, const ChainQuery& query, Pcg& pcg) {
+    const Vec3 to_center = query.caster->center - query.x;
+    const float d2 = length_squared(to_center), sin2 = sqr(query.caster->radius) / d2;
+    const float one_minus_cos = sin2 < 1.0f ? sin2 / (1.0f + std::sqrt(1.0f - sin2)) : 2.0f;
+    const Vec3 local = uniform_cone(pcg.two(), one_minus_cos);
+    const Vec3 direction = d2 > 0.0f ? Frame::around(to_center * (1.0f / std::sqrt(d2))).to_world(local) : local;
+    const std::optional<Hit> hit =
+        scene.accel->intersect_caster(query.caster->instance, {query.x, direction, 1e-4f * query.caster->radius, kInfinity});
+    if (!hit) return std::nullopt;
+    const SpecularInterface& specular = scene.material_of(hit->surface).specular;
+    if (!specular.reflects && !specular.refracts) return std::nullopt;
+    return hit->surface;
 }
 
 // A normal that leans as the caster's mapped normals do.
@@ -129,13 +148,22 @@ NormalTarget sample_lean(const Caster& caster, Pcg& pcg) {
 
 std::optional<ChainRoot> random_walk(const Scene& scene, const ManifoldSettings& settings, const ChainQuery& query,
                                      Pcg& pcg, ManifoldStats& stats) {
+    // By direction the part of a caster next to x gets its share; by area nothing is left out.
+    if (pcg.one() < settings.seeds_by_area) return walk_from(scene, settings, query, sample_by_area(*query.caster, pcg), pcg, stats);
+    ++stats.rays;
+    const std::optional<SurfaceHit> seed = sample_by_direction(scene, query, pcg);
+    if (seed) return walk_from(scene, settings, query, *seed, pcg, stats);
+    ++stats.walks;
+    return std::nullopt;
+}
+
+std::optional<ChainRoot> walk_from(const Scene& scene, const ManifoldSettings& settings, const ChainQuery& query,
+                                   const SurfaceHit& seed, Pcg& pcg, ManifoldStats& stats) {
     ++stats.walks;
     const Caster& caster = *query.caster;
-    const SurfaceHit seed = sample_seed(caster, pcg);
     const bool two_stage = settings.two_stage && caster.mapped_normal;
     const NormalTarget lean = two_stage ? sample_lean(caster, pcg) : NormalTarget{};
 
-    // The seed's own geometry tells which interaction can connect x with the light there.
     const Vec3 p = surface_position(scene, seed), ng = front_normal(scene, seed.instance, seed.triangle);
     float distance_y;
     const float side_x = dot(ng, query.x - p), side_y = dot(ng, query.end.from(p, distance_y));
@@ -170,7 +198,7 @@ std::optional<ChainRoot> random_walk(const Scene& scene, const ManifoldSettings&
     if (a && b)
         reach = std::max(length(end->patch.dp_du * a->x + end->patch.dp_dv * a->y),
                          length(end->patch.dp_du * b->x + end->patch.dp_dv * b->y));
-    return ChainRoot{end->hit, end->patch, interaction, eta, reach * settings.tolerance};
+    return ChainRoot{end->hit, end->patch, interaction, eta, reach * std::max(settings.tolerance, value.noise)};
 }
 
 bool same_root(const ManifoldSettings& settings, const ChainRoot& a, const ChainRoot& b) {

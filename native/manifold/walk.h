@@ -23,8 +23,12 @@ struct ChainRoot {
     float resolution;  // m: how far the tolerance of the constraint lets the point move
 };
 
-// One walk from one random seed: empty when it diverged, left the caster, met total internal reflection or ended on the
-// wrong side of the surface. Everything random comes from `pcg`. A walk does not ask whether something stands in the way.
+// One walk: empty when it diverged, left the caster, met total internal reflection or ended on the wrong side of the
+// surface. The seed's own geometry says whether light is to be reflected or refracted there. With two stages and a
+// mapped normal, `pcg` gives the first stage's normal. A walk does not ask whether something stands in the way.
+std::optional<ChainRoot> walk_from(const Scene& scene, const ManifoldSettings& settings, const ChainQuery& query,
+                                   const SurfaceHit& seed, Pcg& pcg, ManifoldStats& stats);
+// From a random seed, uniform over the caster's specular area.
 std::optional<ChainRoot> random_walk(const Scene& scene, const ManifoldSettings& settings, const ChainQuery& query,
                                      Pcg& pcg, ManifoldStats& stats);
 

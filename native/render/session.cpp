@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "render/session.h"
 
+#include <bit>
+
 #include <pmmintrin.h>
 #include <xmmintrin.h>
 
@@ -8,14 +10,14 @@ namespace spc {
 
 namespace {
 
-// Samples per pass: one at first, so that a picture is there soon, then more, so that a tile's data stays in cache.
-constexpr uint32_t kLargestBatch = 16;
+// Samples per pass: one at first, so that a picture is there soon, then twice as many each time, so
+// that a tile's data stays in cache, up to 2^kDoublings.
+constexpr uint32_t kDoublings = 4, kLargestBatch = 1u << kDoublings;
 
-std::vector<uint32_t> plan_passes(uint32_t samples) {
-    std::vector<uint32_t> begin{0};
-    for (uint32_t batch = 1; begin.back() < samples; batch = std::min(2 * batch, kLargestBatch))
-        begin.push_back(std::min(begin.back() + batch, samples));
-    return begin;
+uint32_t count_passes(uint32_t samples) {
+    if (samples < kLargestBatch) return static_cast<uint32_t>(std::bit_width(samples));
+    return kDoublings +
+           samples / kLargestBatch;  // 2^kDoublings - 1 samples precede those of full size
 }
 
 uint32_t worker_count(uint32_t asked) {
@@ -44,23 +46,43 @@ void RenderStats::add(const RenderStats& other) {
 }
 
 Session::Session(const RenderScene& world, const RenderSettings& settings)
-    : world_(world), settings_(settings), filter_(settings.filter, settings.filter_width),
-      film_(world.scene->camera.crop[2], world.scene->camera.crop[3]), pass_begin_(plan_passes(settings.samples)),
-      tile_passes_(film_.tile_count()), pass_tiles_(pass_begin_.size() - 1), start_(Clock::now()) {
+    : world_(world),
+      settings_(settings),
+      filter_(settings.filter, settings.filter_width),
+      film_(world.scene->camera.crop[2], world.scene->camera.crop[3]),
+      pass_count_(count_passes(settings.samples)),
+      tile_passes_(film_.tile_count()),
+      start_(Clock::now()) {
     active_workers_ = worker_count(settings.threads);
     const uint32_t count = active_workers_;
-    for (uint32_t i = 0; i < count; ++i) workers_.emplace_back([this] { work(); });
+    try {
+        for (uint32_t i = 0; i < count; ++i) workers_.emplace_back([this] { work(); });
+    } catch (...) {  // no more threads to be had: those that run must not run to the end
+        cancelled_ = true;
+        throw;
+    }
 }
 
 Session::~Session() { cancel(); }  // the workers join before anything that they use goes
 
 void Session::cancel() { cancelled_ = true; }
 
-double Session::seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
+uint32_t Session::pass_begin(uint32_t pass) const {
+    const uint64_t begin = pass <= kDoublings
+                               ? (1u << pass) - 1
+                               : uint64_t{pass - kDoublings} * kLargestBatch + kLargestBatch - 1;
+    return static_cast<uint32_t>(std::min<uint64_t>(begin, settings_.samples));
+}
 
+double Session::seconds() const {
+    return std::chrono::duration<double>(Clock::now() - start_).count();
+}
+
+bool Session::must_stop() const {
+    return cancelled_.load(std::memory_order_relaxed) || failed_.load(std::memory_order_relaxed);
+}
 bool Session::should_stop() const {
-    return cancelled_.load(std::memory_order_relaxed) || out_of_time_.load(std::memory_order_relaxed) ||
-           failed_.load(std::memory_order_relaxed);
+    return must_stop() || out_of_time_.load(std::memory_order_relaxed);
 }
 
 void Session::work() {
@@ -68,7 +90,7 @@ void Session::work() {
     _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
     _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
     try {
-        const uint64_t jobs = static_cast<uint64_t>(film_.tile_count()) * pass_tiles_.size();
+        const uint64_t jobs = static_cast<uint64_t>(film_.tile_count()) * pass_count_;
         while (!should_stop()) {
             const uint64_t job = next_job_.fetch_add(1);
             if (job >= jobs) break;
@@ -91,34 +113,35 @@ void Session::work() {
 bool Session::render_job(uint64_t job, RenderStats& stats) {
     const auto pass = static_cast<uint32_t>(job / film_.tile_count());
     const auto tile = static_cast<uint32_t>(job % film_.tile_count());
-    // Samples of a pixel are added in order: wait for whoever still works on this tile's previous pass.
+    // Samples of a pixel are added in order: wait for whoever still works on this tile's previous
+    // pass.
     while (tile_passes_[tile].load() != pass) {
         if (should_stop()) return false;
         std::this_thread::yield();
     }
     std::vector<PixelSums> pixels = film_.copy_tile(tile);
-    const bool complete = render_pixels(tile, pass_begin_[pass], pass_begin_[pass + 1] - pass_begin_[pass], pixels, stats);
+    const bool complete = render_pixels(tile, pass_begin(pass),
+                                        pass_begin(pass + 1) - pass_begin(pass), pixels, stats);
     film_.store_tile(tile, pixels);
     if (!complete) return false;
     tile_passes_[tile].store(pass + 1);
-    pass_tiles_[pass].fetch_add(1);
     return true;
 }
 
-bool Session::render_pixels(uint32_t tile, uint32_t first, uint32_t count, std::vector<PixelSums>& pixels,
-                            RenderStats& stats) {
+bool Session::render_pixels(uint32_t tile, uint32_t first, uint32_t count,
+                            std::vector<PixelSums>& pixels, RenderStats& stats) {
     const Film::TileBounds b = film_.bounds(tile);
     const auto& crop = world_.scene->camera.crop;
     for (uint32_t y = 0; y < b.height; ++y) {
         for (uint32_t x = 0; x < b.width; ++x) {
             PixelSums& pixel = pixels[static_cast<size_t>(y) * b.width + x];
             for (uint32_t i = 0; i < count; ++i) {
-                if (should_stop()) return false;
+                // Every pixel gets its first samples, however short the time.
+                if (first > 0 ? should_stop() : must_stop()) return false;
                 accumulate(pixel, take_sample(crop[0] + b.x0 + x, crop[1] + b.y0 + y,
                                               settings_.first_sample + first + i, stats));
             }
         }
-        // Every pixel gets its first samples, however short the time.
         const bool limited = settings_.time_limit > 0.0f && first > 0;
         if (limited && seconds() > static_cast<double>(settings_.time_limit)) out_of_time_ = true;
     }
@@ -130,7 +153,8 @@ FilmSample Session::take_sample(uint32_t x, uint32_t y, uint32_t index, RenderSt
     const Camera& camera = world_.scene->camera;
     const Sampler sampler(settings_.seed, y * camera.width + x, index);
     const Vec2 offset = filter_.sample(sampler[Domain::film].two());
-    const Ray ray = camera.ray(static_cast<float>(x) + 0.5f + offset.x, static_cast<float>(y) + 0.5f + offset.y);
+    const Ray ray = camera.ray(static_cast<float>(x) + 0.5f + offset.x,
+                               static_cast<float>(y) + 0.5f + offset.y);
     PathSample path = path_radiance(world_, settings_.integrator, ray, sampler, stats.path);
     ++stats.samples;
     if (!is_finite(path.radiance) || !is_finite(path.caustics)) {
@@ -138,28 +162,33 @@ FilmSample Session::take_sample(uint32_t x, uint32_t y, uint32_t index, RenderSt
         path.radiance = path.caustics = Spectrum(0.0f);
     }
     stats.manifold_energy += static_cast<double>(luminance(path.caustics));
-    return {path.radiance, path.caustics, path.position, path.normal, path.alpha,
-            path.hit ? camera.depth(path.position) : 1e10f};
+    return {path.radiance, path.caustics, path.position,
+            path.normal,   path.alpha,    path.hit ? camera.depth(path.position) : 1e10f};
 }
 
 RenderProgress Session::wait(std::chrono::milliseconds patience) {
     std::unique_lock lock(mutex_);
     ended_.wait_for(lock, patience, [this] { return active_workers_ == 0; });
-    RenderProgress progress{RenderState::running, 0, 0.0f, active_workers_ == 0 ? seconds_at_end_ : seconds()};
-    uint64_t tiles_done = 0;
-    for (size_t pass = 0; pass < pass_tiles_.size(); ++pass) {
-        const uint64_t tiles = pass_tiles_[pass].load();
-        tiles_done += tiles * (pass_begin_[pass + 1] - pass_begin_[pass]);
-        if (tiles == film_.tile_count()) progress.samples_done = pass_begin_[pass + 1];
+    RenderProgress progress{RenderState::running, 0, 0.0f,
+                            active_workers_ == 0 ? seconds_at_end_ : seconds()};
+    uint64_t tile_samples = 0;
+    progress.samples_done = settings_.samples;
+    for (const std::atomic<uint32_t>& passes : tile_passes_) {
+        const uint32_t samples = pass_begin(passes.load());
+        tile_samples += samples;
+        progress.samples_done = std::min(progress.samples_done, samples);
     }
-    const double by_samples = static_cast<double>(tiles_done) / film_.tile_count() / settings_.samples;
-    const double by_time = settings_.time_limit > 0.0f ? progress.seconds / static_cast<double>(settings_.time_limit) : 0.0;
+    const double by_samples =
+        static_cast<double>(tile_samples) / film_.tile_count() / settings_.samples;
+    const double by_time = settings_.time_limit > 0.0f
+                               ? progress.seconds / static_cast<double>(settings_.time_limit)
+                               : 0.0;
     progress.fraction = static_cast<float>(std::clamp(std::max(by_samples, by_time), 0.0, 1.0));
     if (active_workers_ > 0) return progress;
     const bool complete = progress.samples_done == settings_.samples;
-    progress.state = failure_                      ? RenderState::failed
-                     : cancelled_ && !complete     ? RenderState::cancelled
-                                                   : RenderState::done;
+    progress.state = failure_                  ? RenderState::failed
+                     : cancelled_ && !complete ? RenderState::cancelled
+                                               : RenderState::done;
     return progress;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A render under way: worker threads that take (tile, batch of samples) jobs until all samples are done, the time is
-// up, or somebody cancels.
+// A render under way: worker threads that take (tile, batch of samples) jobs until all samples are
+// done, the time is up, or somebody cancels.
 #pragma once
 
 #include "film/film.h"
@@ -20,7 +20,7 @@ struct RenderSettings {
     uint32_t first_sample = 0, samples = 64;
     float time_limit = 0.0f;  // s, 0 = none
     uint32_t seed = 0;
-    uint32_t threads = 0;     // 0 = all
+    uint32_t threads = 0;  // 0 = all
     FilterKind filter = FilterKind::blackman_harris;
     float filter_width = 1.5f;
 };
@@ -63,18 +63,21 @@ private:
 
     void work();
     bool render_job(uint64_t job, RenderStats& stats);
-    bool render_pixels(uint32_t tile, uint32_t first, uint32_t count, std::vector<PixelSums>& pixels, RenderStats& stats);
+    bool render_pixels(uint32_t tile, uint32_t first, uint32_t count,
+                       std::vector<PixelSums>& pixels, RenderStats& stats);
     FilmSample take_sample(uint32_t x, uint32_t y, uint32_t index, RenderStats& stats) const;
-    bool should_stop() const;
+    uint32_t pass_begin(
+        uint32_t pass) const;  // relative sample index; of pass_count_ the number of samples
+    bool must_stop() const;    // whatever has been done
+    bool should_stop() const;  // that, or time is up
     double seconds() const;
 
     const RenderScene& world_;
     const RenderSettings settings_;
     const PixelFilter filter_;
     Film film_;
-    std::vector<uint32_t> pass_begin_;  // sample index at which each pass begins, relative, and the total at the end
+    const uint32_t pass_count_;
     std::vector<std::atomic<uint32_t>> tile_passes_;  // passes that each tile has had
-    std::vector<std::atomic<uint32_t>> pass_tiles_;   // tiles that each pass has done
     std::atomic<uint64_t> next_job_{0};
     std::atomic<bool> cancelled_{false}, out_of_time_{false}, failed_{false};
     const Clock::time_point start_;

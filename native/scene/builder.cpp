@@ -22,7 +22,10 @@ constexpr double kRelativeZeroArea = 1e-12;
 bool has_area(const Vec3& a, const Vec3& b, const Vec3& c) {
     const Vec3d e1 = Vec3d(b) - Vec3d(a), e2 = Vec3d(c) - Vec3d(a), e3 = e2 - e1;
     const double longest = std::max({length_squared(e1), length_squared(e2), length_squared(e3)});
-    return length(cross(e1, e2)) > kRelativeZeroArea * longest && longest > 0.0;
+    if (!(length(cross(e1, e2)) > kRelativeZeroArea * longest && longest > 0.0)) return false;
+    // Its normal must exist in single precision, without denormals.
+    const float n2 = length_squared(cross(b - a, c - a));
+    return n2 >= std::numeric_limits<float>::min() && n2 < kInfinity;
 }
 
 // Keeps the entries whose triangle survives, `per` values a triangle.
@@ -70,6 +73,8 @@ Transform checked_inverse(const Transform& transform, const std::string& name) {
         if (!is_finite(row)) invalid(fmt::format("{}: the transform is not finite", name));
     if (!is_finite(transform.translation)) invalid(fmt::format("{}: the transform is not finite", name));
     const Transform inverse = transform.inverse();
+    // An infinite determinant would leave an inverse of zeros.
+    if (!std::isfinite(transform.determinant())) invalid(fmt::format("{}: the transform cannot be inverted", name));
     for (const Vec3& row : inverse.row)
         if (!is_finite(row)) invalid(fmt::format("{}: the transform cannot be inverted (a scale of 0?)", name));
     return inverse;
@@ -120,6 +125,7 @@ uint32_t SceneBuilder::add_mesh(Mesh mesh) {
     }
     if (!mesh.uv_layers.empty() && mesh.active_uv_layer >= mesh.uv_layers.size())
         invalid(fmt::format("{}: active UV layer {} of {}", name, mesh.active_uv_layer, mesh.uv_layers.size()));
+    if (mesh.slot_count == 1) mesh.slots.clear();
     drop_degenerate_triangles(mesh);
     if (mesh.triangles.empty()) invalid(fmt::format("{}: the mesh has no triangle with an area", name));
     normalize_corner_normals(mesh);
@@ -205,8 +211,10 @@ void SceneBuilder::set_camera(const Camera& camera) {
 }
 
 void SceneBuilder::set_environment(const Environment& environment) {
+    if (environment.material >= scene_->materials.size())
+        invalid(fmt::format("world: material index {} of {}", environment.material, scene_->materials.size()));
     if (!material(environment.material).is_background)
-        invalid(fmt::format("{}: the world's surface must be a background", material(environment.material).name));
+        invalid(fmt::format("world: {} has no background as its surface", material(environment.material).name));
     scene_->environment = environment;
 }
 

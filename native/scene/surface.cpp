@@ -28,6 +28,11 @@ Vec3 front_normal_of(const std::array<Vec3, 3>& corner, bool mirrored) {
     return mirrored ? n * -1.0f : n;
 }
 
+Vec3 object_face_normal(const Mesh& mesh, uint32_t triangle) {
+    const auto& [a, b, c] = mesh.triangles[triangle];
+    return normalize(cross(mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a]));
+}
+
 // A ShadingPoint with the storage for what it points to.
 template <class T>
 struct PointAt {
@@ -71,7 +76,8 @@ void fill_point(const Scene& scene, const SurfaceHit& hit, const T& u, const T& 
         for (size_t i = 0; i < layers.size(); ++i) {
             if (layers[i] == kNone) {
                 at.uvs[i] = {T(0.0f), T(0.0f)};
-                const Vec3 x = Frame::around(normalize(value_of(point.normal_object))).x;
+                // Constant on the triangle: a tangent that turned with the normal would need its derivative.
+                const Vec3 x = Frame::around(object_face_normal(mesh, hit.triangle)).x;
                 at.tangents[i] = {T(x.x), T(x.y), T(x.z)};
                 at.signs[i] = 1.0f;
                 continue;

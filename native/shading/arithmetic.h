@@ -22,6 +22,13 @@ inline Dual2 safe_acos(Dual2 a) {
     const float s2 = 1.0f - a.v * a.v;
     return chain(a, safe_acos(a.v), s2 > 0.0f ? -1.0f / std::sqrt(s2) : 0.0f);
 }
+// By a number, without the products with its zero derivatives, which the compiler must keep.
+inline float times(float a, float s) { return a * s; }
+inline Dual2 times(Dual2 a, float s) { return {a.v * s, a.du * s, a.dv * s}; }
+template <class T>
+Vector3<T> times(const Vector3<T>& a, float s) {
+    return {times(a.x, s), times(a.y, s), times(a.z, s)};
+}
 // Zero for a NaN too.
 template <class T>
 T non_negative(const T& a) {
@@ -49,7 +56,9 @@ Vector3<T> safe_normalize(const Vector3<T>& a) {
 // Transpose of constant rows applied to a vector.
 template <class T>
 Vector3<T> apply_transposed(const std::array<Vec3, 3>& row, const Vector3<T>& a) {
-    const auto component = [&](int i) { return T(row[0][i]) * a.x + T(row[1][i]) * a.y + T(row[2][i]) * a.z; };
+    const auto component = [&](int i) {
+        return times(a.x, row[0][i]) + times(a.y, row[1][i]) + times(a.z, row[2][i]);
+    };
     return {component(0), component(1), component(2)};
 }
 
@@ -144,15 +153,17 @@ void run_arithmetic(const Instruction& i, const Registers<T>& r) {
         case Op::one_minus: return each_lane(r, i, [](T a) { return T(1.0f) - a; });
         case Op::clamp01: return each_lane(r, i, [](T a) { return clamp_unit(a); });
         case Op::non_negative: return each_lane(r, i, [](T a) { return non_negative(a); });
-        case Op::maximum: return each_lane2(r, i, [](T a, T b) { return value_of(a) > value_of(b) ? a : b; });
+        case Op::maximum:
+            return each_lane2(r, i, [](T a, T b) { return value_of(a) > value_of(b) ? a : b; });
         case Op::square_root: return each_lane(r, i, [](T a) { return safe_root(a); });
         case Op::luminance: {
             const Vector3<T> c = r.vector(i.in[0]);
-            return r.store(i.out, c.x * T(0.2126729f) + c.y * T(0.7151522f) + c.z * T(0.0721750f));
+            return r.store(
+                i.out, times(c.x, 0.2126729f) + times(c.y, 0.7151522f) + times(c.z, 0.0721750f));
         }
         case Op::mean: {
             const Vector3<T> a = r.vector(i.in[0]);
-            return r.store(i.out, (a.x + a.y + a.z) * T(1.0f / 3.0f));
+            return r.store(i.out, times(a.x + a.y + a.z, 1.0f / 3.0f));
         }
         case Op::splat: {
             const T a = r.scalar(i.in[0]);
@@ -162,14 +173,17 @@ void run_arithmetic(const Instruction& i, const Registers<T>& r) {
         case Op::affine: {
             const Vector3<T> a = r.vector(i.in[0]);
             const float* m = r.constants + i.index;
-            const auto row = [&](int k) {
-                return T(m[4 * k]) * a.x + T(m[4 * k + 1]) * a.y + T(m[4 * k + 2]) * a.z + T(m[4 * k + 3]);
+            const auto row = [&](const float* k) {
+                return times(a.x, k[0]) + times(a.y, k[1]) + times(a.z, k[2]) + T(k[3]);
             };
-            return r.store(i.out, Vector3<T>{row(0), row(1), row(2)});
+            return r.store(i.out, Vector3<T>{row(m), row(m + 4), row(m + 8)});
         }
-        case Op::rotate: return r.store(i.out, rotate_euler(r.vector(i.in[0]), r.vector(i.in[1]), false));
-        case Op::rotate_back: return r.store(i.out, rotate_euler(r.vector(i.in[0]), r.vector(i.in[1]), true));
-        case Op::dielectric_ior: return r.store(i.out, dielectric_ior(r.scalar(i.in[0]), r.scalar(i.in[1])));
+        case Op::rotate:
+            return r.store(i.out, rotate_euler(r.vector(i.in[0]), r.vector(i.in[1]), false));
+        case Op::rotate_back:
+            return r.store(i.out, rotate_euler(r.vector(i.in[0]), r.vector(i.in[1]), true));
+        case Op::dielectric_ior:
+            return r.store(i.out, dielectric_ior(r.scalar(i.in[0]), r.scalar(i.in[1])));
         case Op::equirectangular: return r.store(i.out, equirectangular(r.vector(i.in[0])));
         case Op::mirror_ball: return r.store(i.out, mirror_ball(r.vector(i.in[0])));
         default: return;

@@ -10,15 +10,12 @@ constexpr uint32_t kForever = 0xffffffffu;
 
 class Generator {
 public:
-    Generator(const ExprBuilder& expr, const std::string& material) : expr_(expr), material_(material) {}
+    Generator(const ExprBuilder& expr, const std::string& material)
+        : expr_(expr), material_(material) {}
 
     // Appends what `roots` need; operand() gives their places until the next section begins.
     Section section(const std::vector<ExprId>& roots) {
-        const std::vector<bool> needed = expr_.needed_by(roots);
-        std::vector<ExprId> order;
-        for (size_t i = 0; i < needed.size(); ++i)
-            if (needed[i] && !expr_.is_constant(static_cast<ExprId>(i))) order.push_back(static_cast<ExprId>(i));
-
+        const std::vector<ExprId> order = depth_first(roots);
         find_last_uses(order, roots);
         registers_.clear();
         in_use_.fill(false);
@@ -58,13 +55,40 @@ private:
         return static_cast<int>(begin);
     }
     [[noreturn]] void fail(const char* what, int limit) const {
-        throw Error(ErrorKind::invalid_argument, "material \"" + material_ + "\": needs more " + what + " than " +
-                                                     std::to_string(limit));
+        throw Error(ErrorKind::invalid_argument, "material \"" + material_ + "\": needs more " +
+                                                     what + " than " + std::to_string(limit));
     }
 
     // The alpha of an image lives in the image's registers.
     ExprId owner(ExprId id) const { return expr_[id].op == Op::image_alpha ? expr_[id].in[0] : id; }
     int width(ExprId id) const { return expr_[id].op == Op::image ? 4 : expr_.lanes(id); }
+
+    // Each value right before its first user, so that few live at a time. With a stack of its own: chains may be long.
+    std::vector<ExprId> depth_first(const std::vector<ExprId>& roots) const {
+        std::vector<ExprId> order, stack;
+        std::vector<bool> done;
+        const auto is_done = [&](ExprId id) {
+            if (id == kNoExpr || expr_.is_constant(id)) return true;
+            if (done.size() <= static_cast<size_t>(id)) done.resize(static_cast<size_t>(id) + 1);
+            return bool(done[static_cast<size_t>(id)]);
+        };
+        for (ExprId root : roots) {
+            if (!is_done(root)) stack.push_back(root);
+            while (!stack.empty()) {
+                const ExprId id = stack.back();
+                const std::array<ExprId, 3>& in = expr_[id].in;
+                const auto pending = std::find_if_not(in.begin(), in.end(), is_done);
+                if (pending != in.end()) {
+                    stack.push_back(*pending);
+                    continue;
+                }
+                stack.pop_back();
+                done[static_cast<size_t>(id)] = true;
+                order.push_back(id);
+            }
+        }
+        return order;
+    }
 
     void find_last_uses(const std::vector<ExprId>& order, const std::vector<ExprId>& roots) {
         last_use_.clear();
@@ -76,10 +100,10 @@ private:
     }
 
     Operand allocate(int count) {
-        for (int begin = 0, run = 0, i = 0; i < kMaxRegisters; ++i) {
+        for (int i = 0, run = 0; i < kMaxRegisters; ++i) {
             run = in_use_[static_cast<size_t>(i)] ? 0 : run + 1;
             if (run < count) continue;
-            begin = i + 1 - count;
+            const int begin = i + 1 - count;
             mark(begin, count, true);
             return static_cast<Operand>(begin);
         }
@@ -97,10 +121,16 @@ private:
         }
         Instruction i{e.op, e.lanes, e.mode, 0, {kNoOperand, kNoOperand, kNoOperand}, e.index};
         for (size_t k = 0; k < 3; ++k) i.in[k] = operand(e.in[k]);
-        if (e.op == Op::affine) i.index = static_cast<uint32_t>(append(expr_.matrix(e.index).data(), 12));
+        if (e.op == Op::affine) {
+            const auto [known, added] = matrices_.try_emplace(e.index);
+            if (added)
+                known->second = static_cast<uint32_t>(append(expr_.matrix(e.index).data(), 12));
+            i.index = known->second;
+        }
         // Instructions read all before they write, so that an input read for the last time makes room.
         for (ExprId in : e.in) {
-            if (in == kNoExpr || expr_.is_constant(in) || last_use_.at(owner(in)) != position) continue;
+            if (in == kNoExpr || expr_.is_constant(in) || last_use_.at(owner(in)) != position)
+                continue;
             mark(registers_.at(owner(in)), width(owner(in)), false);
         }
         registers_[id] = i.out = allocate(width(id));
@@ -112,16 +142,18 @@ private:
     Program program_;
     std::map<ExprId, Operand> constants_, registers_;
     std::map<ExprId, uint32_t> last_use_;
+    std::map<uint32_t, uint32_t> matrices_;  // number to place among the constants
     std::array<bool, kMaxRegisters> in_use_{};
 };
 
 }  // namespace
 
-Program generate(const ExprBuilder& expr, const std::vector<ClosureTerm>& terms, const ProgramRoots& roots,
-                 const std::string& material) {
+Program generate(const ExprBuilder& expr, const std::vector<ClosureTerm>& terms,
+                 const ProgramRoots& roots, const std::string& material) {
     Generator generator(expr, material);
     std::vector<ExprId> surface_roots{roots.emission};
-    for (const ClosureTerm& term : terms) surface_roots.insert(surface_roots.end(), term.in.begin(), term.in.end());
+    for (const ClosureTerm& term : terms)
+        surface_roots.insert(surface_roots.end(), term.in.begin(), term.in.end());
     Section surface = generator.section(surface_roots);
     surface.result = generator.operand(roots.emission);
     for (const ClosureTerm& term : terms) {
@@ -129,8 +161,10 @@ Program generate(const ExprBuilder& expr, const std::vector<ClosureTerm>& terms,
         for (size_t k = 0; k < term.in.size(); ++k) closure.in[k] = generator.operand(term.in[k]);
         generator.add(closure);
     }
-    const Section emission = generator.section(roots.emission), transparency = generator.section(roots.transparency);
-    const Section caster_normal = generator.section(roots.caster_normal), background = generator.section(roots.background);
+    const Section emission = generator.section(roots.emission),
+                  transparency = generator.section(roots.transparency);
+    const Section caster_normal = generator.section(roots.caster_normal),
+                  background = generator.section(roots.background);
     Program program = generator.take();
     program.surface = surface;
     program.emission = emission;

@@ -14,14 +14,20 @@ bool has_background(const ResolvedGraph& graph) {
 }  // namespace
 
 Compiler::Compiler(const Graph& graph, std::span<const Image> images)
-    : emission(expr.constant(Vec3(0.0f))), graph_(resolve(graph, images.size())), images_(images),
-      outputs_(graph_.nodes.size()), shader_weights_(graph_.nodes.size(), kNoExpr), is_world_(has_background(graph_)) {
-    for (size_t i = 0; i < outputs_.size(); ++i) outputs_[i].assign(graph_.nodes[i].kind->outputs.size(), kNoExpr);
+    : emission(expr.constant(Vec3(0.0f))),
+      graph_(resolve(graph, images.size())),
+      images_(images),
+      outputs_(graph_.nodes.size()),
+      shader_weights_(graph_.nodes.size(), kNoExpr),
+      is_world_(has_background(graph_)) {
+    for (size_t i = 0; i < outputs_.size(); ++i)
+        outputs_[i].assign(graph_.nodes[i].kind->outputs.size(), kNoExpr);
 }
 
 ExprId Compiler::convert(ExprId value, SocketType from, SocketType to) {
     if (from == to) return value;
-    if (to == SocketType::scalar) return from == SocketType::color ? expr.luminance(value) : expr.mean(value);
+    if (to == SocketType::scalar)
+        return from == SocketType::color ? expr.luminance(value) : expr.mean(value);
     return from == SocketType::scalar ? expr.splat(value) : value;
 }
 
@@ -30,12 +36,14 @@ ExprId Compiler::input(uint32_t index, int socket) {
     const ResolvedInput& input = node.inputs[static_cast<size_t>(socket)];
     const InputSocket& kind = node.kind->inputs[static_cast<size_t>(socket)];
     if (input.from_node != kNone) {
-        const SocketType from = graph_.nodes[input.from_node].kind->outputs[static_cast<size_t>(input.from_output)].type;
+        const SocketType from =
+            graph_.nodes[input.from_node].kind->outputs[static_cast<size_t>(input.from_output)].type;
         return convert(output(input.from_node, input.from_output), from, kind.type);
     }
     if (kind.unlinked != Unlinked::constant) return kNoExpr;
     const std::array<float, 3>& value = input.given ? input.value : kind.value;
-    return kind.type == SocketType::scalar ? expr.constant(value[0]) : expr.constant(Vec3(value[0], value[1], value[2]));
+    return kind.type == SocketType::scalar ? expr.constant(value[0])
+                                           : expr.constant(Vec3(value[0], value[1], value[2]));
 }
 
 ExprId Compiler::output(uint32_t index, int socket) {
@@ -56,7 +64,8 @@ uint32_t Compiler::uv_layer(const std::string& name) {
 
 void Compiler::warn(uint32_t index, const std::string& text) {
     const std::string warning = where(graph_.name, *graph_.nodes[index].graph) + ": " + text;
-    if (std::find(warnings_.begin(), warnings_.end(), warning) == warnings_.end()) warnings_.push_back(warning);
+    if (std::find(warnings_.begin(), warnings_.end(), warning) == warnings_.end())
+        warnings_.push_back(warning);
 }
 
 void Compiler::add_weight(uint32_t index, ExprId weight) {
@@ -98,18 +107,22 @@ void Compiler::check_closure_count() const {
     for (const ClosureTerm& term : terms_) count += term.op == ClosureOp::coated ? 2 : 1;
     if (count <= kMaxClosures) return;
     throw Error(ErrorKind::invalid_argument,
-                where(graph_.name, *graph_.nodes[terms_.back().node].graph) + ": " + std::to_string(count) +
-                    " closures; at most " + std::to_string(kMaxClosures));
+                where(graph_.name, *graph_.nodes[terms_.back().node].graph) + ": " +
+                    std::to_string(count) + " closures; at most " + std::to_string(kMaxClosures));
 }
 
 // What the rest of the core wants to know without running the program.
 void Compiler::describe(Material& material) {
     const auto black = [&](ExprId id) { return expr.is_constant(id, 0.0f); };
-    const auto delta = [&](ExprId alpha) { return expr.is_constant(alpha) && expr.scalar(alpha) <= kDeltaAlpha; };
+    const auto delta = [&](ExprId alpha) {
+        return expr.is_constant(alpha) && expr.scalar(alpha) <= kDeltaAlpha;
+    };
     for (const ClosureTerm& term : terms_) {
         switch (term.op) {
             case ClosureOp::lambert: material.has_smooth = true; break;
-            case ClosureOp::coated: material.has_smooth |= !delta(term.alpha()) || !black(term.in[5]); break;
+            case ClosureOp::coated:
+                material.has_smooth |= !delta(term.alpha()) || !black(term.in[5]);
+                break;
             case ClosureOp::transparent: material.may_be_transparent = true; break;
             default: material.has_smooth |= !delta(term.alpha()); break;
         }
@@ -124,7 +137,8 @@ Material Compiler::run() {
     for (auto index = graph_.order.rbegin(); index != graph_.order.rend(); ++index) {
         const ResolvedNode& node = graph_.nodes[*index];
         for (size_t i = 0; i < node.used_outputs.size(); ++i)
-            if (node.kind->value != nullptr && node.used_outputs[i]) output(*index, static_cast<int>(i));
+            if (node.kind->value != nullptr && node.used_outputs[i])
+                output(*index, static_cast<int>(i));
     }
     // Shaders from the output down, so that a shader's weight is complete before it hands it on.
     add_weight(graph_.output, expr.constant(1.0f));
@@ -141,16 +155,19 @@ Material Compiler::run() {
     material.name = graph_.name;
     describe(material);
     ProgramRoots roots;
-    material.specular = find_specular_interface(expr, graph_, terms_, roots.caster_normal, warnings_);
+    material.specular =
+        find_specular_interface(expr, graph_, terms_, roots.caster_normal, warnings_);
     if (material.emits) (is_world_ ? roots.background : roots.emission) = emission;
     for (const ClosureTerm& term : terms_) {
         if (term.op != ClosureOp::transparent) continue;
         const ExprId weight = expr.scale(term.in[2], term.weight());
-        roots.transparency = roots.transparency == kNoExpr ? weight : expr.add(roots.transparency, weight);
+        roots.transparency =
+            roots.transparency == kNoExpr ? weight : expr.add(roots.transparency, weight);
     }
     material.program.reset(new Program(generate(expr, terms_, roots, graph_.name)));
     Program& program = *material.program;
-    material.reads = reads_of(program, {0, static_cast<uint32_t>(program.instructions.size()), kNoOperand});
+    material.reads =
+        reads_of(program, {0, static_cast<uint32_t>(program.instructions.size()), kNoOperand});
     material.normal_reads = reads_of(program, program.caster_normal);
     material.uv_layers = keep_used_layers(program);
     material.warnings = std::move(warnings_);
@@ -172,6 +189,8 @@ std::vector<std::string> Compiler::keep_used_layers(Program& program) const {
 
 void ProgramDeleter::operator()(Program* program) const { delete program; }
 
-Material compile(const Graph& graph, std::span<const Image> images) { return Compiler(graph, images).run(); }
+Material compile(const Graph& graph, std::span<const Image> images) {
+    return Compiler(graph, images).run();
+}
 
 }  // namespace spc

@@ -14,7 +14,8 @@ struct ClosureTerm {
     ClosureModes modes;
     uint32_t node = 0;
     std::string label;  // "Glass BSDF", for the log
-    std::array<ExprId, kMaxClosureOperands> in{kNoExpr, kNoExpr, kNoExpr, kNoExpr, kNoExpr, kNoExpr};
+    std::array<ExprId, kMaxClosureOperands> in{kNoExpr, kNoExpr, kNoExpr,
+                                               kNoExpr, kNoExpr, kNoExpr};
     bool on_caster_normal = false;
 
     ExprId weight() const { return in[0]; }
@@ -40,7 +41,9 @@ public:
 
     void add_weight(uint32_t node, ExprId weight);  // to a shader that another one uses
     void add_term(ClosureTerm term);
-    void add_emission(ExprId color, ExprId weight) { emission = expr.add(emission, expr.scale(color, weight)); }
+    void add_emission(ExprId color, ExprId weight) {
+        emission = expr.add(emission, expr.scale(color, weight));
+    }
 
     ExprBuilder expr;
     ExprId emission;  // of a surface or of the world
@@ -69,7 +72,9 @@ public:
 
     ExprId input(int i) { return c.input(index, i); }
     bool linked(int i) const { return source(i).from_node != kNone; }
-    const ResolvedInput& source(int i) const { return c.node(index).inputs[static_cast<size_t>(i)]; }
+    const ResolvedInput& source(int i) const {
+        return c.node(index).inputs[static_cast<size_t>(i)];
+    }
     const std::string& option(int i) const { return c.node(index).options[static_cast<size_t>(i)]; }
     bool output_used(int i) const { return c.node(index).used_outputs[static_cast<size_t>(i)]; }
     uint32_t image() const { return c.node(index).graph->image; }
@@ -92,8 +97,8 @@ struct ProgramRoots {
     ExprId emission = kNoExpr, transparency = kNoExpr, caster_normal = kNoExpr, background = kNoExpr;
 };
 // Throws Error naming `material` if registers or constants do not suffice.
-Program generate(const ExprBuilder& expr, const std::vector<ClosureTerm>& terms, const ProgramRoots& roots,
-                 const std::string& material);
+Program generate(const ExprBuilder& expr, const std::vector<ClosureTerm>& terms,
+                 const ProgramRoots& roots, const std::string& material);
 // Of ProgramReads, for a section's instructions.
 uint32_t reads_of(const Program& program, const Section& section);
 

@@ -9,29 +9,33 @@ namespace {
 template <class T>
 void run_image(const Instruction& i, const Registers<T>& r, std::span<const Image> images) {
     const Vector3<T> at = r.vector(i.in[0]);
-    const Rgba<T> c = lookup<T>(images[i.index], at.x, at.y, mode_interpolation(i.mode), mode_extension(i.mode),
-                                mode_straight(i.mode));
+    const Rgba<T> c = lookup<T>(images[i.index], at.x, at.y, mode_interpolation(i.mode),
+                                mode_extension(i.mode), mode_straight(i.mode));
     r.store(i.out, Vector3<T>{c.r, c.g, c.b});
     r.store(static_cast<Operand>(i.out + 3), c.a);
 }
 
 template <class T>
-void run(const Program& program, const Section& section, std::span<const Image> images, const ShadingPoint<T>& point,
-         const Registers<T>& r) {
+void run(const Program& program, const Section& section, std::span<const Image> images,
+         const ShadingPoint<T>& point, const Registers<T>& r) {
     for (uint32_t k = section.begin; k < section.end; ++k) {
         const Instruction& i = program.instructions[k];
         switch (i.op) {
             case Op::uv:
-                r.store(i.out, point.uv == nullptr ? Vector3<T>{} : Vector3<T>{point.uv[i.index][0], point.uv[i.index][1], T(0.0f)});
+                r.store(i.out, point.uv == nullptr ? Vector3<T>{}
+                                                   : Vector3<T>{point.uv[i.index][0],
+                                                                point.uv[i.index][1], T(0.0f)});
                 break;
             case Op::position: r.store(i.out, point.position); break;
             case Op::position_object: r.store(i.out, point.position_object); break;
             case Op::normal_object:
-                r.store(i.out, safe_normalize(apply_transposed(point.object_to_world->row, facing_normal(point))));
+                r.store(i.out, safe_normalize(apply_transposed(point.object_to_world->row,
+                                                               facing_normal(point))));
                 break;
             case Op::image: run_image(i, r, images); break;
             case Op::normal_map:
-                r.store(i.out, map_normal(static_cast<NormalSpace>(i.mode), r.scalar(i.in[0]), r.vector(i.in[1]), i.index, point));
+                r.store(i.out, map_normal(static_cast<NormalSpace>(i.mode), r.scalar(i.in[0]),
+                                          r.vector(i.in[1]), i.index, point));
                 break;
             case Op::shading_normal: {
                 const Vector3<T> n = safe_normalize(r.vector(i.in[0]));
@@ -56,8 +60,8 @@ private:
 };
 
 template <class T>
-Vector3<T> evaluate_vector(const Program& program, const Section& section, std::span<const Image> images,
-                           const ShadingPoint<T>& point) {
+Vector3<T> evaluate_vector(const Program& program, const Section& section,
+                           std::span<const Image> images, const ShadingPoint<T>& point) {
     const RegisterFile<T> file(program);
     run(program, section, images, point, file.registers);
     return file.registers.vector(section.result);
@@ -65,8 +69,8 @@ Vector3<T> evaluate_vector(const Program& program, const Section& section, std::
 
 Spectrum spectrum(const Vector3<float>& a) { return {a.x, a.y, a.z}; }
 
-Spectrum evaluate_spectrum(const Program& program, const Section& section, std::span<const Image> images,
-                           const ShadingPoint<float>& point) {
+Spectrum evaluate_spectrum(const Program& program, const Section& section,
+                           std::span<const Image> images, const ShadingPoint<float>& point) {
     if (section.result == kNoOperand) return Spectrum(0.0f);
     return spectrum(evaluate_vector(program, section, images, point));
 }
@@ -74,7 +78,8 @@ Spectrum evaluate_spectrum(const Program& program, const Section& section, std::
 // Builds the closures of one point from its registers.
 class ClosureBuilder {
 public:
-    ClosureBuilder(const Registers<float>& registers, const ShadingPoint<float>& point, ClosureList& list)
+    ClosureBuilder(const Registers<float>& registers, const ShadingPoint<float>& point,
+                   ClosureList& list)
         : r_(registers), point_(point), list_(list), facing_normal_(value_of(facing_normal(point))) {}
 
     void add(const ClosureInstruction& c) {
@@ -151,18 +156,20 @@ private:
 
 }  // namespace
 
-void evaluate_closures(const Material& material, std::span<const Image> images, const ShadingPoint<float>& point,
-                       ClosureList& closures) {
+void evaluate_closures(const Material& material, std::span<const Image> images,
+                       const ShadingPoint<float>& point, ClosureList& closures) {
     const Program& program = *material.program;
     closures.clear();
     const RegisterFile<float> file(program);
     run(program, program.surface, images, point, file.registers);
     ClosureBuilder builder(file.registers, point, closures);
     for (const ClosureInstruction& closure : program.closures) builder.add(closure);
-    if (program.surface.result != kNoOperand) closures.emission = spectrum(file.registers.vector(program.surface.result));
+    if (program.surface.result != kNoOperand)
+        closures.emission = spectrum(file.registers.vector(program.surface.result));
 }
 
-Spectrum evaluate_emission(const Material& material, std::span<const Image> images, const ShadingPoint<float>& point) {
+Spectrum evaluate_emission(const Material& material, std::span<const Image> images,
+                           const ShadingPoint<float>& point) {
     return evaluate_spectrum(*material.program, material.program->emission, images, point);
 }
 
@@ -171,7 +178,8 @@ Spectrum evaluate_transparency(const Material& material, std::span<const Image> 
     return evaluate_spectrum(*material.program, material.program->transparency, images, point);
 }
 
-Spectrum evaluate_background(const Material& material, std::span<const Image> images, const Vec3& direction) {
+Spectrum evaluate_background(const Material& material, std::span<const Image> images,
+                             const Vec3& direction) {
     const Section& section = material.program->background;
     if (section.begin == section.end && section.result == kNoOperand) return Spectrum(0.0f);
     ShadingPoint<float> point{};
@@ -187,7 +195,9 @@ Vector3<T> evaluate_caster_normal(const Material& material, std::span<const Imag
     return evaluate_vector(*material.program, section, images, point);
 }
 
-template Vector3<float> evaluate_caster_normal(const Material&, std::span<const Image>, const ShadingPoint<float>&);
-template Vector3<Dual2> evaluate_caster_normal(const Material&, std::span<const Image>, const ShadingPoint<Dual2>&);
+template Vector3<float> evaluate_caster_normal(const Material&, std::span<const Image>,
+                                               const ShadingPoint<float>&);
+template Vector3<Dual2> evaluate_caster_normal(const Material&, std::span<const Image>,
+                                               const ShadingPoint<Dual2>&);
 
 }  // namespace spc

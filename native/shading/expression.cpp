@@ -10,14 +10,17 @@ namespace spc {
 
 bool reads_point(Op op) { return op >= Op::uv; }
 
-ExprId ExprBuilder::constant(float value) { return make({Op::constant, 1, 0, 0, {kNoExpr, kNoExpr, kNoExpr}, {value, 0.0f, 0.0f}}); }
+ExprId ExprBuilder::constant(float value) {
+    return make({Op::constant, 1, 0, 0, {kNoExpr, kNoExpr, kNoExpr}, {value, 0.0f, 0.0f}});
+}
 ExprId ExprBuilder::constant(const Vec3& value) {
     return make({Op::constant, 3, 0, 0, {kNoExpr, kNoExpr, kNoExpr}, {value.x, value.y, value.z}});
 }
 
 bool ExprBuilder::is_constant(ExprId id, float value) const {
     const Expr& e = (*this)[id];
-    return e.op == Op::constant && e.value[0] == value && (e.lanes == 1 || (e.value[1] == value && e.value[2] == value));
+    return e.op == Op::constant && e.value[0] == value &&
+           (e.lanes == 1 || (e.value[1] == value && e.value[2] == value));
 }
 
 ExprId ExprBuilder::add(ExprId a, ExprId b) {
@@ -39,7 +42,8 @@ ExprId ExprBuilder::scale(ExprId vector, ExprId scalar) {
 }
 
 ExprId ExprBuilder::affine(ExprId vector, const std::array<float, 12>& rows) {
-    const auto [known, added] = known_matrices_.try_emplace(rows, static_cast<uint32_t>(matrices_.size()));
+    const auto [known, added] =
+        known_matrices_.try_emplace(rows, static_cast<uint32_t>(matrices_.size()));
     if (added) matrices_.push_back(rows);
     return make({Op::affine, 3, 0, known->second, {vector, kNoExpr, kNoExpr}, {}});
 }
@@ -49,9 +53,14 @@ ExprId ExprBuilder::make(const Expr& e) {
     for (ExprId in : e.in) foldable = foldable && (in == kNoExpr || is_constant(in));
     if (foldable) return fold(e);
 
-    const Key key{static_cast<uint32_t>(e.op) | uint32_t{e.lanes} << 8 | uint32_t{e.mode} << 16, e.index,
-                  static_cast<uint32_t>(e.in[0]), static_cast<uint32_t>(e.in[1]), static_cast<uint32_t>(e.in[2]),
-                  std::bit_cast<uint32_t>(e.value[0]), std::bit_cast<uint32_t>(e.value[1]), std::bit_cast<uint32_t>(e.value[2])};
+    const Key key{static_cast<uint32_t>(e.op) | uint32_t{e.lanes} << 8 | uint32_t{e.mode} << 16,
+                  e.index,
+                  static_cast<uint32_t>(e.in[0]),
+                  static_cast<uint32_t>(e.in[1]),
+                  static_cast<uint32_t>(e.in[2]),
+                  std::bit_cast<uint32_t>(e.value[0]),
+                  std::bit_cast<uint32_t>(e.value[1]),
+                  std::bit_cast<uint32_t>(e.value[2])};
     const auto [known, added] = known_.try_emplace(key, static_cast<ExprId>(exprs_.size()));
     if (added) exprs_.push_back(e);
     return known->second;
@@ -76,22 +85,13 @@ ExprId ExprBuilder::fold(const Expr& e) {
     return e.lanes == 1 ? constant(out[0]) : constant(Vec3(out[0], out[1], out[2]));
 }
 
-std::vector<bool> ExprBuilder::needed_by(std::span<const ExprId> roots) const {
-    std::vector<bool> needed;
-    for (ExprId root : roots) {
-        if (root == kNoExpr) continue;
-        const size_t i = static_cast<size_t>(root);
-        if (needed.size() <= i) needed.resize(i + 1);
-        needed[i] = true;
-    }
+Vec3 ExprBuilder::mean_value(ExprId id, std::span<const Image> images) {
+    // Inputs come before what they feed, so descending ids find what is needed and ascending ids evaluate it.
+    std::vector<bool> needed(static_cast<size_t>(id) + 1);
+    needed.back() = true;
     for (size_t i = needed.size(); i-- > 0;)
         for (ExprId in : exprs_[i].in)
             if (needed[i] && in != kNoExpr) needed[static_cast<size_t>(in)] = true;
-    return needed;
-}
-
-Vec3 ExprBuilder::mean_value(ExprId id, std::span<const Image> images) {
-    const std::vector<bool> needed = needed_by(std::span(&id, 1));
     std::vector<ExprId> at_mean(needed.size(), kNoExpr);
     for (size_t i = 0; i < needed.size(); ++i) {
         if (!needed[i]) continue;

@@ -18,8 +18,8 @@ inline constexpr ExprId kNoExpr = -1;
 
 struct Expr {
     Op op = Op::constant;
-    uint8_t lanes = 1;  // 1 or 3
-    uint8_t mode = 0;   // as Instruction::mode
+    uint8_t lanes = 1;   // 1 or 3
+    uint8_t mode = 0;    // as Instruction::mode
     uint32_t index = 0;  // image, UV layer or matrix
     std::array<ExprId, 3> in{kNoExpr, kNoExpr, kNoExpr};
     std::array<float, 3> value{};  // of a constant
@@ -32,10 +32,16 @@ public:
 
     // Lane by lane; both have the same number of lanes.
     ExprId add(ExprId a, ExprId b);
-    ExprId subtract(ExprId a, ExprId b) { return make({Op::subtract, lanes(a), 0, 0, {a, b, kNoExpr}, {}}); }
+    ExprId subtract(ExprId a, ExprId b) {
+        return make({Op::subtract, lanes(a), 0, 0, {a, b, kNoExpr}, {}});
+    }
     ExprId multiply(ExprId a, ExprId b);
-    ExprId divide(ExprId a, ExprId b) { return make({Op::divide, lanes(a), 0, 0, {a, b, kNoExpr}, {}}); }
-    ExprId maximum(ExprId a, ExprId b) { return make({Op::maximum, lanes(a), 0, 0, {a, b, kNoExpr}, {}}); }
+    ExprId divide(ExprId a, ExprId b) {
+        return make({Op::divide, lanes(a), 0, 0, {a, b, kNoExpr}, {}});
+    }
+    ExprId maximum(ExprId a, ExprId b) {
+        return make({Op::maximum, lanes(a), 0, 0, {a, b, kNoExpr}, {}});
+    }
     // Any number of lanes -> the same.
     ExprId one_minus(ExprId a) { return unary(Op::one_minus, lanes(a), a); }
     ExprId clamp01(ExprId a) { return unary(Op::clamp01, lanes(a), a); }
@@ -47,22 +53,22 @@ public:
     ExprId mean(ExprId vector) { return unary(Op::mean, 1, vector); }
     ExprId splat(ExprId scalar) { return unary(Op::splat, 3, scalar); }
     ExprId normalize(ExprId vector) { return unary(Op::normalize, 3, vector); }
-    ExprId unary(Op op, uint8_t lanes, ExprId a) { return make({op, lanes, 0, 0, {a, kNoExpr, kNoExpr}, {}}); }
+    ExprId unary(Op op, uint8_t lanes, ExprId a) {
+        return make({op, lanes, 0, 0, {a, kNoExpr, kNoExpr}, {}});
+    }
     ExprId affine(ExprId vector, const std::array<float, 12>& rows);  // three rows of four
 
     // Adds `expr` if no equal one exists, or its value if all it reads is constant.
     ExprId make(const Expr& expr);
-
-    // For each expression up to the largest of `roots`: is it one of them or among their inputs? Inputs come before
-    // what they feed, so ascending ids are an order of evaluation.
-    std::vector<bool> needed_by(std::span<const ExprId> roots) const;
 
     const Expr& operator[](ExprId id) const { return exprs_[static_cast<size_t>(id)]; }
     uint8_t lanes(ExprId id) const { return (*this)[id].lanes; }
     bool is_constant(ExprId id) const { return (*this)[id].op == Op::constant; }
     bool is_constant(ExprId id, float value) const;  // in all lanes
     float scalar(ExprId id) const { return (*this)[id].value[0]; }
-    Vec3 vector(ExprId id) const { return Vec3((*this)[id].value[0], (*this)[id].value[1], (*this)[id].value[2]); }
+    Vec3 vector(ExprId id) const {
+        return Vec3((*this)[id].value[0], (*this)[id].value[1], (*this)[id].value[2]);
+    }
     const std::array<float, 12>& matrix(uint32_t index) const { return matrices_[index]; }
 
     // What `id` comes to on average: textures at their means, whatever their coordinates; other things that vary

@@ -38,11 +38,11 @@ enum class Op : uint8_t {
     uv,
     position,
     position_object,
-    normal_object,   // unit, in object space, on the side of wo
-    image,           // coordinates to colour, and alpha in a fourth lane
-    image_alpha,     // an expression only: that fourth lane
-    normal_map,      // (strength, colour) to a unit normal on the side of wo
-    shading_normal   // any vector to a unit normal; the interpolated one where it is 0
+    normal_object,  // unit, in object space, on the side of wo
+    image,          // coordinates to colour, and alpha in a fourth lane
+    image_alpha,    // an expression only: that fourth lane
+    normal_map,     // (strength, colour) to a unit normal on the side of wo
+    shading_normal  // any vector to a unit normal; the interpolated one where it is 0
 };
 
 enum class NormalSpace : uint8_t { tangent, object, world };
@@ -52,7 +52,9 @@ inline uint8_t image_mode(Interpolation interpolation, Extension extension, bool
     return static_cast<uint8_t>(static_cast<int>(interpolation) | static_cast<int>(extension) << 2 |
                                 (straight ? 16 : 0));
 }
-inline Interpolation mode_interpolation(uint8_t mode) { return static_cast<Interpolation>(mode & 3); }
+inline Interpolation mode_interpolation(uint8_t mode) {
+    return static_cast<Interpolation>(mode & 3);
+}
 inline Extension mode_extension(uint8_t mode) { return static_cast<Extension>(mode >> 2 & 3); }
 inline bool mode_straight(uint8_t mode) { return (mode & 16) != 0; }
 
@@ -71,7 +73,8 @@ struct Instruction {
 };
 
 inline bool reads_layer(const Instruction& i) {
-    return i.op == Op::uv || (i.op == Op::normal_map && i.mode == static_cast<uint8_t>(NormalSpace::tangent));
+    return i.op == Op::uv ||
+           (i.op == Op::normal_map && i.mode == static_cast<uint8_t>(NormalSpace::tangent));
 }
 
 // One term of a surface. Its operands: weight (a scalar), normal (kNoOperand: the interpolated one), then
@@ -81,7 +84,7 @@ enum class ClosureOp : uint8_t {
     glossy,       // alpha, colour
     metal,        // alpha, colour at normal incidence, tint at 82 degrees
     dielectric,   // alpha, IOR of a front face, reflection tint, transmission tint
-    coated        // alpha, index, reflectance at normal incidence, colour below: a dielectric's reflection over Lambert
+    coated  // alpha, index, reflectance at normal incidence, colour below: a dielectric's reflection over Lambert
 };
 inline constexpr int kMaxClosureOperands = 6;
 

@@ -17,15 +17,15 @@ enum class SocketType : uint8_t { scalar, color, vector, shader };
 // What an unlinked input reads. Only those with a constant of their own can be given one.
 enum class Unlinked : uint8_t {
     constant,
-    normal,       // the interpolated normal
-    uv,           // the active UV layer
-    direction     // of a background; elsewhere the position
+    normal,    // the interpolated normal
+    uv,        // the active UV layer
+    direction  // of a background; elsewhere the position
 };
 
 struct InputSocket {
     const char* name;
-    SocketType type;
     std::array<float, 3> value{};
+    SocketType type = SocketType::scalar;
     Unlinked unlinked = Unlinked::constant;
 };
 struct OutputSocket {

@@ -6,7 +6,8 @@ namespace spc::nodes {
 namespace {
 
 // A term under `weight`, with the node's Normal input.
-ClosureTerm term(NodeContext& node, ClosureOp op, const std::string& part, ExprId weight, ExprId normal) {
+ClosureTerm term(NodeContext& node, ClosureOp op, const std::string& part, ExprId weight,
+                 ExprId normal) {
     ClosureTerm t;
     t.op = op;
     t.node = node.index;
@@ -30,9 +31,7 @@ ExprId alpha_of(NodeContext& node, ExprId roughness) {
 }
 
 // Indices at and below zero mean nothing; Cycles' bound.
-ExprId ior_of(NodeContext& node, ExprId ior) {
-    return node.e.maximum(ior, node.e.constant(1e-5f));
-}
+ExprId ior_of(NodeContext& node, ExprId ior) { return node.e.maximum(ior, node.e.constant(1e-5f)); }
 
 ClosureModes modes_of(const std::string& distribution) {
     ClosureModes modes;
@@ -44,7 +43,8 @@ ClosureModes modes_of(const std::string& distribution) {
 void mix_into(NodeContext& node, int socket, ExprId weight) {
     const ResolvedInput& source = node.source(socket);
     if (source.from_node == kNone) return;
-    const OutputSocket& from = node.c.node(source.from_node).kind->outputs[static_cast<size_t>(source.from_output)];
+    const OutputSocket& from =
+        node.c.node(source.from_node).kind->outputs[static_cast<size_t>(source.from_output)];
     if (from.type == SocketType::shader) return node.c.add_weight(source.from_node, weight);
     node.c.add_emission(node.input(socket), weight);  // Blender takes a value for an emission
 }
@@ -122,8 +122,17 @@ void transparent(NodeContext& node, ExprId weight) {
 // reflection over Lambert. The last pair divides light by the reflection's albedo where it is evaluated.
 void principled(NodeContext& node, ExprId weight) {
     enum {
-        kBaseColor, kMetallic, kRoughness, kIor, kAlpha, kNormal, kSpecularLevel, kSpecularTint,
-        kTransmission, kEmissionColor, kEmissionStrength
+        kBaseColor,
+        kMetallic,
+        kRoughness,
+        kIor,
+        kAlpha,
+        kNormal,
+        kSpecularLevel,
+        kSpecularTint,
+        kTransmission,
+        kEmissionColor,
+        kEmissionStrength
     };
     ExprBuilder& e = node.e;
     const ClosureModes modes = modes_of(node.option(0));
@@ -135,7 +144,8 @@ void principled(NodeContext& node, ExprId weight) {
     const ExprId ior = ior_of(node, node.input(kIor));
 
     const ExprId coverage = e.clamp01(node.input(kAlpha));
-    ClosureTerm gap = term(node, ClosureOp::transparent, " (alpha)", e.multiply(weight, e.one_minus(coverage)), kNoExpr);
+    ClosureTerm gap = term(node, ClosureOp::transparent, " (alpha)",
+                           e.multiply(weight, e.one_minus(coverage)), kNoExpr);
     gap.in[2] = one;
     node.c.add_term(gap);
     weight = e.multiply(weight, coverage);
@@ -143,7 +153,8 @@ void principled(NodeContext& node, ExprId weight) {
     node.c.add_emission(e.scale(node.input(kEmissionColor), node.input(kEmissionStrength)), weight);
 
     const ExprId metallic = e.clamp01(node.input(kMetallic));
-    ClosureTerm metal = term(node, ClosureOp::metal, " (metal)", e.multiply(weight, metallic), normal);
+    ClosureTerm metal =
+        term(node, ClosureOp::metal, " (metal)", e.multiply(weight, metallic), normal);
     metal.modes = modes;
     metal.in[2] = rough_alpha;
     metal.in[3] = clamped_base;
@@ -152,7 +163,8 @@ void principled(NodeContext& node, ExprId weight) {
     weight = e.multiply(weight, e.one_minus(metallic));
 
     const ExprId transmission = e.clamp01(node.input(kTransmission));
-    ClosureTerm glass = term(node, ClosureOp::dielectric, " (transmission)", e.multiply(weight, transmission), normal);
+    ClosureTerm glass = term(node, ClosureOp::dielectric, " (transmission)",
+                             e.multiply(weight, transmission), normal);
     glass.modes = modes;
     glass.in[2] = rough_alpha;
     glass.in[3] = ior;
@@ -161,8 +173,10 @@ void principled(NodeContext& node, ExprId weight) {
     node.c.add_term(glass);
     weight = e.multiply(weight, e.one_minus(transmission));
 
-    const ExprId index = e.make({Op::dielectric_ior, 1, 0, 0, {ior, node.input(kSpecularLevel), kNoExpr}, {}});
-    const ExprId ratio = e.divide(e.subtract(index, e.constant(1.0f)), e.add(index, e.constant(1.0f)));
+    const ExprId index =
+        e.make({Op::dielectric_ior, 1, 0, 0, {ior, node.input(kSpecularLevel), kNoExpr}, {}});
+    const ExprId ratio =
+        e.divide(e.subtract(index, e.constant(1.0f)), e.add(index, e.constant(1.0f)));
     ClosureTerm coated = term(node, ClosureOp::coated, " (specular)", weight, normal);
     coated.modes = modes;
     coated.in[2] = rough_alpha;

@@ -17,7 +17,8 @@ ExprId uv(NodeContext& node, const std::string& layer) {
 
 Interpolation interpolation_of(const std::string& name) {
     if (name == "Closest") return Interpolation::closest;
-    return name == "Linear" ? Interpolation::linear : Interpolation::cubic;  // Smart magnifies as Cubic does
+    return name == "Linear" ? Interpolation::linear
+                            : Interpolation::cubic;  // Smart magnifies as Cubic does
 }
 Extension extension_of(const std::string& name) {
     if (name == "EXTEND") return Extension::extend;
@@ -45,9 +46,11 @@ ExprId environment_texture(NodeContext& node, int) {
     enum { kProjection, kInterpolation };
     const ExprId linked = node.input(kVector);
     const ExprId direction = linked != kNoExpr ? linked : read_point(node.e, Op::position);
-    const Op projection = node.option(kProjection) == "MIRROR_BALL" ? Op::mirror_ball : Op::equirectangular;
+    const Op projection =
+        node.option(kProjection) == "MIRROR_BALL" ? Op::mirror_ball : Op::equirectangular;
     const ExprId at = node.e.unary(projection, 3, direction);
-    const uint8_t mode = image_mode(interpolation_of(node.option(kInterpolation)), Extension::repeat, false);
+    const uint8_t mode =
+        image_mode(interpolation_of(node.option(kInterpolation)), Extension::repeat, false);
     return node.e.make({Op::image, 3, mode, node.image(), {at, kNoExpr, kNoExpr}, {}});
 }
 
@@ -63,8 +66,12 @@ ExprId normal_map(NodeContext& node, int) {
                              : space == "WORLD" ? NormalSpace::world
                                                 : NormalSpace::tangent;
     const uint32_t layer = kind == NormalSpace::tangent ? node.c.uv_layer(node.option(kUvMap)) : 0;
-    return node.e.make({Op::normal_map, 3, static_cast<uint8_t>(kind), layer,
-                        {node.input(kStrength), node.input(kColor), kNoExpr}, {}});
+    return node.e.make({Op::normal_map,
+                        3,
+                        static_cast<uint8_t>(kind),
+                        layer,
+                        {node.input(kStrength), node.input(kColor), kNoExpr},
+                        {}});
 }
 
 ExprId uv_map(NodeContext& node, int) { return uv(node, node.option(0)); }
@@ -75,10 +82,12 @@ ExprId texture_coordinate(NodeContext& node, int output) {
     switch (output) {
         case kUv: return uv(node, "");
         case kNormal:
-            if (world) return node.e.scale(read_point(node.e, Op::position), node.e.constant(-1.0f));
+            if (world)
+                return node.e.scale(read_point(node.e, Op::position), node.e.constant(-1.0f));
             return read_point(node.e, Op::normal_object);
         case kGenerated:
-            if (!world) node.warn("Generated coordinates are not supported on a mesh; Object is used");
+            if (!world)
+                node.warn("Generated coordinates are not supported on a mesh; Object is used");
             break;
         default: break;
     }
@@ -89,12 +98,15 @@ ExprId mapping(NodeContext& node, int) {
     enum { kVector, kLocation, kRotation, kScale };
     ExprBuilder& e = node.e;
     const std::string& type = node.option(0);
-    const ExprId vector = node.input(kVector), rotation = node.input(kRotation), scale = node.input(kScale);
+    const ExprId vector = node.input(kVector), rotation = node.input(kRotation),
+                 scale = node.input(kScale);
     // A VECTOR and a NORMAL are not moved; Blender hides the socket.
     const bool moves = type == "POINT" || type == "TEXTURE";
     const ExprId location = moves ? node.input(kLocation) : e.constant(Vec3(0.0f));
 
-    const auto rotate = [&](ExprId a, Op op) { return e.make({op, 3, 0, 0, {a, rotation, kNoExpr}, {}}); };
+    const auto rotate = [&](ExprId a, Op op) {
+        return e.make({op, 3, 0, 0, {a, rotation, kNoExpr}, {}});
+    };
     const auto linear = [&](ExprId a) {
         if (type == "TEXTURE") return e.divide(rotate(a, Op::rotate_back), scale);
         if (type == "NORMAL") return rotate(e.divide(a, scale), Op::rotate);
@@ -103,7 +115,7 @@ ExprId mapping(NodeContext& node, int) {
     const auto whole = [&](ExprId a) {
         return type == "TEXTURE" ? linear(e.subtract(a, location)) : e.add(linear(a), location);
     };
-    ExprId mapped;
+    ExprId mapped = kNoExpr;
     if (e.is_constant(rotation) && e.is_constant(scale) && e.is_constant(location)) {
         std::array<float, 12> rows;
         const Vec3 origin = e.vector(whole(e.constant(Vec3(0.0f))));
@@ -111,7 +123,8 @@ ExprId mapping(NodeContext& node, int) {
             Vec3 axis(0.0f);
             if (column < 3) axis[column] = 1.0f;
             const Vec3 image = column < 3 ? e.vector(linear(e.constant(axis))) : origin;
-            for (int row = 0; row < 3; ++row) rows[static_cast<size_t>(4 * row + column)] = image[row];
+            for (int row = 0; row < 3; ++row)
+                rows[4 * static_cast<size_t>(row) + static_cast<size_t>(column)] = image[row];
         }
         constexpr std::array<float, 12> kIdentity{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
         mapped = rows == kIdentity ? vector : e.affine(vector, rows);

@@ -9,7 +9,7 @@ namespace spc {
 
 template <class T>
 Vector3<T> flipped(const Vector3<T>& a, bool flip) {
-    return flip ? Vector3<T>{} - a : a;
+    return flip ? times(a, -1.0f) : a;
 }
 // The interpolated normal on the side of wo.
 template <class T>
@@ -32,16 +32,18 @@ bool is_zero(const Vector3<T>& a) {
 template <class T>
 Vector3<T> map_normal(NormalSpace space, const T& strength, const Vector3<T>& color, uint32_t layer,
                       const ShadingPoint<T>& point) {
-    const T two(2.0f), one(1.0f);
-    Vector3<T> c{two * color.x - one, two * color.y - one, two * color.z - one};
+    const T one(1.0f);
+    const Vector3<T> c{times(color.x, 2.0f) - one, times(color.y, 2.0f) - one,
+                       times(color.z, 2.0f) - one};
     Vector3<T> n;
     if (space == NormalSpace::tangent) {
         if (point.tangent_object == nullptr) return facing_normal(point);
         const T z = one + (c.z - one) * clamp_unit(strength);
         const Vector3<T>& normal = point.normal_object;
         const Vector3<T>& tangent = point.tangent_object[layer];
-        const Vector3<T> bitangent = cross(normal, tangent) * T(point.bitangent_sign[layer]);
-        n = normal_to_world(point, tangent * (c.x * strength) + bitangent * (c.y * strength) + normal * z);
+        const Vector3<T> bitangent = times(cross(normal, tangent), point.bitangent_sign[layer]);
+        n = normal_to_world(point,
+                            tangent * (c.x * strength) + bitangent * (c.y * strength) + normal * z);
         n = flipped(n, point.backfacing);
     } else {
         n = space == NormalSpace::object ? normal_to_world(point, c) : safe_normalize(c);

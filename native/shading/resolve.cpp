@@ -6,7 +6,9 @@
 namespace spc {
 namespace {
 
-[[noreturn]] void fail(const std::string& message) { throw Error(ErrorKind::invalid_argument, message); }
+[[noreturn]] void fail(const std::string& message) {
+    throw Error(ErrorKind::invalid_argument, message);
+}
 
 template <class Item>
 int find(std::span<const Item> items, std::string_view name) {
@@ -50,7 +52,9 @@ public:
 
 private:
     std::string material() const { return "material \"" + graph_.name + "\""; }
-    std::string at(uint32_t node, std::string_view socket = {}) const { return where(graph_.name, graph_.nodes[node], socket); }
+    std::string at(uint32_t node, std::string_view socket = {}) const {
+        return where(graph_.name, graph_.nodes[node], socket);
+    }
 
     void add_node(const GraphNode& node) {
         const std::span<const NodeKind> table = node_table();
@@ -66,10 +70,12 @@ private:
             resolved.options.emplace_back(values.substr(0, values.find('|')));
         }
         if (node.image != kNone && node.image >= image_count_)
-            fail(where(graph_.name, node) + ": image " + std::to_string(node.image) + " of " + std::to_string(image_count_));
+            fail(where(graph_.name, node) + ": image " + std::to_string(node.image) + " of " +
+                 std::to_string(image_count_));
         if (resolved.kind->name == std::string_view("output")) {
             if (result_.output != kNone)
-                fail(where(graph_.name, node) + ": a second output beside \"" + graph_.nodes[result_.output].name + "\"");
+                fail(where(graph_.name, node) + ": a second output beside \"" +
+                     graph_.nodes[result_.output].name + "\"");
             result_.output = static_cast<uint32_t>(result_.nodes.size());
         }
         result_.nodes.push_back(std::move(resolved));
@@ -77,12 +83,15 @@ private:
 
     ResolvedNode& node_at(uint32_t index, const char* what) {
         if (index >= result_.nodes.size())
-            fail(material() + ": " + what + " of node " + std::to_string(index) + " of " + std::to_string(result_.nodes.size()));
+            fail(material() + ": " + what + " of node " + std::to_string(index) + " of " +
+                 std::to_string(result_.nodes.size()));
         return result_.nodes[index];
     }
     int input_at(const ResolvedNode& node, uint32_t index, const std::string& socket) const {
         const int i = find(node.kind->inputs, socket);
-        if (i < 0) fail(at(index, socket) + ": no such input of " + node.kind->name + " (has: " + names_of(node.kind->inputs) + ")");
+        if (i < 0)
+            fail(at(index, socket) + ": no such input of " + node.kind->name +
+                 " (has: " + names_of(node.kind->inputs) + ")");
         return i;
     }
 
@@ -105,11 +114,12 @@ private:
         ResolvedNode& node = node_at(option.node, "an option");
         const int i = find(node.kind->options, option.option);
         if (i < 0)
-            fail(at(option.node) + ", option \"" + option.option + "\": no such option of " + node.kind->name +
-                 " (has: " + names_of(node.kind->options) + ")");
+            fail(at(option.node) + ", option \"" + option.option + "\": no such option of " +
+                 node.kind->name + " (has: " + names_of(node.kind->options) + ")");
         const std::string_view values = node.kind->options[static_cast<size_t>(i)].values;
         if (!values.empty() && !is_choice(values, option.value))
-            fail(at(option.node) + ", option \"" + option.option + "\": \"" + option.value + "\" is not one of " + std::string(values));
+            fail(at(option.node) + ", option \"" + option.option + "\": \"" + option.value +
+                 "\" is not one of " + std::string(values));
         node.options[static_cast<size_t>(i)] = option.value;
     }
 
@@ -124,7 +134,8 @@ private:
         const SocketType from_type = from.kind->outputs[static_cast<size_t>(output)].type;
         const SocketType to_type = to.kind->inputs[static_cast<size_t>(input)].type;
         if (from_type == SocketType::shader && to_type != SocketType::shader)
-            fail(at(link.to_node, link.to_socket) + ": a shader is linked to a " + type_name(to_type));
+            fail(at(link.to_node, link.to_socket) + ": a shader is linked to a " +
+                 type_name(to_type));
         ResolvedInput& resolved = to.inputs[static_cast<size_t>(input)];
         if (resolved.from_node != kNone) fail(at(link.to_node, link.to_socket) + ": two links");
         resolved.from_node = link.from_node;
@@ -141,7 +152,8 @@ private:
             if (readers[i] == 0) ready.push_back(i);
         for (size_t k = 0; k < ready.size(); ++k)
             for (const ResolvedInput& input : result_.nodes[ready[k]].inputs)
-                if (input.from_node != kNone && --readers[input.from_node] == 0) ready.push_back(input.from_node);
+                if (input.from_node != kNone && --readers[input.from_node] == 0)
+                    ready.push_back(input.from_node);
         if (ready.size() == readers.size()) return;
         for (uint32_t i = 0; i < readers.size(); ++i) {
             if (readers[i] == 0) continue;
@@ -168,9 +180,11 @@ private:
         result_.order = {result_.output};
         for (size_t k = 0; k < result_.order.size(); ++k)
             for (const ResolvedInput& input : result_.nodes[result_.order[k]].inputs)
-                if (input.from_node != kNone && --readers[input.from_node] == 0) result_.order.push_back(input.from_node);
+                if (input.from_node != kNone && --readers[input.from_node] == 0)
+                    result_.order.push_back(input.from_node);
         for (uint32_t i : result_.order)
-            if (result_.nodes[i].kind->reads_image && result_.nodes[i].graph->image == kNone) fail(at(i) + ": has no image");
+            if (result_.nodes[i].kind->reads_image && result_.nodes[i].graph->image == kNone)
+                fail(at(i) + ": has no image");
     }
 
     const Graph& graph_;
@@ -181,11 +195,14 @@ private:
 }  // namespace
 
 std::string where(const std::string& material, const GraphNode& node, std::string_view socket) {
-    std::string text = "material \"" + material + "\", node \"" + (node.name.empty() ? node.kind : node.name) + "\"";
+    std::string text = "material \"" + material + "\", node \"" +
+                       (node.name.empty() ? node.kind : node.name) + "\"";
     if (!socket.empty()) text += ", socket \"" + std::string(socket) + "\"";
     return text;
 }
 
-ResolvedGraph resolve(const Graph& graph, size_t image_count) { return Resolver(graph, image_count).run(); }
+ResolvedGraph resolve(const Graph& graph, size_t image_count) {
+    return Resolver(graph, image_count).run();
+}
 
 }  // namespace spc

@@ -17,10 +17,10 @@ struct ResolvedInput {
 struct ResolvedNode {
     const GraphNode* graph = nullptr;
     const NodeKind* kind = nullptr;
-    std::vector<ResolvedInput> inputs;          // as kind->inputs
-    std::vector<std::string> options;           // as kind->options; the default where none is given
-    bool live = false;                          // the output depends on it
-    std::vector<bool> used_outputs;             // by live nodes
+    std::vector<ResolvedInput> inputs;  // as kind->inputs
+    std::vector<std::string> options;   // as kind->options; the default where none is given
+    bool live = false;                  // the output depends on it
+    std::vector<bool> used_outputs;     // by live nodes
 };
 
 struct ResolvedGraph {

@@ -32,9 +32,9 @@ public:
             if (!why_not(term).empty() || !is_specular(term)) continue;
             const bool other_normal = term.normal() != caster_normal;
             if (other_normal || (refracts(term) && expr_.scalar(term.ior()) != result.ior)) {
-                warnings.push_back(where(graph_.name, *graph_.nodes[term.node].graph) + ": " + term.label + " has another " +
-                                   (other_normal ? "normal" : "IOR") + " than " + first->label +
-                                   " and is left to path tracing");
+                warnings.push_back(where(graph_.name, *graph_.nodes[term.node].graph) + ": " +
+                                   term.label + " has another " + (other_normal ? "normal" : "IOR") +
+                                   " than " + first->label + " and is left to path tracing");
                 continue;
             }
             term.on_caster_normal = true;
@@ -49,8 +49,12 @@ private:
     static bool is_specular(const ClosureTerm& term) {
         return term.op != ClosureOp::lambert && term.op != ClosureOp::transparent;
     }
-    static bool reflects(const ClosureTerm& term) { return term.op != ClosureOp::dielectric || term.modes.reflects; }
-    static bool refracts(const ClosureTerm& term) { return term.op == ClosureOp::dielectric && term.modes.refracts; }
+    static bool reflects(const ClosureTerm& term) {
+        return term.op != ClosureOp::dielectric || term.modes.reflects;
+    }
+    static bool refracts(const ClosureTerm& term) {
+        return term.op == ClosureOp::dielectric && term.modes.refracts;
+    }
 
     // Empty for a term that can be walked on.
     std::string why_not(const ClosureTerm& term) const {
@@ -79,7 +83,8 @@ private:
     std::string text(const ClosureTerm& term) const {
         std::string s = term.label + ", roughness " + number(std::sqrt(expr_.scalar(term.alpha())));
         if (term.op == ClosureOp::dielectric) s += ", IOR " + number(expr_.scalar(term.ior()));
-        if (term.op == ClosureOp::coated && expr_.is_constant(term.ior())) s += ", IOR " + number(expr_.scalar(term.ior()));
+        if (term.op == ClosureOp::coated && expr_.is_constant(term.ior()))
+            s += ", IOR " + number(expr_.scalar(term.ior()));
         if (term.normal() != kNoExpr) s += ", mapped normal";
         return s;
     }

@@ -20,8 +20,8 @@ def emission(color, name="glow"):
 
 
 def triangle(name="triangle"):
-    """In the plane z = 0, facing up, 20 m in size."""
-    positions = np.array([(-10, -10, 0), (10, -10, 0), (0, 10, 0)], np.float32)
+    """In the plane z = 0, facing up; covers what `camera` sees."""
+    positions = np.array([(-20, -10, 0), (20, -10, 0), (0, 30, 0)], np.float32)
     return desc.MeshDesc(name, positions, np.array([(0, 1, 2)], np.uint32))
 
 

@@ -47,6 +47,7 @@ def test_panels_that_an_artist_needs():
         "DATA_PT_camera",
         "DATA_PT_lens",
     }
+    assert not ui.EXCLUDED_PANELS & compatible_panels()
 
 
 class Recorder:
@@ -87,8 +88,9 @@ def draw(panel, context):
     class Drawn:
         layout = Recorder()
         column = ui.SpeculaPanel.column
-        PROPERTIES = getattr(panel, "PROPERTIES", None)
 
+    for name in ("COMMON", "PROPERTIES", "LABELS"):
+        setattr(Drawn, name, getattr(panel, name, None))
     assert panel.poll.__func__(panel, context)
     panel.draw(Drawn(), context)
     return Drawn.layout.shown

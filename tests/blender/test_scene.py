@@ -67,6 +67,18 @@ def test_collection_instances_share_geometry_and_are_placed():
     assert sorted(i.transform[0, 3] for i in scene.instances) == [1.0, 2.0]
 
 
+def test_instances_have_the_caustics_role_of_their_object():
+    obj = add_mesh()
+    obj.specula.caustics = "CASTER"
+    collection = bpy.data.collections.new("Group")
+    collection.objects.link(obj)
+    empty = link("Empty", None)
+    empty.instance_type = "COLLECTION"
+    empty.instance_collection = collection
+    scene, _ = export()
+    assert [i.caustics_role for i in scene.instances] == [CausticsRole.CASTER] * 2
+
+
 def test_vertex_instancer_shows_its_children_and_not_the_child_itself():
     parent = add_mesh("Parent")
     child = add_mesh("Child")
@@ -133,6 +145,17 @@ def test_unsupported_objects_and_holdouts_are_named_once():
     assert len(warnings) == 2
     assert any("Hole" in warning and "holdout" in warning for warning in warnings)
     assert any("Smoke" in warning and "VOLUME" in warning for warning in warnings)
+
+
+def test_hair_stereoscopy_and_motion_blur_are_named():
+    obj = add_mesh("Fur")
+    obj.modifiers.new("Hair", "PARTICLE_SYSTEM")
+    obj.particle_systems[0].settings.type = "HAIR"
+    render = bpy.context.scene.render
+    render.use_motion_blur = render.use_multiview = True
+    _, warnings = export()
+    assert len(warnings) == 3
+    assert any("Fur" in warning and "hair" in warning for warning in warnings)
 
 
 @pytest.mark.parametrize("role", ["AUTO", "CASTER", "RECEIVER", "BOTH", "OFF"])

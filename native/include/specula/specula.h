@@ -280,7 +280,7 @@ SPC_API spc_status spc_scene_set_environment(spc_scene* scene, const spc_environ
 
 /* ---- commit */
 
-/* Builds everything that rendering needs, then freezes the scene. `threads` 0 = all.
+/* Builds everything that rendering needs, then freezes the scene. `threads` 0 = all, <= 1024.
  * Errors: SPC_WRONG_STATE (no camera, committed before), SPC_INVALID_ARGUMENT, SPC_OUT_OF_MEMORY. */
 SPC_API spc_status spc_scene_commit(spc_scene* scene, uint32_t threads);
 
@@ -325,17 +325,17 @@ typedef struct spc_render_settings {
     uint32_t method;        /* spc_method */
     uint32_t constraint;    /* spc_constraint */
     uint32_t two_stage;     /* 1: walk on the smooth surface first where a caster has a normal map */
-    uint32_t set_size;      /* walks per estimate of SPC_METHOD_SMS_BIASED, >= 1 */
+    uint32_t set_size;      /* walks per estimate of SPC_METHOD_SMS_BIASED, [1, 4096] */
     uint32_t first_sample;  /* absolute index; [0,8) and [8,16) together are [0,16) */
     uint32_t samples;       /* per pixel, >= 1 */
     float time_limit;       /* seconds of rendering, 0 = none; a render that reaches it is complete */
     uint32_t seed;
-    uint32_t threads;       /* 0 = all */
+    uint32_t threads;       /* 0 = all, <= 1024 */
     uint32_t max_bounces;   /* all kinds together; as Cycles: 0 is direct light only */
     uint32_t max_diffuse_bounces, max_glossy_bounces, max_transmission_bounces, max_transparent_bounces;
     uint32_t caustics_reflective, caustics_refractive; /* 0: no such light after a diffuse bounce, by any method */
     uint32_t pixel_filter;  /* spc_pixel_filter */
-    float filter_width;     /* pixels, full width; > 0; ignored by the box */
+    float filter_width;     /* pixels, full width; (0, 1000]; ignored by the box */
     uint32_t transparent_film; /* 1: the world is seen as alpha 0 by the camera */
 } spc_render_settings;
 

@@ -102,11 +102,12 @@ TEST(DiscreteDistribution, NothingThatWeighsIsOutOfReach) {
     EXPECT_GT(d.probability(12345), 0.85f);
 }
 
-std::vector<float> uneven_values(uint32_t width, uint32_t height) {
-    std::vector<float> values(static_cast<size_t>(width) * height);
+std::vector<float> uneven_values(size_t width, size_t height) {
+    std::vector<float> values(width * height);
     Uniforms uniforms(3);
     for (float& value : values) value = uniforms() < 0.2f ? 0.0f : uniforms();
-    std::fill_n(values.begin() + 2 * width, width, 0.0f);  // a row that is never chosen
+    std::fill_n(values.begin() + static_cast<std::ptrdiff_t>(2 * width), width,
+                0.0f);  // a row that is never chosen
     return values;
 }
 
@@ -119,7 +120,8 @@ TEST(Distribution2D, DensityIntegratesToOneAndIsProportional) {
     EXPECT_NEAR(d.mean(), mean, 1e-6);
     for (uint32_t y = 0; y < kHeight; ++y)
         for (uint32_t x = 0; x < kWidth; ++x) {
-            const float pdf = d.pdf({(static_cast<float>(x) + 0.5f) / kWidth, (static_cast<float>(y) + 0.5f) / kHeight});
+            const float pdf = d.pdf({(static_cast<float>(x) + 0.5f) / kWidth,
+                                     (static_cast<float>(y) + 0.5f) / kHeight});
             EXPECT_NEAR(pdf, values[y * kWidth + x] / mean, 1e-5);
             sum += pdf / (kWidth * kHeight);
         }
@@ -131,18 +133,19 @@ TEST(Distribution2D, SamplesItsDensity) {
     constexpr int64_t kSamples = 300000;
     const std::vector<float> values = uneven_values(kWidth, kHeight);
     const Distribution2D d(values, kWidth, kHeight);
-    constexpr uint32_t kX = kWidth * kFiner, kY = kHeight * kFiner;
+    constexpr size_t kX = kWidth * kFiner, kY = kHeight * kFiner;
     std::vector<int64_t> observed(kX * kY);
     std::vector<double> expected(kX * kY);
     Uniforms uniforms(4);
     for (int64_t i = 0; i < kSamples; ++i) {
         const Distribution2D::Sample s = d.sample(uniforms.two());
-        ++observed[static_cast<uint32_t>(s.position.y * kY) * kX + static_cast<uint32_t>(s.position.x * kX)];
+        ++observed[static_cast<uint32_t>(s.position.y * kY) * kX +
+                   static_cast<uint32_t>(s.position.x * kX)];
     }
     for (uint32_t y = 0; y < kY; ++y)
         for (uint32_t x = 0; x < kX; ++x)
-            expected[y * kX + x] = static_cast<double>(kSamples) * values[y / kFiner * kWidth + x / kFiner] /
-                                   (d.mean() * kX * kY);
+            expected[y * kX + x] = static_cast<double>(kSamples) *
+                                   values[y / kFiner * kWidth + x / kFiner] / (d.mean() * kX * kY);
     const ChiSquare fit = chi_square(observed, expected);
     EXPECT_TRUE(fit.passes(kSignificance)) << fit.text();
     for (size_t i = 0; i < expected.size(); ++i) expected[i] *= i % 2 == 0 ? 1.05 : 0.95;
@@ -161,7 +164,9 @@ TEST(Distribution2D, DensityAtASampleIsTheSamples) {
         const Distribution2D d(values, width, kHeight);
         Uniforms uniforms(5);
         for (int i = 0; i < 100000; ++i) {
-            const Vec2 u = i == 0 ? Vec2(0.0f) : i == 1 ? Vec2(kBelowOne, kBelowOne) : uniforms.two();
+            const Vec2 u = i == 0   ? Vec2(0.0f)
+                           : i == 1 ? Vec2(kBelowOne, kBelowOne)
+                                    : uniforms.two();
             const Distribution2D::Sample s = d.sample(u);
             ASSERT_GE(std::min(s.position.x, s.position.y), 0.0f);
             ASSERT_LT(std::max(s.position.x, s.position.y), 1.0f);

@@ -10,13 +10,15 @@
 namespace spc::test {
 
 inline Graph emission(float r, float g, float b, float strength) {
-    return single_shader("emission", {{1, "Color", {r, g, b, 1}}, {1, "Strength", {strength, 0, 0, 0}}});
+    return single_shader("emission",
+                         {{1, "Color", {r, g, b, 1}}, {1, "Strength", {strength, 0, 0, 0}}});
 }
 
 inline Transform facing(const Vec3& center, const Vec3& axis, const Vec3& scale = Vec3(1.0f)) {
     const Frame frame = Frame::around(normalize(axis) * -1.0f);
     Transform m;
-    for (int i = 0; i < 3; ++i) m.row[i] = Vec3(frame.x[i] * scale.x, frame.y[i] * scale.y, frame.z[i] * scale.z);
+    for (int i = 0; i < 3; ++i)
+        m.row[i] = Vec3(frame.x[i] * scale.x, frame.y[i] * scale.y, frame.z[i] * scale.z);
     m.translation = center;
     return m;
 }
@@ -31,8 +33,8 @@ inline LightDesc point_lamp(float power, float radius, const Vec3& center = {0, 
     light.radius = radius;
     return light;
 }
-inline LightDesc spot_lamp(float power, float radius, float angle, float blend, const Vec3& axis = {0, 0, -1},
-                           const Vec3& scale = Vec3(1.0f)) {
+inline LightDesc spot_lamp(float power, float radius, float angle, float blend,
+                           const Vec3& axis = {0, 0, -1}, const Vec3& scale = Vec3(1.0f)) {
     LightDesc light = point_lamp(power, radius);
     light.name = "spot";
     light.type = LightType::spot;
@@ -50,8 +52,9 @@ inline LightDesc sun_lamp(float irradiance, float angle, const Vec3& axis = {0, 
     light.sun_angle = angle;
     return light;
 }
-inline LightDesc area_lamp(float power, AreaShape shape, const Vec2& size, const Vec3& center = {0, 0, 1},
-                           const Vec3& axis = {0, 0, -1}, const Vec3& scale = Vec3(1.0f)) {
+inline LightDesc area_lamp(float power, AreaShape shape, const Vec2& size,
+                           const Vec3& center = {0, 0, 1}, const Vec3& axis = {0, 0, -1},
+                           const Vec3& scale = Vec3(1.0f)) {
     LightDesc light;
     light.name = "area";
     light.type = LightType::area;
@@ -82,8 +85,9 @@ inline Lit lit_by(const Mesh& mesh, const Graph& graph, const Transform& transfo
     return freeze(maker);
 }
 
-// Densities of the direction wi from p: as next event estimation and as the manifold sample it, summed over all
-// that a ray meets, and the radiance that comes from there. Lamps and suns first, then the nearest surface or the world.
+// Densities of the direction wi from p: as next event estimation and as the manifold sample it,
+// summed over all that a ray meets, and the radiance that comes from there. Lamps and suns first,
+// then the nearest surface or the world.
 struct Seen {
     float pdf_direct = 0.0f;
     float pdf_light_point = 0.0f;  // of the last light that was met
@@ -107,8 +111,8 @@ inline Seen look(const Lit& lit, const Vec3& p, const Vec3& wi) {
         seen.pdf_light_point = pdf_light_point_sun(lit.lights, i, wi);
         seen.radiance += lamp_radiance(scene, i, Vec3(0.0f), wi * -1.0f);
     }
-    const std::optional<Hit> hit = scene.instances.empty() ? std::nullopt
-                                                           : scene.accel->intersect({p, wi}, kVisibleDiffuse);
+    const std::optional<Hit> hit =
+        scene.instances.empty() ? std::nullopt : scene.accel->intersect({p, wi}, kVisibleDiffuse);
     if (hit && hit->light == kNone) {
         seen.pdf_direct += pdf_direct_surface(lit.lights, scene, p, wi, *hit);
         seen.pdf_light_point = pdf_light_point_surface(lit.lights, scene, hit->surface);
@@ -121,24 +125,27 @@ inline Seen look(const Lit& lit, const Vec3& p, const Vec3& wi) {
     return seen;
 }
 
-// Irradiance at p on the side of n, channel `channel`, without any occlusion: by next event estimation...
-inline MeanEstimate irradiance_direct(const Lit& lit, const Vec3& p, const Vec3& n, int64_t samples, uint64_t seed,
-                                      int channel = 1) {
+// Irradiance at p on the side of n, channel `channel`, without any occlusion: by next event
+// estimation...
+inline MeanEstimate irradiance_direct(const Lit& lit, const Vec3& p, const Vec3& n, int64_t samples,
+                                      uint64_t seed, int channel = 1) {
     MeanEstimate estimate;
     Uniforms uniforms(seed);
     for (int64_t i = 0; i < samples; ++i) {
-        const std::optional<DirectSample> s = sample_direct(lit.lights, *lit.scene, p, uniforms.three());
+        const std::optional<DirectSample> s =
+            sample_direct(lit.lights, *lit.scene, p, uniforms.three());
         estimate.add(s ? s->radiance[channel] * std::max(dot(n, s->wi), 0.0f) / s->pdf_omega : 0.0f);
     }
     return estimate;
 }
 // ... and by points of the lights.
-inline MeanEstimate irradiance_light_point(const Lit& lit, const Vec3& p, const Vec3& n, int64_t samples, uint64_t seed,
-                                           int channel = 1) {
+inline MeanEstimate irradiance_light_point(const Lit& lit, const Vec3& p, const Vec3& n,
+                                           int64_t samples, uint64_t seed, int channel = 1) {
     MeanEstimate estimate;
     Uniforms uniforms(seed);
     for (int64_t i = 0; i < samples; ++i) {
-        const std::optional<LightPoint> y = sample_light_point(lit.lights, *lit.scene, uniforms.three());
+        const std::optional<LightPoint> y =
+            sample_light_point(lit.lights, *lit.scene, uniforms.three());
         double value = 0;
         if (y && y->distant) {
             value = radiance_at(lit.lights, *lit.scene, *y, y->direction * -1.0f)[channel] *
@@ -147,8 +154,8 @@ inline MeanEstimate irradiance_light_point(const Lit& lit, const Vec3& p, const 
             const Vec3 to_y = y->p - p;
             const Vec3 wi = normalize(to_y);
             const float cos_y = y->delta ? 1.0f : std::abs(dot(y->n, wi));
-            value = radiance_at(lit.lights, *lit.scene, *y, wi * -1.0f)[channel] * std::max(dot(n, wi), 0.0f) * cos_y /
-                    length_squared(to_y);
+            value = radiance_at(lit.lights, *lit.scene, *y, wi * -1.0f)[channel] *
+                    std::max(dot(n, wi), 0.0f) * cos_y / length_squared(to_y);
         }
         estimate.add(y ? value / y->pdf : 0.0);
     }

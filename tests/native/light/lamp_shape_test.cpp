@@ -8,7 +8,8 @@ namespace {
 Transform frame_at(const Vec3& center, const Vec3& axis, float scale_x = 1.0f, float scale_y = 1.0f) {
     const Frame frame = Frame::around(normalize(axis) * -1.0f);
     Transform m;
-    for (int i = 0; i < 3; ++i) m.row[i] = Vec3(frame.x[i] * scale_x, frame.y[i] * scale_y, frame.z[i]);
+    for (int i = 0; i < 3; ++i)
+        m.row[i] = Vec3(frame.x[i] * scale_x, frame.y[i] * scale_y, frame.z[i]);
     m.translation = center;
     return m;
 }
@@ -31,7 +32,8 @@ LightDesc area_lamp(const Vec3& center, const Vec3& axis, AreaShape shape, Vec2 
 }
 
 Vec3 random_direction(Uniforms& uniforms) {
-    const float z = 2.0f * uniforms() - 1.0f, phi = 2.0f * kPi * uniforms(), s = safe_sqrt(1.0f - z * z);
+    const float z = 2.0f * uniforms() - 1.0f, phi = 2.0f * kPi * uniforms(),
+                s = safe_sqrt(1.0f - z * z);
     return {s * std::cos(phi), s * std::sin(phi), z};
 }
 
@@ -50,12 +52,14 @@ TEST(LampShape, SphereFromOutsideByTheQuadratic) {
     for (int i = 0; i < 20000; ++i) {
         const float radius = 0.1f + uniforms();
         const LightDesc light = sphere_lamp(center, radius);
-        const Vec3 origin = center + random_direction(uniforms) * (radius * (1.05f + 10.0f * uniforms()));
+        const Vec3 origin =
+            center + random_direction(uniforms) * (radius * (1.05f + 10.0f * uniforms()));
         const Vec3 aim = center + random_direction(uniforms) * (1.5f * radius * uniforms());
         const Vec3 d = normalize(aim - origin);
         // t^2 + 2 b t + c = 0, in double
         const Vec3d o = Vec3d(origin) - Vec3d(center), w(d);
-        const double b = dot(o, w), c = dot(o, o) - double(radius) * radius, discriminant = b * b - c * dot(w, w);
+        const double b = dot(o, w), c = dot(o, o) - double(radius) * radius,
+                     discriminant = b * b - c * dot(w, w);
         if (std::abs(discriminant) < 1e-4 * radius * radius) continue;
         const std::optional<LightSurfaceHit> hit = intersect_light(light, {origin, d});
         ASSERT_EQ(hit.has_value(), discriminant > 0 && b < 0);
@@ -114,9 +118,10 @@ TEST(LampShape, AreaLightsByTheirEdges) {
             const float distance = 0.1f + 3.0f * uniforms();
             const Ray ray{target - direction * distance, direction};
             const std::optional<LightSurfaceHit> hit = intersect_light(light, ray);
-            const float edge = shape == AreaShape::rectangle
-                                   ? std::min(std::abs(std::abs(a) - 1.0f), std::abs(std::abs(b) - 0.3f))
-                                   : std::abs(a * a + b * b / 0.09f - 1.0f);
+            const float edge =
+                shape == AreaShape::rectangle
+                    ? std::min(std::abs(std::abs(a) - 1.0f), std::abs(std::abs(b) - 0.3f))
+                    : std::abs(a * a + b * b / 0.09f - 1.0f);
             if (edge < 1e-3f || std::abs(dot(direction, light.axis())) < 1e-2f) continue;
             ASSERT_EQ(hit.has_value(), inside && towards_front) << a << " " << b;
             if (!hit) continue;
@@ -125,7 +130,8 @@ TEST(LampShape, AreaLightsByTheirEdges) {
             EXPECT_NEAR(length(hit->p - target), 0.0f, 1e-4f);
             EXPECT_NEAR_ANGLE(hit->n, light.axis(), 1e-3);
             EXPECT_FALSE(intersect_light(light, {ray.origin, direction, 0.0f, distance * 0.99f}));
-            EXPECT_FALSE(intersect_light(light, {ray.origin, direction, distance * 1.01f, kInfinity}));
+            EXPECT_FALSE(
+                intersect_light(light, {ray.origin, direction, distance * 1.01f, kInfinity}));
         }
         EXPECT_GT(hits, 3000);
     }
@@ -136,7 +142,8 @@ TEST(LampShape, AreaLightsFollowScaleMirrorAndShear) {
     const auto seen_at = [&](float x, float y) {
         return intersect_light(light, {{x, y, 0}, {0, 0, 1}}).has_value();
     };
-    light.to_world.row = {Vec3(-4, 0, 0), Vec3(0, 2, 0), Vec3(0, 0, 1)};  // mirrored: still shines along -z
+    light.to_world.row = {Vec3(-4, 0, 0), Vec3(0, 2, 0),
+                          Vec3(0, 0, 1)};  // mirrored: still shines along -z
     EXPECT_TRUE(seen_at(1.9f, 0.9f));
     EXPECT_TRUE(seen_at(-1.9f, -0.9f));
     EXPECT_FALSE(seen_at(2.1f, 0.0f));
@@ -145,7 +152,8 @@ TEST(LampShape, AreaLightsFollowScaleMirrorAndShear) {
     EXPECT_TRUE(seen_at(1.9f, 0.95f));
     EXPECT_TRUE(seen_at(-1.9f, -0.95f));
     EXPECT_FALSE(seen_at(1.9f, -0.95f));
-    light.to_world.row = {Vec3(2, 0, 0), Vec3(0, 2, 0), Vec3(0, 0, -1)};  // turned over: shines upwards
+    light.to_world.row = {Vec3(2, 0, 0), Vec3(0, 2, 0),
+                          Vec3(0, 0, -1)};  // turned over: shines upwards
     EXPECT_FALSE(seen_at(0.0f, 0.0f));
     EXPECT_TRUE(intersect_light(light, {{0, 0, 2}, {0, 0, -1}}));
 }

@@ -13,7 +13,8 @@ constexpr int64_t kSamples = 100000;
 constexpr float kPower = 10.0f;
 const Vec3 kOrigin(0, 0, 0), kUp(0, 0, 1);
 
-// ---------------------------------------------------------------------------------------- samplers against densities
+// ---------------------------------------------------------------------------------------- samplers
+// against densities
 
 struct SamplerCase {
     std::string text;
@@ -32,8 +33,10 @@ Transform sheared() {
 
 std::vector<SamplerCase> sampler_cases() {
     std::vector<SamplerCase> cases;
-    const auto add = [&](const std::string& text, Lit lit, const Vec3& p = kOrigin, const Vec3& peak = kUp,
-                         double focus = 2) { cases.push_back({text, std::move(lit), p, peak, focus}); };
+    const auto add = [&](const std::string& text, Lit lit, const Vec3& p = kOrigin,
+                         const Vec3& peak = kUp, double focus = 2) {
+        cases.push_back({text, std::move(lit), p, peak, focus});
+    };
     constexpr auto kRectangle = AreaShape::rectangle;
     constexpr auto kEllipse = AreaShape::ellipse;
     add("sphere", lit_by({point_lamp(kPower, 0.4f)}));
@@ -41,30 +44,40 @@ std::vector<SamplerCase> sampler_cases() {
     add("sphere, just outside", lit_by({point_lamp(kPower, 0.99f)}), kOrigin, kUp, 1);
     add("sphere, inside", lit_by({point_lamp(kPower, 3.0f)}), kOrigin, kUp, 1);
     add("spot of some radius", lit_by({spot_lamp(kPower, 0.3f, 1.5f, 0.3f, {0.3f, 0.1f, -1})}));
-    add("narrow beam of a large spot", lit_by({spot_lamp(kPower, 0.7f, 0.5f, 0.5f, {0.3f, 0.1f, -1})}));
-    add("beam of uneven scale", lit_by({spot_lamp(kPower, 0.7f, 0.5f, 0.5f, {0, 0.1f, -1}, {2, 1, 1.5f})}));
-    add("sun", lit_by({sun_lamp(3, 0.5f, {0.4f, 0.2f, -1})}), kOrigin, normalize(Vec3(-0.4f, -0.2f, 1)), 3);
+    add("narrow beam of a large spot",
+        lit_by({spot_lamp(kPower, 0.7f, 0.5f, 0.5f, {0.3f, 0.1f, -1})}));
+    add("beam of uneven scale",
+        lit_by({spot_lamp(kPower, 0.7f, 0.5f, 0.5f, {0, 0.1f, -1}, {2, 1, 1.5f})}));
+    add("sun", lit_by({sun_lamp(3, 0.5f, {0.4f, 0.2f, -1})}), kOrigin,
+        normalize(Vec3(-0.4f, -0.2f, 1)), 3);
     add("half a sky of sun", lit_by({sun_lamp(3, kPi)}), kOrigin, kUp, 1);
     add("square", lit_by({area_lamp(kPower, kRectangle, {1, 1})}));
-    add("rectangle from the side", lit_by({area_lamp(kPower, kRectangle, {2, 0.5f}, {1, 0.5f, 1}, {0.5f, 0, -1})}), kOrigin,
+    add("rectangle from the side",
+        lit_by({area_lamp(kPower, kRectangle, {2, 0.5f}, {1, 0.5f, 1}, {0.5f, 0, -1})}), kOrigin,
         normalize(Vec3(1, 0.5f, 1)));
-    add("rectangle, very near", lit_by({area_lamp(kPower, kRectangle, {2, 2}, {0.5f, 0, 0.05f})}), kOrigin, kUp, 1);
-    add("rectangle, grazing", lit_by({area_lamp(kPower, kRectangle, {1, 1}, {2, 0, 0.05f})}), kOrigin,
-        normalize(Vec3(2, 0, 0.05f)), 2);
-    add("rectangle, far", lit_by({area_lamp(kPower, kRectangle, {0.1f, 0.1f}, {0, 0, 3})}), kOrigin, kUp, 5);
+    add("rectangle, very near", lit_by({area_lamp(kPower, kRectangle, {2, 2}, {0.5f, 0, 0.05f})}),
+        kOrigin, kUp, 1);
+    add("rectangle, grazing", lit_by({area_lamp(kPower, kRectangle, {1, 1}, {2, 0, 0.2f})}),
+        kOrigin, normalize(Vec3(2, 0, 0.2f)), 3);
+    add("rectangle, far", lit_by({area_lamp(kPower, kRectangle, {0.1f, 0.1f}, {0, 0, 3})}), kOrigin,
+        kUp, 5);
     add("rectangle, scaled and mirrored",
         lit_by({area_lamp(kPower, kRectangle, {1, 1}, {0, 0, 1}, {0.2f, 0, -1}, {-2, 0.7f, 1})}));
     add("disk", lit_by({area_lamp(kPower, kEllipse, {1, 1})}));
-    add("ellipse from the side", lit_by({area_lamp(kPower, kEllipse, {2, 0.5f}, {1, 0.5f, 1}, {0.5f, 0, -1})}), kOrigin,
+    add("ellipse from the side",
+        lit_by({area_lamp(kPower, kEllipse, {2, 0.5f}, {1, 0.5f, 1}, {0.5f, 0, -1})}), kOrigin,
         normalize(Vec3(1, 0.5f, 1)));
     LightDesc shear = area_lamp(kPower, kRectangle, {1, 1});
     shear.to_world = sheared();
     add("parallelogram", lit_by({shear}));
-    add("mesh", lit_by(square(0.5f), emission(1, 1, 1, 5), facing({0.2f, 0, 1}, {0.3f, 0, -1}, {1.5f, 1, 1})));
-    add("mesh from behind", lit_by(square(0.5f), emission(1, 1, 1, 5), facing({0.2f, 0, 1}, {0.3f, 0, 1}, {-1.5f, 1, 1})));
+    add("mesh", lit_by(square(0.5f), emission(1, 1, 1, 5),
+                       facing({0.2f, 0, 1}, {0.3f, 0, -1}, {1.5f, 1, 1})));
+    add("mesh from behind", lit_by(square(0.5f), emission(1, 1, 1, 5),
+                                   facing({0.2f, 0, 1}, {0.3f, 0, 1}, {-1.5f, 1, 1})));
     SceneMaker all;
-    for (const LightDesc& lamp : {point_lamp(20, 0.3f), sun_lamp(0.5f, 0.6f, {1, 0, -1}),
-                                  area_lamp(kPower, kRectangle, {1, 1}, {-1, 0.5f, 1}), point_lamp(5, 0)})
+    for (const LightDesc& lamp :
+         {point_lamp(20, 0.3f), sun_lamp(0.5f, 0.6f, {1, 0, -1}),
+          area_lamp(kPower, kRectangle, {1, 1}, {-1, 0.5f, 1}), point_lamp(5, 0)})
         all.builder.add_light(lamp);
     all.add(square(0.3f), emission(1, 0.5f, 0.2f, 5), facing({0.3f, -1, 0.6f}, {0, 1, -1}));
     add("all together", freeze(all), kOrigin, kUp, 1);
@@ -75,8 +88,9 @@ std::optional<DirectSample> draw(const SamplerCase& c, Uniforms& uniforms) {
     return sample_direct(c.lit.lights, *c.lit.scene, c.p, uniforms.three());
 }
 
-// Counts of directions on a polar grid about c.peak, against the density summed over fine cells: it has edges, which
-// an adaptive quadrature's nodes straddle.
+// Counts of directions on a polar grid about c.peak, against the density at jittered points of
+// finer cells: it has edges, which an adaptive quadrature's nodes straddle, and which may lie along
+// the grid.
 ChiSquare fit_density(const SamplerCase& c, uint64_t seed) {
     constexpr int kRings = 14, kSectors = 12, kFiner = 64;
     const Frame frame = Frame::around(c.peak);
@@ -90,25 +104,32 @@ ChiSquare fit_density(const SamplerCase& c, uint64_t seed) {
             continue;
         }
         const Vec3 w = frame.to_local(s->wi);
-        const double theta = std::atan2(std::hypot(w.x, w.y), w.z), turn = std::atan2(w.y, w.x) / (2 * kPiD) + 0.5;
-        const int ring = std::min(static_cast<int>(std::pow(theta / kPiD, 1 / c.focus) * kRings), kRings - 1);
+        const double theta = std::atan2(std::hypot(w.x, w.y), w.z),
+                     turn = std::atan2(w.y, w.x) / (2 * kPiD) + 0.5;
+        const int ring =
+            std::min(static_cast<int>(std::pow(theta / kPiD, 1 / c.focus) * kRings), kRings - 1);
         ++observed[ring * kSectors + std::min(static_cast<int>(turn * kSectors), kSectors - 1)];
     }
     std::vector<double> expected(observed.size());
     double integral = 0;
     for (int i = 0; i < kRings * kFiner; ++i) {
         const double theta0 = polar(double(i) / kFiner), theta1 = polar(double(i + 1) / kFiner);
-        const double area = (std::cos(theta0) - std::cos(theta1)) * 2 * kPiD / (kSectors * kFiner);
+        const double z0 = std::cos(theta0), z1 = std::cos(theta1);
+        const double area = (z0 - z1) * 2 * kPiD / (kSectors * kFiner);
         for (int j = 0; j < kSectors * kFiner; ++j) {
-            const double phi = 2 * kPiD * (j + 0.5) / (kSectors * kFiner) - kPiD;
-            const Vec3 w = to_float(direction(frame, 0.5 * (theta0 + theta1), phi));
-            const double share = look(c.lit, c.p, w).pdf_direct * area;
+            const double theta = std::acos(z0 + (z1 - z0) * uniforms());
+            const double phi = 2 * kPiD * (j + double(uniforms())) / (kSectors * kFiner) - kPiD;
+            const double share =
+                look(c.lit, c.p, to_float(direction(frame, theta, phi))).pdf_direct * area;
             expected[i / kFiner * kSectors + j / kFiner] += static_cast<double>(kSamples) * share;
             integral += share;
         }
     }
-    expected.back() = static_cast<double>(kSamples) * std::max(1 - integral, 0.0);
-    if (expected.back() < 1e-3 * static_cast<double>(kSamples)) expected.back() = static_cast<double>(observed.back());
+    // The sum is good to some 1e-4: shares of declined samples below a percent are only checked for
+    // being small.
+    const double declined = static_cast<double>(observed.back()) / static_cast<double>(kSamples);
+    EXPECT_NEAR(integral + declined, 1.0, 3e-3) << c.text;
+    expected.back() = static_cast<double>(kSamples) * (declined < 0.01 ? declined : 1 - integral);
     ChiSquare fit = chi_square(observed, expected);
     fit.integral = integral;
     return fit;
@@ -140,8 +161,11 @@ TEST(Lights, DensityOfASampleIsThatOfItsDirection) {
             if (s->distance == kInfinity) continue;
             const Vec3 q = c.p + s->wi * s->distance;
             const std::optional<LightSurfaceHit> hit =
-                c.lit.scene->lights.empty() ? std::nullopt : intersect_light(c.lit.scene->lights[0], {c.p, s->wi});
-            if (hit) { EXPECT_NEAR(length(q - hit->p), 0.0f, 2e-3f * hit->t) << c.text; }
+                c.lit.scene->lights.empty() ? std::nullopt
+                                            : intersect_light(c.lit.scene->lights[0], {c.p, s->wi});
+            if (hit) {
+                EXPECT_NEAR(length(q - hit->p), 0.0f, 2e-3f * hit->t) << c.text;
+            }
         }
         EXPECT_GT(compared, 1000) << c.text;
         EXPECT_LE(different, compared / 500) << c.text;  // directions along an edge miss by rounding
@@ -157,14 +181,16 @@ TEST(Lights, ReceiversBehindAnAreaLightGetNothing) {
     }
 }
 
-// ------------------------------------------------------------------------------------------ irradiance in closed form
+// ----------------------------------------------------------------------- irradiance in closed form
 
 // On the axis of a rectangle of half sides a, b at distance d, parallel to it.
 double rectangle_irradiance(double radiance, double a, double b, double d) {
     const double x = a / d, y = b / d, p = std::sqrt(1 + x * x), q = std::sqrt(1 + y * y);
     return radiance * 2 * (x / p * std::atan(y / p) + y / q * std::atan(x / q));
 }
-double disk_irradiance(double radiance, double r, double d) { return radiance * kPiD * r * r / (r * r + d * d); }
+double disk_irradiance(double radiance, double r, double d) {
+    return radiance * kPiD * r * r / (r * r + d * d);
+}
 double spot_profile(double cos, double angle, double blend) {
     const double cos_half = std::cos(angle / 2);
     const double t = std::clamp((cos - cos_half) / ((1 - cos_half) * blend), 0.0, 1.0);
@@ -181,7 +207,8 @@ struct IrradianceCase {
 
 std::vector<IrradianceCase> irradiance_cases() {
     std::vector<IrradianceCase> cases;
-    const auto add = [&](const std::string& text, Lit lit, double expected, double error = 2e-4, const Vec3& n = kUp) {
+    const auto add = [&](const std::string& text, Lit lit, double expected, double error = 2e-4,
+                         const Vec3& n = kUp) {
         cases.push_back({text, std::move(lit), expected, error, n});
     };
     const double p = kPower;
@@ -192,37 +219,48 @@ std::vector<IrradianceCase> irradiance_cases() {
     add("sphere", lit_by({point_lamp(kPower, 0.5f)}), p / (4 * kPiD));
     add("small sphere", lit_by({point_lamp(kPower, 1e-4f)}), p / (4 * kPiD));
     const Vec3 tilted = normalize(Vec3(0, 0.6f, 0.8f));
-    add("sphere, tilted receiver", lit_by({point_lamp(kPower, 0.3f)}), 0.8 * p / (4 * kPiD), 2e-4, tilted);
+    add("sphere, tilted receiver", lit_by({point_lamp(kPower, 0.3f)}), 0.8 * p / (4 * kPiD), 2e-4,
+        tilted);
     add("inside a sphere", lit_by({point_lamp(kPower, 2)}), p / (4 * kPiD * 4));
     add("spot on the axis", lit_by({spot_lamp(kPower, 0, 1, 0.15f)}), p / (4 * kPiD));
     for (const float off : {0.45f, 0.47f, 0.49f, 0.52f})
         add("spot off the axis by " + std::to_string(off),
             lit_by({spot_lamp(kPower, 0, 1, 0.15f, {0, std::sin(off), -std::cos(off)})}),
             p / (4 * kPiD) * spot_profile(std::cos(off), 1, 0.15));
-    add("spot without blend", lit_by({spot_lamp(kPower, 0, 1, 0, {0, std::sin(0.49f), -std::cos(0.49f)})}), p / (4 * kPiD));
-    add("half-space spot", lit_by({spot_lamp(kPower, 0, kPi, 0.5f, {0, std::sin(1.2f), -std::cos(1.2f)})}),
+    add("spot without blend",
+        lit_by({spot_lamp(kPower, 0, 1, 0, {0, std::sin(0.49f), -std::cos(0.49f)})}),
+        p / (4 * kPiD));
+    add("half-space spot",
+        lit_by({spot_lamp(kPower, 0, kPi, 0.5f, {0, std::sin(1.2f), -std::cos(1.2f)})}),
         p / (4 * kPiD) * spot_profile(std::cos(1.2), kPiD, 0.5));
     add("sun", lit_by({sun_lamp(3, 0)}), 3);
     add("sun of 60 degrees", lit_by({sun_lamp(3, 0, {0, std::sqrt(3.0f), -1})}), 1.5);
     for (const float angle : {1e-4f, 0.01f, 0.5f, 2.0f, kPi})
         add("sun of angle " + std::to_string(angle), lit_by({sun_lamp(3, angle)}), 3);
-    add("square", lit_by({area_lamp(kPower, kRectangle, {1, 1})}), rectangle_irradiance(p / kPiD, 0.5, 0.5, 1));
-    add("rectangle", lit_by({area_lamp(kPower, kRectangle, {2, 0.5f})}), rectangle_irradiance(p / kPiD, 1, 0.25, 1));
+    add("square", lit_by({area_lamp(kPower, kRectangle, {1, 1})}),
+        rectangle_irradiance(p / kPiD, 0.5, 0.5, 1));
+    add("rectangle", lit_by({area_lamp(kPower, kRectangle, {2, 0.5f})}),
+        rectangle_irradiance(p / kPiD, 1, 0.25, 1));
     add("far square", lit_by({area_lamp(kPower, kRectangle, {0.5f, 0.5f}, {0, 0, 20})}),
         rectangle_irradiance(p / (kPiD * 0.25), 0.25, 0.25, 20));
-    add("square, scaled", lit_by({area_lamp(kPower, kRectangle, {1, 1}, {0, 0, 1}, {0, 0, -1}, {2, 3, 1})}),
+    add("square, scaled",
+        lit_by({area_lamp(kPower, kRectangle, {1, 1}, {0, 0, 1}, {0, 0, -1}, {2, 3, 1})}),
         rectangle_irradiance(p / (6 * kPiD), 1, 1.5, 1));
-    add("square, mirrored", lit_by({area_lamp(kPower, kRectangle, {1, 1}, {0, 0, 1}, {0, 0, -1}, {-2, 1, 1})}),
+    add("square, mirrored",
+        lit_by({area_lamp(kPower, kRectangle, {1, 1}, {0, 0, 1}, {0, 0, -1}, {-2, 1, 1})}),
         rectangle_irradiance(p / (2 * kPiD), 1, 0.5, 1));
-    add("disk", lit_by({area_lamp(kPower, kEllipse, {1, 1})}), disk_irradiance(p / (kPiD * kPiD * 0.25), 0.5, 1));
+    add("disk", lit_by({area_lamp(kPower, kEllipse, {1, 1})}),
+        disk_irradiance(p / (kPiD * kPiD * 0.25), 0.5, 1));
     const double ellipse = integrate_2d(
         [](double r, double phi) {
             const double x = r * std::cos(phi), y = 0.25 * r * std::sin(phi);
             return 0.25 * r / sqr(static_cast<float>(x * x + y * y + 1));
         },
         0, 1, 0, 2 * kPiD, 1e-7);
-    add("ellipse", lit_by({area_lamp(kPower, kEllipse, {2, 0.5f})}), p / (kPiD * kPiD * 0.25) * ellipse);
-    add("mesh", lit_by(square(0.5f), emission(1, 1, 1, 5), facing({0, 0, 1}, {0, 0, 1})), rectangle_irradiance(5, 0.5, 0.5, 1));
+    add("ellipse", lit_by({area_lamp(kPower, kEllipse, {2, 0.5f})}),
+        p / (kPiD * kPiD * 0.25) * ellipse);
+    add("mesh", lit_by(square(0.5f), emission(1, 1, 1, 5), facing({0, 0, 1}, {0, 0, 1})),
+        rectangle_irradiance(5, 0.5, 0.5, 1));
     add("mesh, back side", lit_by(square(0.5f), emission(1, 1, 1, 5), facing({0, 0, 1}, {0, 0, -1})),
         rectangle_irradiance(5, 0.5, 0.5, 1));
     return cases;
@@ -235,7 +273,8 @@ TEST(Lights, IrradianceByNextEventEstimation) {
         const MeanEstimate e = irradiance_direct(c.lit, kOrigin, c.n, 4 * kSamples, 11);
         EXPECT_TRUE(is_mean(e, c.expected, significance, c.numerical_error * c.expected)) << c.text;
         if (c.expected == 0) continue;
-        EXPECT_FALSE(is_mean(e, 1.02 * c.expected, significance, c.numerical_error * c.expected)) << c.text;
+        EXPECT_FALSE(is_mean(e, 1.02 * c.expected, significance, c.numerical_error * c.expected))
+            << c.text;
     }
 }
 
@@ -247,7 +286,8 @@ TEST(Lights, IrradianceByPointsOfTheLight) {
         const MeanEstimate e = irradiance_light_point(c.lit, kOrigin, c.n, 4 * kSamples, 12);
         EXPECT_TRUE(is_mean(e, c.expected, significance, c.numerical_error * c.expected)) << c.text;
         if (c.expected == 0) continue;
-        EXPECT_FALSE(is_mean(e, 1.02 * c.expected, significance, c.numerical_error * c.expected)) << c.text;
+        EXPECT_FALSE(is_mean(e, 1.02 * c.expected, significance, c.numerical_error * c.expected))
+            << c.text;
     }
 }
 
@@ -269,7 +309,8 @@ TEST(Lights, MatchCycles) {
         {"sun", sun_lamp(3, 0.5f), 3.0},
         {"square", area_lamp(kPower, AreaShape::rectangle, {1, 1}), 2.39469},
         {"ellipse", area_lamp(kPower, AreaShape::ellipse, {2, 0.5f}), 2.18352},
-        {"scaled", area_lamp(kPower, AreaShape::rectangle, {1, 1}, {0, 0, 1}, {0, 0, -1}, {2, 3, 1}), 1.05847},
+        {"scaled",
+         area_lamp(kPower, AreaShape::rectangle, {1, 1}, {0, 0, 1}, {0, 0, -1}, {2, 3, 1}), 1.05847},
     };
     for (const Case& c : cases) {
         LightDesc lamp = c.lamp;
@@ -279,23 +320,25 @@ TEST(Lights, MatchCycles) {
             for (Vec3& row : lamp.to_world.row) row.x *= 2;
         }
         const MeanEstimate e = irradiance_direct(lit_by({lamp}), kOrigin, kUp, kSamples, 13);
-        EXPECT_NEAR_REL(e.mean(), c.irradiance, 4 * e.standard_error() / c.irradiance + 3e-4) << c.text;
+        EXPECT_NEAR_REL(e.mean(), c.irradiance, 4 * e.standard_error() / c.irradiance + 3e-4)
+            << c.text;
     }
 }
 
-// --------------------------------------------------------------------------------------------------- choice of lights
+// -------------------------------------------------------------------------------- choice of lights
 
 TEST(Lights, WithoutPowerTheyAreNeverChosen) {
     LightDesc hidden = point_lamp(5, 0);
     hidden.visibility = kVisibleCamera | kVisibleShadow;
     LightDesc no_caustics = point_lamp(5, 0);
     no_caustics.feeds_caustics = false;
-    const Lit lit = lit_by({point_lamp(0, 0.1f), point_lamp(1, 0), hidden, sun_lamp(0, 0), no_caustics,
-                            area_lamp(0, AreaShape::ellipse, {1, 1})});
+    const Lit lit = lit_by({point_lamp(0, 0.1f), point_lamp(1, 0), hidden, sun_lamp(0, 0),
+                            no_caustics, area_lamp(0, AreaShape::ellipse, {1, 1})});
     Uniforms uniforms(1);
     std::vector<int> direct(6), caustic(6);
     for (int i = 0; i < 20000; ++i) {
-        const std::optional<DirectSample> s = sample_direct(lit.lights, *lit.scene, kOrigin, uniforms.three());
+        const std::optional<DirectSample> s =
+            sample_direct(lit.lights, *lit.scene, kOrigin, uniforms.three());
         ASSERT_TRUE(s);
         ++direct[s->light];
         ++caustic[sample_light_point(lit.lights, *lit.scene, uniforms.three())->light];
@@ -327,7 +370,8 @@ TEST(Lights, DarkMeshesAreNoLightsAndLeaveTheirTrianglesAlone) {
     Instance instance;
     instance.mesh = maker.builder.add_mesh(two);
     instance.object_to_world = translation({0, 0, 2});
-    instance.materials = {maker.builder.add_material(diffuse(0.5f)), maker.builder.add_material(emission(1, 1, 1, 2))};
+    instance.materials = {maker.builder.add_material(diffuse(0.5f)),
+                          maker.builder.add_material(emission(1, 1, 1, 2))};
     maker.builder.add_instance(instance);
     const Lit lit = freeze(maker);
     ASSERT_EQ(lit.lights.emissive.size(), 1u);
@@ -335,7 +379,8 @@ TEST(Lights, DarkMeshesAreNoLightsAndLeaveTheirTrianglesAlone) {
     EXPECT_EQ(lit.lights.emissive[0].inv_area, (std::vector<float>{0.0f, 0.5f}));
     Uniforms uniforms(1);
     for (int i = 0; i < 1000; ++i) {
-        const std::optional<LightPoint> y = sample_light_point(lit.lights, *lit.scene, uniforms.three());
+        const std::optional<LightPoint> y =
+            sample_light_point(lit.lights, *lit.scene, uniforms.three());
         ASSERT_TRUE(y);
         EXPECT_EQ(y->surface.triangle, 1u);
         EXPECT_NEAR(y->pdf, 0.5f, 1e-6f);
@@ -346,7 +391,8 @@ TEST(Lights, DarkMeshesAreNoLightsAndLeaveTheirTrianglesAlone) {
 }
 
 TEST(Lights, TrianglesAreChosenByFlux) {
-    // Two materials of one mesh, a dim large triangle and a bright small one: irradiance is still exact.
+    // Two materials of one mesh, a dim large triangle and a bright small one: irradiance is still
+    // exact.
     SceneMaker maker;
     Mesh mesh;
     mesh.positions = {{-1, -1, 0}, {1, -1, 0}, {-1, 1, 0}, {2, 0, 0}, {2.1f, 0, 0}, {2, 0.1f, 0}};
@@ -371,13 +417,15 @@ TEST(Lights, TrianglesAreChosenByFlux) {
             0, 1, 0, 1, 1e-8);
     };
     const double expected = over(-1, -1, 2, 1) + over(2, 0, 0.1, 1e3);
-    EXPECT_TRUE(is_mean(irradiance_direct(lit, kOrigin, kUp, kSamples, 5), expected, kSignificance, 1e-4 * expected));
-    EXPECT_TRUE(is_mean(irradiance_light_point(lit, kOrigin, kUp, kSamples, 6), expected, kSignificance, 1e-4 * expected));
+    EXPECT_TRUE(is_mean(irradiance_direct(lit, kOrigin, kUp, kSamples, 5), expected, kSignificance,
+                        1e-4 * expected));
+    EXPECT_TRUE(is_mean(irradiance_light_point(lit, kOrigin, kUp, kSamples, 6), expected,
+                        kSignificance, 1e-4 * expected));
 }
 
 TEST(Lights, SpectrumOfTwelveOrdersOfMagnitude) {
-    // Spheres, suns, areas and meshes of 1e-6 to 1e6 W, each of its own colour channel: every one is found, nothing
-    // overflows, and the sum is right.
+    // Spheres, suns, areas and meshes of 1e-6 to 1e6 W, each of its own colour channel: every one
+    // is found, nothing overflows, and the sum is right.
     std::vector<LightDesc> lamps;
     for (int i = -6; i <= 6; ++i) {
         const float power = std::pow(10.0f, static_cast<float>(i));
@@ -392,14 +440,17 @@ TEST(Lights, SpectrumOfTwelveOrdersOfMagnitude) {
     std::vector<int> chosen(lamps.size());
     Uniforms uniforms(3);
     for (int i = 0; i < 100000; ++i) {
-        const std::optional<DirectSample> s = sample_direct(lit.lights, *lit.scene, kOrigin, uniforms.three());
+        const std::optional<DirectSample> s =
+            sample_direct(lit.lights, *lit.scene, kOrigin, uniforms.three());
         if (!s) continue;
         ++chosen[s->light];
         ASSERT_TRUE(std::isfinite(s->pdf_omega) && s->pdf_omega > 0) << s->light;
         ASSERT_TRUE(std::isfinite(max_component(s->radiance))) << s->light;
     }
-    for (size_t i = 0; i < lamps.size(); ++i) EXPECT_GT(chosen[i], 200) << i;  // an even share is 1900 / 5
-    EXPECT_TRUE(is_mean(irradiance_direct(lit, kOrigin, kUp, kSamples, 4, 0), 1e-6 / (4 * kPiD), kSignificance, 1e-10));
+    for (size_t i = 0; i < lamps.size(); ++i)
+        EXPECT_GT(chosen[i], 200) << i;  // an even share is 1900 / 5
+    EXPECT_TRUE(is_mean(irradiance_direct(lit, kOrigin, kUp, kSamples, 4, 0), 1e-6 / (4 * kPiD),
+                        kSignificance, 1e-10));
 }
 
 TEST(Lights, AThousandAreChosenByPower) {
@@ -417,9 +468,11 @@ TEST(Lights, AThousandAreChosenByPower) {
         expected += lamp.power.y / (4 * kPiD) * d.z / std::pow(length_squared(d), 1.5);
     }
     EXPECT_TRUE(is_mean(irradiance_direct(lit, kOrigin, kUp, kSamples, 2), expected, kSignificance));
-    EXPECT_TRUE(is_mean(irradiance_light_point(lit, kOrigin, kUp, kSamples, 2), expected, kSignificance));
+    EXPECT_TRUE(
+        is_mean(irradiance_light_point(lit, kOrigin, kUp, kSamples, 2), expected, kSignificance));
     for (size_t i = 0; i < lamps.size(); ++i)
-        EXPECT_NEAR(lit.lights.selection.probability(i), 0.8 * lamps[i].power.y / total + 0.2 / 1000, 1e-6);
+        EXPECT_NEAR(lit.lights.selection.probability(i),
+                    0.8 * lamps[i].power.y / total + 0.2 / 1000, 1e-6);
 }
 
 TEST(Lights, DeltasHaveNoDensityAndNoSurface) {
@@ -432,11 +485,13 @@ TEST(Lights, DeltasHaveNoDensityAndNoSurface) {
     }
     Uniforms uniforms(1);
     for (int i = 0; i < 100; ++i) {
-        const std::optional<DirectSample> s = sample_direct(lit.lights, *lit.scene, kOrigin, uniforms.three());
+        const std::optional<DirectSample> s =
+            sample_direct(lit.lights, *lit.scene, kOrigin, uniforms.three());
         ASSERT_TRUE(s);
         EXPECT_TRUE(s->delta);
         EXPECT_EQ(s->pdf_omega, lit.lights.selection.probability(s->light));
-        const std::optional<LightPoint> y = sample_light_point(lit.lights, *lit.scene, uniforms.three());
+        const std::optional<LightPoint> y =
+            sample_light_point(lit.lights, *lit.scene, uniforms.three());
         ASSERT_TRUE(y);
         EXPECT_TRUE(y->delta);
         EXPECT_EQ(y->distant, y->light == 1);
@@ -454,7 +509,8 @@ TEST(Lights, VisibilityIsTheirsAndOnlyLampsCanDoWithoutShadows) {
     instance.materials = {maker.builder.add_material(emission(1, 1, 1, 1))};
     instance.visibility = kVisibleGlossy;
     maker.builder.add_instance(instance);
-    maker.builder.set_environment({maker.builder.add_material(background(1, 1, 1)), kVisibleTransmission, true});
+    maker.builder.set_environment(
+        {maker.builder.add_material(background(1, 1, 1)), kVisibleTransmission, true});
     const Lit lit = freeze(maker);
     EXPECT_EQ(lit.lights.count(*lit.scene), 3u);
     EXPECT_EQ(light_visibility(lit.lights, 0), kVisibleDiffuse);
@@ -464,16 +520,22 @@ TEST(Lights, VisibilityIsTheirsAndOnlyLampsCanDoWithoutShadows) {
 
 TEST(Lights, PointsOfTheLightHaveTheDensityOfAHit) {
     for (const SamplerCase& c : sampler_cases()) {
-        if (c.text == "all together" || c.text == "sphere, inside" || c.text == "sphere, just outside") continue;
+        if (c.text == "all together" || c.text == "sphere, inside" ||
+            c.text == "sphere, just outside")
+            continue;
         Uniforms uniforms(9);
         int compared = 0, different = 0;
         for (int i = 0; i < 5000; ++i) {
-            const std::optional<LightPoint> y = sample_light_point(c.lit.lights, *c.lit.scene, uniforms.three());
+            const std::optional<LightPoint> y =
+                sample_light_point(c.lit.lights, *c.lit.scene, uniforms.three());
             ASSERT_TRUE(y) << c.text;
             const Vec3 wi = y->distant ? y->direction : normalize(y->p - c.p);
-            if (!y->distant) { EXPECT_NEAR(length(y->n), 1.0f, 1e-5f) << c.text; }
+            if (!y->distant) {
+                EXPECT_NEAR(length(y->n), 1.0f, 1e-5f) << c.text;
+            }
             const Seen seen = look(c.lit, c.p, wi);
-            if (!y->distant && c.text.find("mesh") == std::string::npos && dot(y->n, wi) > -1e-3f) continue;  // other side
+            if (!y->distant && c.text.find("mesh") == std::string::npos && dot(y->n, wi) > -1e-3f)
+                continue;  // other side
             ++compared;
             if (std::abs(seen.pdf_light_point - y->pdf) > 1e-4f * y->pdf) ++different;
         }

@@ -18,7 +18,8 @@ class GraphBuilder {
 public:
     GraphBuilder() { graph.name = "Mat"; }
 
-    uint32_t node(const std::string& kind, const Constants& constants = {}, const Options& options = {}, uint32_t image = kNone) {
+    uint32_t node(const std::string& kind, const Constants& constants = {},
+                  const Options& options = {}, uint32_t image = kNone) {
         const uint32_t index = static_cast<uint32_t>(graph.nodes.size());
         graph.nodes.push_back({kind + "." + std::to_string(index), kind, image});
         for (const auto& [socket, value] : constants) {
@@ -29,7 +30,8 @@ public:
         for (const auto& [name, value] : options) graph.options.push_back({index, name, value});
         return index;
     }
-    GraphBuilder& link(uint32_t from, const std::string& from_socket, uint32_t to, const std::string& to_socket) {
+    GraphBuilder& link(uint32_t from, const std::string& from_socket, uint32_t to,
+                       const std::string& to_socket) {
         graph.links.push_back({from, from_socket, to, to_socket});
         return *this;
     }
@@ -43,8 +45,8 @@ public:
 };
 
 // A material of one shader.
-inline Graph single(const std::string& kind, const Constants& constants = {}, const Options& options = {},
-                    const std::string& socket = "BSDF") {
+inline Graph single(const std::string& kind, const Constants& constants = {},
+                    const Options& options = {}, const std::string& socket = "BSDF") {
     GraphBuilder b;
     return b.surface(b.node(kind, constants, options), socket);
 }
@@ -81,7 +83,8 @@ struct TestPoint {
     }
 };
 
-inline ClosureList closures_of(const Material& material, const ShadingPoint<float>& point, std::span<const Image> images = {}) {
+inline ClosureList closures_of(const Material& material, const ShadingPoint<float>& point,
+                               std::span<const Image> images = {}) {
     ClosureList list;
     evaluate_closures(material, images, point, list);
     return list;
@@ -92,8 +95,8 @@ inline ClosureList closures_of(const Graph& graph) {
 }
 
 // A value seen as an emission: the last node's `socket`.
-inline Vec3 value_of_graph(GraphBuilder& b, uint32_t node, const std::string& socket, const ShadingPoint<float>& point,
-                           std::span<const Image> images = {}) {
+inline Vec3 value_of_graph(GraphBuilder& b, uint32_t node, const std::string& socket,
+                           const ShadingPoint<float>& point, std::span<const Image> images = {}) {
     const uint32_t emission = b.node("emission");
     b.link(node, socket, emission, "Color");
     const Material material = compile(b.surface(emission, "Emission"), images);

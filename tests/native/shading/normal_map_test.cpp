@@ -23,29 +23,38 @@ Vec3 normal_of(const Graph& graph, const ShadingPoint<float>& point) {
     const Vec3 n = value_of(evaluate_caster_normal(material, {}, point));
     const ClosureList list = closures_of(material, point);  // the closure sees the same
     EXPECT_EQ(list.count, 1);
-    if (list.count == 1) expect_near(std::get<MicrofacetReflection>(list.closures[0].kind).n, n, 0.0f);
+    if (list.count == 1)
+        expect_near(std::get<MicrofacetReflection>(list.closures[0].kind).n, n, 0.0f);
     return n;
 }
 
 // Colour that encodes the vector (x, y, z).
-std::vector<float> encoded(float x, float y, float z) { return {0.5f + 0.5f * x, 0.5f + 0.5f * y, 0.5f + 0.5f * z}; }
+std::vector<float> encoded(float x, float y, float z) {
+    return {0.5f + 0.5f * x, 0.5f + 0.5f * y, 0.5f + 0.5f * z};
+}
 
 TEST(NormalMap, TangentSpace) {
     TestPoint at;
     const auto color = encoded(0.6f, 0, 0.8f);
     expect_near(normal_of(mapped_mirror({{"Color", color}}), at.point), {0.6f, 0, 0.8f}, 1e-6f);
-    expect_near(normal_of(mapped_mirror({{"Color", encoded(0, 0.6f, 0.8f)}}), at.point), {0, 0.6f, 0.8f}, 1e-6f);
+    expect_near(normal_of(mapped_mirror({{"Color", encoded(0, 0.6f, 0.8f)}}), at.point),
+                {0, 0.6f, 0.8f}, 1e-6f);
     at.sign[0] = -1;  // B = sign N x T
-    expect_near(normal_of(mapped_mirror({{"Color", encoded(0, 0.6f, 0.8f)}}), at.point), {0, -0.6f, 0.8f}, 1e-6f);
+    expect_near(normal_of(mapped_mirror({{"Color", encoded(0, 0.6f, 0.8f)}}), at.point),
+                {0, -0.6f, 0.8f}, 1e-6f);
     at.sign[0] = 1;
     // Strength scales the slopes; z goes from 1 to the map's, and no further.
-    expect_near(normal_of(mapped_mirror({{"Color", color}, {"Strength", {0.5f}}}), at.point), normalize(Vec3(0.3f, 0, 0.9f)), 1e-6f);
-    expect_near(normal_of(mapped_mirror({{"Color", color}, {"Strength", {2}}}), at.point), normalize(Vec3(1.2f, 0, 0.8f)), 1e-6f);
-    expect_near(normal_of(mapped_mirror({{"Color", color}, {"Strength", {0}}}), at.point), {0, 0, 1}, 1e-6f);
+    expect_near(normal_of(mapped_mirror({{"Color", color}, {"Strength", {0.5f}}}), at.point),
+                normalize(Vec3(0.3f, 0, 0.9f)), 1e-6f);
+    expect_near(normal_of(mapped_mirror({{"Color", color}, {"Strength", {2}}}), at.point),
+                normalize(Vec3(1.2f, 0, 0.8f)), 1e-6f);
+    expect_near(normal_of(mapped_mirror({{"Color", color}, {"Strength", {0}}}), at.point),
+                {0, 0, 1}, 1e-6f);
     // The frame is not normalised.
     at.tangent[0] = {2, 0, 0};
     at.point.normal_object = {0, 0, 0.5f};
-    expect_near(normal_of(mapped_mirror({{"Color", color}}), at.point), normalize(Vec3(1.2f, 0, 0.4f)), 1e-6f);
+    expect_near(normal_of(mapped_mirror({{"Color", color}}), at.point),
+                normalize(Vec3(1.2f, 0, 0.4f)), 1e-6f);
     // Without tangents the map is flat.
     at.point.tangent_object = nullptr;
     expect_near(normal_of(mapped_mirror({{"Color", color}}), at.point), {0, 0, 1}, 0.0f);
@@ -70,14 +79,20 @@ TEST(NormalMap, ObjectAndWorldSpace) {
     stretch.row[2] = Vec3(0, 0, 2);
     at.set(stretch);
     const Constants color{{"Color", encoded(0.6f, 0, 0.8f)}};
-    expect_near(normal_of(mapped_mirror(color, {{"space", "WORLD"}}), at.point), {0.6f, 0, 0.8f}, 1e-6f);
-    expect_near(normal_of(mapped_mirror(color, {{"space", "OBJECT"}}), at.point), normalize(Vec3(0.6f, 0, 0.4f)), 1e-6f);
+    expect_near(normal_of(mapped_mirror(color, {{"space", "WORLD"}}), at.point), {0.6f, 0, 0.8f},
+                1e-6f);
+    expect_near(normal_of(mapped_mirror(color, {{"space", "OBJECT"}}), at.point),
+                normalize(Vec3(0.6f, 0, 0.4f)), 1e-6f);
     const Constants half{{"Color", encoded(0.6f, 0, 0.8f)}, {"Strength", {0.5f}}};
-    expect_near(normal_of(mapped_mirror(half, {{"space", "WORLD"}}), at.point), normalize(Vec3(0.3f, 0, 0.9f)), 1e-6f);
+    expect_near(normal_of(mapped_mirror(half, {{"space", "WORLD"}}), at.point),
+                normalize(Vec3(0.3f, 0, 0.9f)), 1e-6f);
     at.turn_to_back();
-    expect_near(normal_of(mapped_mirror(half, {{"space", "WORLD"}}), at.point), -normalize(Vec3(0.3f, 0, 0.9f)), 1e-6f);
+    expect_near(normal_of(mapped_mirror(half, {{"space", "WORLD"}}), at.point),
+                -normalize(Vec3(0.3f, 0, 0.9f)), 1e-6f);
     // A map that says nothing leaves the interpolated normal.
-    expect_near(normal_of(mapped_mirror({{"Color", {0.5f, 0.5f, 0.5f}}}, {{"space", "WORLD"}}), at.point), {0, 0, -1}, 1e-6f);
+    expect_near(
+        normal_of(mapped_mirror({{"Color", {0.5f, 0.5f, 0.5f}}}, {{"space", "WORLD"}}), at.point),
+        {0, 0, -1}, 1e-6f);
 }
 
 TEST(NormalMap, AnyVectorWillDoAsANormal) {
@@ -90,7 +105,9 @@ TEST(NormalMap, AnyVectorWillDoAsANormal) {
     GraphBuilder zero;
     const uint32_t other = zero.node("bsdf_diffuse");
     zero.link(zero.node("rgb", {{"Color", {0, 0, 0}}}), "Color", other, "Normal");
-    expect_near(std::get<Lambert>(closures_of(compile(zero.surface(other), {}), at.point).closures[0].kind).n, {0, 0, 1}, 0.0f);
+    expect_near(
+        std::get<Lambert>(closures_of(compile(zero.surface(other), {}), at.point).closures[0].kind).n,
+        {0, 0, 1}, 0.0f);
 }
 
 // A patch of surface over (u, v), everything a smooth function of them in double, with derivatives by differences
@@ -124,7 +141,9 @@ struct Patch {
         world_to_object = object_to_world.inverse();
         backfacing = random() < 0.5f;
     }
-    static Vec3d at(const Vec3d (&field)[3], double u, double v) { return field[0] + field[1] * u + field[2] * v; }
+    static Vec3d at(const Vec3d (&field)[3], double u, double v) {
+        return field[0] + field[1] * u + field[2] * v;
+    }
     Vec3d world_normal(double u, double v) const {
         const Vec3d n = at(normal, u, v);
         Vec3d w(0.0);
@@ -145,7 +164,8 @@ struct Patch {
         p.normal_object = dual(Vec3(normal[0]), Vec3(normal[1]), Vec3(normal[2]));
         storage.tangent = dual(Vec3(tangent[0]), Vec3(tangent[1]), Vec3(tangent[2]));
         for (size_t i = 0; i < 2; ++i)
-            storage.uv[i] = Dual2(static_cast<float>(uv0[i]), static_cast<float>(uv_u[i]), static_cast<float>(uv_v[i]));
+            storage.uv[i] = Dual2(static_cast<float>(uv0[i]), static_cast<float>(uv_u[i]),
+                                  static_cast<float>(uv_v[i]));
         p.tangent_object = &storage.tangent;
         p.uv = &storage.uv;
         finish(p);
@@ -160,7 +180,8 @@ struct Patch {
         p.normal = to_vector(Vec3(world_normal(u, v)));
         p.normal_object = to_vector(Vec3(at(normal, u, v)));
         storage.tangent = to_vector(Vec3(at(tangent, u, v)));
-        for (size_t i = 0; i < 2; ++i) storage.uv[i] = static_cast<float>(uv0[i] + uv_u[i] * u + uv_v[i] * v);
+        for (size_t i = 0; i < 2; ++i)
+            storage.uv[i] = static_cast<float>(uv0[i] + uv_u[i] * u + uv_v[i] * v);
         p.tangent_object = &storage.tangent;
         p.uv = &storage.uv;
         finish(p);
@@ -177,7 +198,7 @@ struct Patch {
 
 TEST(NormalMap, DerivativesMatchCentralDifferences) {
     Uniforms random(11);
-    std::vector<float> floats(6 * 5 * 3);
+    std::vector<float> floats(size_t{6} * 5 * 3);
     for (float& f : floats) f = 0.3f + 0.4f * random();
     std::vector<uint8_t> bytes(floats.size());
     for (size_t i = 0; i < floats.size(); ++i) bytes[i] = static_cast<uint8_t>(255 * floats[i]);
@@ -188,19 +209,24 @@ TEST(NormalMap, DerivativesMatchCentralDifferences) {
     for (const char* space : {"TANGENT", "OBJECT", "WORLD"}) {
         for (const float strength : {1.0f, 0.4f, 1.7f}) {
             for (const std::vector<Image>& image : images) {
-                const Material material = compile(mapped_mirror({{"Strength", {strength}}}, {{"space", space}}, true), image);
+                const Material material = compile(
+                    mapped_mirror({{"Strength", {strength}}}, {{"space", space}}, true), image);
                 for (int n = 0; n < 60; ++n) {
                     const Patch patch(random);
                     Patch::Storage dual_storage;
-                    const Vector3<Dual2> got = evaluate_caster_normal(material, image, patch.dual_point(dual_storage));
+                    const Vector3<Dual2> got =
+                        evaluate_caster_normal(material, image, patch.dual_point(dual_storage));
                     Patch::FloatStorage storage;
                     const auto at = [&](double u, double v) {
-                        return value_of(evaluate_caster_normal(material, image, patch.float_point(u, v, storage)));
+                        return value_of(evaluate_caster_normal(material, image,
+                                                               patch.float_point(u, v, storage)));
                     };
                     // Richardson's combination of two steps: fourth order, rounding about 1e-7 / step.
                     const auto difference = [&](double u, double v) {
                         constexpr double kStep = 2e-3;
-                        const auto over = [&](double h) { return (Vec3d(at(h * u, h * v)) - Vec3d(at(-h * u, -h * v))) / (2 * h); };
+                        const auto over = [&](double h) {
+                            return (Vec3d(at(h * u, h * v)) - Vec3d(at(-h * u, -h * v))) / (2 * h);
+                        };
                         return Vec3((over(kStep) * 4.0 - over(2 * kStep)) / 3.0);
                     };
                     const Vec3 du = difference(1, 0), dv = difference(0, 1);
@@ -234,7 +260,8 @@ TEST(NormalMap, ReadsAndLayers) {
     const Material material = compile(mapped_mirror({}, {{"uv_map", "Detail"}}), {});
     EXPECT_EQ(material.normal_reads, static_cast<uint32_t>(kReadsTangent | kReadsObjectNormal));
     EXPECT_EQ(material.uv_layers, std::vector<std::string>{"Detail"});
-    const Material world = compile(mapped_mirror({}, {{"space", "WORLD"}, {"uv_map", "Detail"}}), {});
+    const Material world =
+        compile(mapped_mirror({}, {{"space", "WORLD"}, {"uv_map", "Detail"}}), {});
     EXPECT_EQ(world.reads, 0u);
     EXPECT_TRUE(world.uv_layers.empty());
 }

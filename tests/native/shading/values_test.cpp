@@ -9,17 +9,20 @@ Image ramp() {  // red by u, green by v, blue 0.25, alpha 0.5; 4 x 4
     std::vector<float> texels;
     for (int y = 0; y < 4; ++y)
         for (int x = 0; x < 4; ++x) {
-            const float fx = (static_cast<float>(x) + 0.5f) / 4, fy = (static_cast<float>(y) + 0.5f) / 4;
+            const float fx = (static_cast<float>(x) + 0.5f) / 4,
+                        fy = (static_cast<float>(y) + 0.5f) / 4;
             texels.insert(texels.end(), {fx, fy, 0.25f, 0.5f});
         }
     return image_from_floats("ramp", texels, 4, 4, 4, ColorSpace::linear, AlphaMode::premultiplied);
 }
 
-Vec3 mapped(const std::string& type, const Vec3& location, const Vec3& rotation, const Vec3& scale, bool fold) {
+Vec3 mapped(const std::string& type, const Vec3& location, const Vec3& rotation, const Vec3& scale,
+            bool fold) {
     const auto list = [](const Vec3& v) { return std::vector<float>{v.x, v.y, v.z}; };
     TestPoint at;
     GraphBuilder b;
-    const uint32_t mapping = b.node("mapping", {{"Location", list(location)}, {"Scale", list(scale)}}, {{"vector_type", type}});
+    const uint32_t mapping = b.node(
+        "mapping", {{"Location", list(location)}, {"Scale", list(scale)}}, {{"vector_type", type}});
     b.link(b.node("texture_coordinate"), "Object", mapping, "Vector");  // (1, 2, 3)
     if (fold) {
         b.graph.inputs.push_back({mapping, "Rotation", {rotation.x, rotation.y, rotation.z, 0}});
@@ -37,33 +40,43 @@ TEST(Values, MappingTypes) {
     for (bool fold : {true, false}) {
         // About Z by 90 degrees: (x, y, z) -> (-y, x, z).
         expect_near(mapped("POINT", {10, 0, 0}, {0, 0, quarter}, {2, 1, 1}, fold), {8, 2, 3}, 1e-5f);
-        expect_near(mapped("VECTOR", {10, 0, 0}, {0, 0, quarter}, {2, 1, 1}, fold), {-2, 2, 3}, 1e-5f);
-        expect_near(mapped("TEXTURE", {0, 1, 0}, {0, 0, quarter}, {2, 4, 0}, fold), {0.5f, -0.25f, 0}, 1e-5f);
-        expect_near(mapped("NORMAL", {10, 0, 0}, {0, 0, quarter}, {0.5f, 1, 3}, fold), Vec3(-2, 2, 1) / 3.0f, 1e-5f);
+        expect_near(mapped("VECTOR", {10, 0, 0}, {0, 0, quarter}, {2, 1, 1}, fold), {-2, 2, 3},
+                    1e-5f);
+        expect_near(mapped("TEXTURE", {0, 1, 0}, {0, 0, quarter}, {2, 4, 0}, fold),
+                    {0.5f, -0.25f, 0}, 1e-5f);
+        expect_near(mapped("NORMAL", {10, 0, 0}, {0, 0, quarter}, {0.5f, 1, 3}, fold),
+                    Vec3(-2, 2, 1) / 3.0f, 1e-5f);
         // X first: (1, 2, 3) -> (1, -3, 2), then about Y by 90: (x, y, z) -> (z, y, -x).
-        expect_near(mapped("POINT", {0, 0, 0}, {quarter, quarter, 0}, {1, 1, 1}, fold), {2, -3, -1}, 1e-5f);
-        expect_near(mapped("TEXTURE", {0, 0, 0}, {quarter, quarter, 0}, {1, 1, 1}, fold), {-3, 1, -2}, 2e-5f);
+        expect_near(mapped("POINT", {0, 0, 0}, {quarter, quarter, 0}, {1, 1, 1}, fold), {2, -3, -1},
+                    1e-5f);
+        expect_near(mapped("TEXTURE", {0, 0, 0}, {quarter, quarter, 0}, {1, 1, 1}, fold),
+                    {-3, 1, -2}, 2e-5f);
     }
 }
 
 TEST(Values, Conversions) {
     TestPoint at;
-    const auto strength = [&](const std::string& kind, const Constants& constants, const std::string& socket) {
+    const auto strength = [&](const std::string& kind, const Constants& constants,
+                              const std::string& socket) {
         GraphBuilder b;
         const uint32_t emission = b.node("emission");
         b.link(b.node(kind, constants), socket, emission, "Strength");
         return evaluate_emission(compile(b.surface(emission, "Emission"), {}), {}, at.point).x;
     };
-    EXPECT_NEAR(strength("rgb", {{"Color", {0.2f, 0.4f, 0.8f}}}, "Color"), 0.2126729f * 0.2f + 0.7151522f * 0.4f + 0.072175f * 0.8f, 1e-6f);
+    EXPECT_NEAR(strength("rgb", {{"Color", {0.2f, 0.4f, 0.8f}}}, "Color"),
+                0.2126729f * 0.2f + 0.7151522f * 0.4f + 0.072175f * 0.8f, 1e-6f);
     EXPECT_NEAR(strength("mapping", {{"Vector", {1, 2, 6}}}, "Vector"), 3.0f, 1e-6f);
     EXPECT_NEAR(strength("texture_coordinate", {}, "Object"), 2.0f, 1e-6f);
     EXPECT_NEAR(strength("value", {{"Value", {7}}}, "Value"), 7.0f, 1e-6f);
     GraphBuilder b;
-    expect_near(value_of_graph(b, b.node("value", {{"Value", {0.3f}}}), "Value", at.point), Vec3(0.3f), 0.0f);
+    expect_near(value_of_graph(b, b.node("value", {{"Value", {0.3f}}}), "Value", at.point),
+                Vec3(0.3f), 0.0f);
     GraphBuilder vector;  // a vector is a colour as it is
-    expect_near(value_of_graph(vector, vector.node("uv_map"), "UV", at.point), {0.25f, 0.75f, 0}, 0.0f);
+    expect_near(value_of_graph(vector, vector.node("uv_map"), "UV", at.point), {0.25f, 0.75f, 0},
+                0.0f);
     GraphBuilder direct;  // a colour in place of a shader is an emission
-    const Material material = compile(direct.surface(direct.node("rgb", {{"Color", {1, 2, 3}}}), "Color"), {});
+    const Material material =
+        compile(direct.surface(direct.node("rgb", {{"Color", {1, 2, 3}}}), "Color"), {});
     expect_near(Vec3(evaluate_emission(material, {}, at.point)), {1, 2, 3}, 0.0f);
 }
 
@@ -88,32 +101,42 @@ TEST(Values, TextureCoordinates) {
 
     GraphBuilder b;
     const uint32_t emission = b.node("emission"), coordinates = b.node("texture_coordinate");
-    b.link(coordinates, "Generated", emission, "Color").link(coordinates, "Generated", emission, "Strength");
+    b.link(coordinates, "Generated", emission, "Color")
+        .link(coordinates, "Generated", emission, "Strength");
     const Material material = compile(b.surface(emission, "Emission"), {});
     ASSERT_EQ(material.warnings.size(), 1u);
-    EXPECT_NE(material.warnings[0].find("material \"Mat\", node \"texture_coordinate.1\": Generated"), std::string::npos);
+    EXPECT_NE(
+        material.warnings[0].find("material \"Mat\", node \"texture_coordinate.1\": Generated"),
+        std::string::npos);
 }
 
 TEST(Values, ImageTexture) {
     const std::vector<Image> images{ramp()};
     TestPoint at;
     GraphBuilder b;
-    expect_near(value_of_graph(b, b.node("image_texture", {}, {{"extension", "EXTEND"}}, 0), "Color", at.point, images), {0.25f, 0.75f, 0.25f}, 1e-6f);
+    expect_near(value_of_graph(b, b.node("image_texture", {}, {{"extension", "EXTEND"}}, 0),
+                               "Color", at.point, images),
+                {0.25f, 0.75f, 0.25f}, 1e-6f);
     GraphBuilder alpha;
-    expect_near(value_of_graph(alpha, alpha.node("image_texture", {}, {}, 0), "Alpha", at.point, images), Vec3(0.5f), 1e-6f);
+    expect_near(
+        value_of_graph(alpha, alpha.node("image_texture", {}, {}, 0), "Alpha", at.point, images),
+        Vec3(0.5f), 1e-6f);
 
     // The alpha used as well: the colour comes without it.
     GraphBuilder both;
-    const uint32_t image = both.node("image_texture", {}, {{"interpolation", "Closest"}}, 0), emission = both.node("emission");
+    const uint32_t image = both.node("image_texture", {}, {{"interpolation", "Closest"}}, 0),
+                   emission = both.node("emission");
     both.link(image, "Color", emission, "Color").link(image, "Alpha", emission, "Strength");
     const Material material = compile(both.surface(emission, "Emission"), images);
-    expect_near(Vec3(evaluate_emission(material, images, at.point)), Vec3(0.375f, 0.875f, 0.25f), 1e-6f);
+    expect_near(Vec3(evaluate_emission(material, images, at.point)), Vec3(0.375f, 0.875f, 0.25f),
+                1e-6f);
     EXPECT_EQ(material.reads, static_cast<uint32_t>(kReadsUv));
 
     GraphBuilder clip;
     const uint32_t move = clip.node("mapping", {{"Location", {2, 0, 0}}});
     const uint32_t texture = clip.node("image_texture", {}, {{"extension", "CLIP"}}, 0);
-    clip.link(clip.node("texture_coordinate"), "UV", move, "Vector").link(move, "Vector", texture, "Vector");
+    clip.link(clip.node("texture_coordinate"), "UV", move, "Vector")
+        .link(move, "Vector", texture, "Vector");
     expect_near(value_of_graph(clip, texture, "Color", at.point, images), Vec3(0.0f), 0.0f);
 }
 
@@ -129,20 +152,26 @@ TEST(Values, UvLayersByName) {
     const Material material = compile(b.surface(add, "Shader"), {});
     ASSERT_EQ(material.uv_layers.size(), 2u);
     std::array<float, 2> uv[2];
-    for (size_t i = 0; i < 2; ++i) uv[i] = material.uv_layers[i].empty() ? std::array{0.1f, 0.2f} : std::array{10.0f, 20.0f};
+    for (size_t i = 0; i < 2; ++i)
+        uv[i] = material.uv_layers[i].empty() ? std::array{0.1f, 0.2f} : std::array{10.0f, 20.0f};
     at.point.uv = uv;
     expect_near(Vec3(evaluate_emission(material, {}, at.point)), {10.1f, 20.2f, 0}, 1e-5f);
 }
 
 // One texel coloured by where it lies: what a direction sees.
-Vec3 environment(const Vec3& direction, const std::string& projection, uint32_t width, uint32_t height) {
+Vec3 environment(const Vec3& direction, const std::string& projection, uint32_t width,
+                 uint32_t height) {
     std::vector<float> texels;
     for (uint32_t y = 0; y < height; ++y)
-        for (uint32_t x = 0; x < width; ++x) texels.insert(texels.end(), {static_cast<float>(x), static_cast<float>(y), 0.0f});
-    const std::vector<Image> images{image_from_floats("e", texels, width, height, 3, ColorSpace::linear, AlphaMode::none)};
+        for (uint32_t x = 0; x < width; ++x)
+            texels.insert(texels.end(), {static_cast<float>(x), static_cast<float>(y), 0.0f});
+    const std::vector<Image> images{
+        image_from_floats("e", texels, width, height, 3, ColorSpace::linear, AlphaMode::none)};
     GraphBuilder b;
     const uint32_t background = b.node("background");
-    b.link(b.node("environment_texture", {}, {{"projection", projection}, {"interpolation", "Closest"}}, 0), "Color", background, "Color");
+    b.link(b.node("environment_texture", {},
+                  {{"projection", projection}, {"interpolation", "Closest"}}, 0),
+           "Color", background, "Color");
     const Material material = compile(b.surface(background, "Background"), images);
     EXPECT_TRUE(material.is_background);
     return Vec3(evaluate_background(material, images, direction));
@@ -169,11 +198,14 @@ TEST(Values, EnvironmentOrientation) {
 
 TEST(Values, BackgroundCoordinatesAreTheDirection) {
     const Vec3 d = normalize(Vec3(1, 2, 3));
-    for (const auto& [socket, expected] : {std::pair("Generated", d), {"Object", d}, {"Normal", -d}}) {
+    for (const auto& [socket, expected] :
+         {std::pair("Generated", d), {"Object", d}, {"Normal", -d}}) {
         GraphBuilder b;
         const uint32_t background = b.node("background", {{"Strength", {2}}});
         b.link(b.node("texture_coordinate"), socket, background, "Color");
-        expect_near(Vec3(evaluate_background(compile(b.surface(background, "Background"), {}), {}, d)), expected * 2.0f, 1e-6f);
+        expect_near(
+            Vec3(evaluate_background(compile(b.surface(background, "Background"), {}), {}, d)),
+            expected * 2.0f, 1e-6f);
     }
 }
 

@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The child processes that are timed, one at a time, and what the user sees meanwhile."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+from tests.bench._ratios import MeasurementError
+from tools import host, venvs
+
+HERE = Path(__file__).resolve().parent
+CHILD_SECONDS = 20 * 60  # a child that hangs must not hold up a machine for ever
+SHOWN_LINES = 2  # of the log of a child that failed
+
+
+@dataclass(frozen=True)
+class Run:
+    """What one child took, from before its start to after its end, and what it reported."""
+
+    wall_seconds: float
+    report: dict
+
+
+def bpy_with_specula(script: str, job: Path) -> tuple[list[str], dict]:
+    """Today's Blender as a module, the addon enabled."""
+    environment = host.bpy_environment(host.library_folder())
+    return host.bpy_command(str(HERE / script), [str(job)]), environment
+
+
+def bpy_alone(script: str, job: Path) -> tuple[list[str], dict]:
+    """The same without the addon: Cycles does not pay for it."""
+    environment = host.bpy_environment(host.library_folder())
+    return [str(venvs.bpy_python()), str(HERE / script), str(job)], environment
+
+
+def debian_blender(script: str, job: Path) -> tuple[list[str], dict]:
+    """Debian's Blender, the addon enabled."""
+    arguments = ["--background", "--python-exit-code", "1", "--python", str(HERE / script)]
+    environment = host.blender_environment(host.library_folder())
+    return host.blender_command([*arguments, "--", str(job)]), environment
+
+
+HOSTS = {
+    "specula in bpy": bpy_with_specula,
+    "bpy": bpy_alone,
+    "debian": debian_blender,
+}
+
+
+def run(name: str, where: str, script: str, job: dict, folder: Path) -> Run:
+    """Run `script` with `job` in the Blender `where` (of HOSTS); its log is folder/name.log.
+
+    Raises MeasurementError if it fails, hangs or reports nothing.
+    """
+    result, job_file, log = (folder / f"{name}{suffix}" for suffix in (".out", ".job", ".log"))
+    result.unlink(missing_ok=True)
+    job_file.write_text(json.dumps(job | {"result": str(result)}))
+    command, environment = HOSTS[where](script, job_file)
+    with open(log, "w") as output:
+        start = time.perf_counter()
+        code = _wait(
+            subprocess.Popen(
+                command,
+                env=environment,
+                stdin=subprocess.DEVNULL,
+                stdout=output,
+                stderr=subprocess.STDOUT,
+                start_new_session=True,  # a process group of its own, to be killed as one
+            )
+        )
+        seconds = time.perf_counter() - start
+    if code != 0 or not result.exists():
+        end = " | ".join(log.read_text(errors="replace").strip().splitlines()[-SHOWN_LINES:])
+        why = "no end in time" if code is None else f"exit code {code}"
+        raise MeasurementError(f"{name}: {why}; its last words: {end}; all of them: {log}")
+    return Run(seconds, json.loads(result.read_text()))
+
+
+def _wait(process: subprocess.Popen) -> int | None:
+    """Exit code; None if it had to be killed after CHILD_SECONDS. Never leaves it behind."""
+    try:
+        return process.wait(CHILD_SECONDS)
+    except subprocess.TimeoutExpired:
+        return None
+    finally:
+        if process.poll() is None:
+            os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
+
+
+class Progress:
+    """One line for each child, with the expected end: on a terminal a line that changes."""
+
+    def __init__(self, guesses: Iterable[float]):
+        self._left = sum(guesses)  # seconds, as guessed before the start
+        self._done = 0.0
+        self._start = time.monotonic()
+        self._terminal = sys.stderr.isatty()
+
+    def show(self, text: str) -> None:
+        """A child starts."""
+        elapsed = time.monotonic() - self._start
+        left = self._left * (elapsed / self._done if self._done else 1.0)
+        end = time.strftime("%H:%M", time.localtime(time.time() + left))
+        line = f"speed: {text}; about {left / 60:.1f} min to go, until {end}"
+        sys.stderr.write(f"\r\x1b[K{line[:100]}" if self._terminal else f"{line}\n")
+        sys.stderr.flush()
+
+    def advance(self, guess: float) -> None:
+        """A child with this guess has ended."""
+        self._left -= guess
+        self._done += guess
+
+    def skip(self, guess: float) -> None:
+        """Children with these guesses in sum will not be started."""
+        self._left -= guess
+
+    def clear(self) -> None:
+        """Before something else is printed."""
+        if self._terminal:
+            sys.stderr.write("\r\x1b[K")
+            sys.stderr.flush()

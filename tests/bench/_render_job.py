@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Runs in a child process, in today's Blender: renders a scene as a job says.
+
+The last argument is a JSON file, the job: `scene` (path), `engine`, `threads`, `samples` (a list:
+a render for each), `result` (the JSON file to write); and optionally `method` (Specula's), `size`
+([width, height]), `picture` (PNG to write), `mean` (whether to report the picture's mean).
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+import time
+
+import bpy
+import numpy as np
+
+# Cycles' settings that Specula has no counterpart for: as Blender sets them for a new scene.
+CYCLES_DEFAULTS = ("use_light_tree", "use_auto_tile", "tile_size", "sampling_pattern")
+
+
+def prepare(job: dict):
+    """The job's scene, ready to render."""
+    bpy.ops.wm.open_mainfile(filepath=job["scene"])
+    scene = bpy.context.scene
+    render = scene.render
+    render.engine = job["engine"]
+    render.threads_mode, render.threads = "FIXED", job["threads"]
+    if "size" in job:
+        render.resolution_x, render.resolution_y = job["size"]
+        render.resolution_percentage = 100
+    if job["engine"] == "CYCLES":
+        prepare_cycles(scene)
+    else:
+        scene.specula.method = job["method"]
+        scene.specula.samples = 0  # Cycles' number
+        scene.specula.time_limit = 0.0
+    return scene
+
+
+def prepare_cycles(scene) -> None:
+    """Plain path tracing of every sample on the processor."""
+    cycles = scene.cycles
+    cycles.device = "CPU"
+    cycles.use_denoising = False
+    cycles.use_adaptive_sampling = False
+    cycles.time_limit = 0.0
+    for name in CYCLES_DEFAULTS:
+        cycles.property_unset(name)
+    # Without flagged casters there is no manifold walk, which no method of the other side does.
+    for obj in scene.objects:
+        obj.cycles.is_caustics_caster = False
+
+
+def rendered(scene, samples: int, engine: str) -> dict:
+    """Renders; returns the seconds of the whole call, by the clock and of all threads together,
+    and those that the engine reports if it does."""
+    scene.cycles.samples = samples
+    start, cpu_start = time.perf_counter(), time.process_time()
+    bpy.ops.render.render()
+    row = {
+        "samples": samples,
+        "seconds": time.perf_counter() - start,
+        "cpu_seconds": time.process_time() - cpu_start,
+    }
+    if engine == "SPECULA":
+        from specula import statistics
+
+        stats = statistics.last[scene.name, scene.view_layers[0].name]
+        if stats.samples_done != samples:
+            raise RuntimeError(f"{stats.samples_done} samples rendered in place of {samples}")
+        row["engine_seconds"] = stats.render_seconds
+    return row
+
+
+def mean_color(scene, job: dict) -> list[float]:
+    """Mean linear RGB of the last render, by way of a file: the render result has no pixels."""
+    path = job["result"] + ".exr"
+    scene.render.image_settings.file_format = "OPEN_EXR"
+    bpy.data.images["Render Result"].save_render(path, scene=scene)
+    image = bpy.data.images.load(path)
+    pixels = np.empty(image.size[0] * image.size[1] * image.channels, np.float32)
+    image.pixels.foreach_get(pixels)
+    os.remove(path)
+    return pixels.reshape(-1, image.channels)[:, :3].mean(axis=0, dtype=np.float64).tolist()
+
+
+def main(job: dict) -> None:
+    scene = prepare(job)
+    render = scene.render
+    if "picture" in job:
+        render.image_settings.file_format = "PNG"
+        render.filepath = job["picture"]
+        scene.cycles.samples = job["samples"][0]
+        bpy.ops.render.render(write_still=True)
+        report = {}
+    else:
+        rendered(scene, 1, job["engine"])  # the first render of a process pays for what is loaded
+        report = {"renders": [rendered(scene, count, job["engine"]) for count in job["samples"]]}
+    percent = render.resolution_percentage
+    report["pixels"] = (render.resolution_x * percent // 100) * (
+        render.resolution_y * percent // 100
+    )
+    if job.get("mean"):
+        report["mean"] = mean_color(scene, job)
+    with open(job["result"], "w") as file:
+        json.dump(report, file)
+
+
+if __name__ == "__main__":
+    with open(sys.argv[-1]) as job_file:
+        main(json.load(job_file))
+    sys.stdout.flush()
+    # Both engines alike: what bpy does as the interpreter goes down is not the renderer's.
+    os._exit(0)

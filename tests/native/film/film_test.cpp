@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The film against sums made by hand.
+#include "film/film.h"
+
+#include "support/numerics.h"
+
+#include <gtest/gtest.h>
+
+namespace spc {
+namespace {
+
+FilmSample random_sample(test::Uniforms& uniforms) {
+    const auto vector = [&] {
+        const Vec3 u = uniforms.three();
+        return Vec3(u.x * 4.0f - 2.0f, u.y * 4.0f - 2.0f, u.z * 4.0f - 2.0f);
+    };
+    FilmSample sample;
+    sample.radiance = Spectrum(uniforms() * 5.0f, uniforms(), std::pow(uniforms(), 8.0f) * 1000.0f);
+    sample.caustics = Spectrum(uniforms(), uniforms(), uniforms());
+    sample.position = vector();
+    sample.normal = vector();
+    sample.alpha = uniforms();
+    sample.depth = uniforms() * 10.0f;
+    return sample;
+}
+
+std::vector<float> read(const Film& film, Pass pass) {
+    std::vector<float> out(size_t{pass_channels(pass)} * film.width() * film.height(), -1.0f);
+    film.read(pass, out);
+    return out;
+}
+
+// Every pass of every pixel, with a different number of samples in each, on a frame that its tiles
+// do not fill.
+TEST(Film, PassesAreWhatTheSamplesSay) {
+    constexpr uint32_t kWidth = 37, kHeight = 21;
+    Film film(kWidth, kHeight);
+    EXPECT_EQ(film.tile_count(), 6u);
+    std::vector<std::vector<FilmSample>> samples(kWidth * kHeight);
+    test::Uniforms uniforms(5);
+    std::vector<int> covered(samples.size());
+    for (uint32_t t = 0; t < film.tile_count(); ++t) {
+        const Film::TileBounds b = film.bounds(t);
+        for (int batch = 0; batch < 2; ++batch) {
+            std::vector<PixelSums> pixels = film.copy_tile(t);
+            ASSERT_EQ(pixels.size(), size_t{b.width} * b.height);
+            for (uint32_t y = 0; y < b.height; ++y)
+                for (uint32_t x = 0; x < b.width; ++x) {
+                    const size_t at = size_t{b.y0 + y} * kWidth + b.x0 + x;
+                    if (batch == 0) ++covered[at];
+                    for (size_t i = 0; i < (at + size_t(batch)) % 5; ++i) {
+                        samples[at].push_back(random_sample(uniforms));
+                        accumulate(pixels[size_t{y} * b.width + x], samples[at].back());
+                    }
+                }
+            film.store_tile(t, pixels);
+        }
+    }
+    for (const int count : covered) ASSERT_EQ(count, 1) << "tiles must cover the frame once";
+
+    const std::vector<float> combined = read(film, Pass::combined), depth = read(film, Pass::depth),
+                             position = read(film, Pass::position),
+                             normal = read(film, Pass::normal),
+                             caustics = read(film, Pass::caustics),
+                             variance = read(film, Pass::variance);
+    ASSERT_EQ(combined.size(), samples.size() * 4);
+    ASSERT_EQ(depth.size(), samples.size());
+    for (size_t at = 0; at < samples.size(); ++at) {
+        const std::vector<FilmSample>& s = samples[at];
+        const double n = double(s.size());
+        const auto mean = [&](auto value) {
+            double sum = 0;
+            for (const FilmSample& sample : s) sum += double(value(sample));
+            return s.empty() ? 0.0 : sum / n;
+        };
+        EXPECT_NEAR(combined[4 * at + 3], mean([](const FilmSample& f) { return f.alpha; }), 1e-6);
+        EXPECT_EQ(depth[at], s.empty() ? 0.0f : s[0].depth);
+        for (int c = 0; c < 3; ++c) {
+            const size_t i = 3 * at + size_t(c);
+            const double m = mean([&](const FilmSample& f) { return f.radiance[c]; });
+            EXPECT_NEAR(combined[4 * at + size_t(c)], m, 1e-6 * (1 + m));
+            EXPECT_EQ(position[i], s.empty() ? 0.0f : s[0].position[c]);
+            EXPECT_NEAR(normal[i], mean([&](const FilmSample& f) { return f.normal[c]; }), 1e-6);
+            EXPECT_NEAR(caustics[i], mean([&](const FilmSample& f) { return f.caustics[c]; }), 1e-6);
+            // Of the mean: squares about the mean over n (n - 1).
+            const double squares =
+                n * mean([&](const FilmSample& f) {
+                    return (double(f.radiance[c]) - m) * (double(f.radiance[c]) - m);
+                });
+            const double expected = s.size() > 1 ? squares / (n * (n - 1)) : 0.0;
+            EXPECT_NEAR(variance[i], expected, 1e-5 * expected + 1e-12);
+        }
+    }
+}
+
+// The variance's own purpose: the spread of means over many pixels is what the pass says of each.
+TEST(Film, VarianceIsThatOfTheMean) {
+    constexpr uint32_t kSide = 64;
+    constexpr int kSamples = 16;
+    Film film(kSide, kSide);
+    test::Uniforms uniforms(8);
+    for (uint32_t t = 0; t < film.tile_count(); ++t) {
+        std::vector<PixelSums> pixels = film.copy_tile(t);
+        for (PixelSums& pixel : pixels)
+            for (int i = 0; i < kSamples; ++i) {
+                FilmSample sample{};
+                sample.radiance = Spectrum(uniforms() < 0.25f ? 3.0f : 0.0f);
+                accumulate(pixel, sample);
+            }
+        film.store_tile(t, pixels);
+    }
+    // A quarter of the samples is 3: mean 3/4, variance 27/16 each.
+    test::MeanEstimate mean, variance;
+    const std::vector<float> combined = read(film, Pass::combined),
+                             told = read(film, Pass::variance);
+    for (size_t i = 0; i < size_t{kSide} * kSide; ++i) {
+        mean.add(double(combined[4 * i]));
+        variance.add(double(told[3 * i]));
+    }
+    EXPECT_TRUE(test::is_mean(mean, 0.75, test::sidak(1e-4, 2)));
+    EXPECT_TRUE(test::is_mean(variance, 27.0 / 16.0 / kSamples, test::sidak(1e-4, 2)));
+}
+
+TEST(Film, LargeRadianceKeepsItsVariance) {
+    Film film(1, 1);
+    std::vector<PixelSums> pixels = film.copy_tile(0);
+    for (int i = 0; i < 1000; ++i) {
+        FilmSample sample{};
+        sample.radiance = Spectrum(1e6f + float(i % 2));
+        accumulate(pixels[0], sample);
+    }
+    film.store_tile(0, pixels);
+    // Half a unit to either side, over n - 1.
+    EXPECT_NEAR(read(film, Pass::variance)[0], 0.25 / 999.0, 1e-5);
+}
+
+TEST(Film, UntouchedPixelsAreZeroInEveryPass) {
+    const Film film(5, 3);
+    for (uint32_t pass = 0; pass < uint32_t(Pass::count); ++pass)
+        for (const float value : read(film, Pass(pass))) EXPECT_EQ(value, 0.0f) << "pass " << pass;
+}
+
+}  // namespace
+}  // namespace spc

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "light/bench.h"
+#include "support/chi_square.h"
+
+namespace spc::test {
+namespace {
+
+constexpr double kPiD = std::numbers::pi;
+constexpr double kSignificance = 0.01;
+constexpr int64_t kSamples = 100000;
+const Vec3 kOrigin(0, 0, 0), kUp(0, 0, 1);
+
+using Texels = std::vector<float>;  // RGB, bottom row first
+
+Lit under_panorama(const Texels& texels, uint32_t width, uint32_t height,
+                   bool feeds_caustics = true) {
+    SceneMaker maker;
+    const uint32_t image = maker.builder.add_image(image_from_floats(
+        "panorama", texels, width, height, 3, ColorSpace::linear, AlphaMode::none));
+    Graph graph;
+    graph.name = "world";
+    graph.nodes = {{"Output", "output", kNone},
+                   {"Background", "background", kNone},
+                   {"Sky", "environment_texture", image}};
+    graph.links = {{1, "Background", 0, "Surface"}, {2, "Color", 1, "Color"}};
+    maker.builder.set_environment({maker.builder.add_material(graph), kVisibleAll, feeds_caustics});
+    return freeze(maker);
+}
+
+Lit under_constant(float radiance) {
+    SceneMaker maker;
+    maker.builder.set_environment(
+        {maker.builder.add_material(background(radiance, radiance, radiance)), kVisibleAll, true});
+    return freeze(maker);
+}
+
+// One texel of a black panorama.
+Texels single_texel(uint32_t width, uint32_t height, uint32_t x, uint32_t y, float value) {
+    Texels texels(static_cast<size_t>(width) * height * 3, 0.0f);
+    std::fill_n(texels.begin() + (static_cast<size_t>(y) * width + x) * 3, 3, value);
+    return texels;
+}
+
+Vec3 direction_of_texel(double x, double y, uint32_t width, uint32_t height) {
+    const double phi = (0.5 - x / width) * 2 * kPiD, theta = (1 - y / height) * kPiD;
+    return to_float(direction({{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, theta, phi));
+}
+
+TEST(World, ConstantIsUniformForTheManifoldAndLeftToClosuresOtherwise) {
+    const Lit lit = under_constant(2);
+    ASSERT_TRUE(lit.lights.has_world && lit.lights.world_is_constant);
+    EXPECT_TRUE(
+        is_mean(irradiance_light_point(lit, kOrigin, kUp, kSamples, 1), 2 * kPiD, kSignificance));
+    EXPECT_NEAR_REL(pdf_light_point_world(lit.lights, *lit.scene, kUp), 1 / (4 * kPiD), 1e-6);
+    EXPECT_EQ(pdf_direct_world(lit.lights, *lit.scene, kUp), 0.0f);
+    EXPECT_FALSE(sample_direct(lit.lights, *lit.scene, kOrigin, {0.5f, 0.5f, 0.5f}));
+    EXPECT_EQ(world_radiance(lit.lights, *lit.scene, kUp), Spectrum(2.0f));
+}
+
+TEST(World, BlackIsNoLight) {
+    const Lit lit = under_constant(0);
+    EXPECT_FALSE(lit.lights.has_world);
+    EXPECT_EQ(lit.lights.count(*lit.scene), 0u);
+    EXPECT_FALSE(sample_light_point(lit.lights, *lit.scene, {0.5f, 0.5f, 0.5f}));
+    EXPECT_TRUE(is_black(world_radiance(lit.lights, *lit.scene, kUp)));
+    EXPECT_FALSE(under_panorama(Texels(64 * 32 * 3, 0.0f), 64, 32).lights.has_world);
+}
+
+TEST(World, PanoramaOfOneColourIsConstant) {
+    const Lit lit = under_panorama(Texels(64 * 32 * 3, 0.5f), 64, 32);
+    EXPECT_TRUE(lit.lights.world_is_constant);
+    EXPECT_EQ(lit.lights.world_constant, Spectrum(0.5f));
+}
+
+TEST(World, SamplesHaveTheirDensity) {
+    // A sky of uneven brightness with black parts; the bright one lies at a pole once.
+    const Texels texels = [] {
+        Texels t(16 * 8 * 3);
+        Uniforms uniforms(1);
+        for (size_t i = 0; i < t.size(); i += 3) {
+            const float value =
+                uniforms() < 0.3f ? 0.0f : uniforms() + (i >= t.size() - 48 ? 5.0f : 0.0f);
+            t[i] = t[i + 1] = t[i + 2] = value;
+        }
+        return t;
+    }();
+    const Lit lit = under_panorama(texels, 16, 8);
+    ASSERT_FALSE(lit.lights.world_map.empty());
+    Uniforms uniforms(2);
+    const auto pdf = [&](const Vec3& wi) { return pdf_direct_world(lit.lights, *lit.scene, wi); };
+    const auto draw = [&]() -> std::optional<Vec3> {
+        const std::optional<DirectSample> s =
+            sample_direct(lit.lights, *lit.scene, kOrigin, uniforms.three());
+        return s ? std::optional(s->wi) : std::nullopt;
+    };
+    const ChiSquare fit = chi_square_sphere({Frame::around(kUp), 12, 16, 1}, kSamples, draw, pdf);
+    EXPECT_TRUE(fit.passes(kSignificance)) << fit.text();
+    EXPECT_NEAR(fit.integral, 1.0, 1e-3);
+    const ChiSquare twin =
+        chi_square_sphere({Frame::around(kUp), 12, 16, 1}, kSamples, draw,
+                          [&](const Vec3& wi) { return pdf(wi) * (wi.x > 0 ? 1.03f : 0.97f); });
+    EXPECT_FALSE(twin.passes(kSignificance)) << twin.text();
+
+    int different = 0;
+    for (int i = 0; i < 20000; ++i) {
+        const std::optional<DirectSample> s =
+            sample_direct(lit.lights, *lit.scene, kOrigin, uniforms.three());
+        ASSERT_TRUE(s);
+        EXPECT_EQ(s->distance, kInfinity);
+        EXPECT_NEAR(length(s->wi), 1.0f, 1e-6f);
+        if (std::abs(pdf(s->wi) / s->pdf_omega - 1) > 1e-3f) ++different;
+    }
+    EXPECT_LE(different, 20);  // on the edges of cells
+}
+
+TEST(World, BrightTexelIsFoundWhereverItLies) {
+    // A bilinear texel of value v shines v times its own solid angle; one on each side of the
+    // equator, beside the seam and beside a pole, on grids of one, few and many cells a texel.
+    for (const uint32_t width : {64u, 512u}) {
+        const uint32_t height = width / 2;
+        const double step = kPiD / height;
+        const std::vector<std::array<uint32_t, 2>> places = {{width / 3, height / 2 + height / 8},
+                                                             {0, height / 2 + height / 5},
+                                                             {width - 1, height - 2}};
+        for (const auto& [x, y] : places) {
+            const float value = 1e4f;
+            const Lit lit = under_panorama(single_texel(width, height, x, y, value), width, height);
+            const Vec3 center = direction_of_texel(x + 0.5, y + 0.5, width, height);
+            // Over the hat function, in polar angles.
+            const double theta0 = std::acos(static_cast<double>(center.z));
+            const double over_theta = integrate(
+                                          [&](double theta) {
+                                              return (1 - std::abs(theta - theta0) / step) *
+                                                     std::sin(theta) * std::cos(theta);
+                                          },
+                                          theta0 - step, theta0, 1e-12) +
+                                      integrate(
+                                          [&](double theta) {
+                                              return (1 - std::abs(theta - theta0) / step) *
+                                                     std::sin(theta) * std::cos(theta);
+                                          },
+                                          theta0, theta0 + step, 1e-12);
+            const double expected = value * step * over_theta;
+            for (const MeanEstimate& e :
+                 {irradiance_direct(lit, kOrigin, kUp, 4 * kSamples, 3),
+                  irradiance_light_point(lit, kOrigin, kUp, 4 * kSamples, 4)}) {
+                EXPECT_TRUE(is_mean(e, expected, kSignificance / 12, 1e-3 * expected))
+                    << width << " " << x << " " << y;
+                EXPECT_FALSE(is_mean(e, 1.02 * expected, kSignificance / 12, 1e-3 * expected));
+                EXPECT_LT(e.standard_error() / e.mean() * std::sqrt(4.0 * kSamples), 1.6);
+            }
+        }
+    }
+}
+
+TEST(World, NoDirectionIsOutOfReach) {
+    const Lit lit = under_panorama(single_texel(512, 256, 100, 200, 1e6f), 512, 256);
+    Uniforms uniforms(5);
+    for (int i = 0; i < 10000; ++i)
+        EXPECT_GT(pdf_direct_world(lit.lights, *lit.scene, normalize(uniforms.three() - Vec3(0.5f))),
+                  0.0f);
+    for (const Vec3& axis :
+         {Vec3(1, 0, 0), Vec3(-1, 0, 0), Vec3(-1, -0.0f, 0), Vec3(0, 1, 0), Vec3(0, -1, 0)})
+        EXPECT_GT(pdf_direct_world(lit.lights, *lit.scene, axis), 0.0f) << axis;
+    for (const Vec3& pole : {Vec3(0, 0, 1), Vec3(0, 0, -1)})
+        EXPECT_TRUE(std::isfinite(pdf_direct_world(lit.lights, *lit.scene, pole))) << pole;
+}
+
+TEST(World, TwelveOrdersOfMagnitudeInOneSky) {
+    Texels texels(128 * 64 * 3, 1e-6f);
+    std::fill_n(texels.begin() + (40 * 128 + 30) * 3, 3, 1e6f);
+    const Lit lit = under_panorama(texels, 128, 64);
+    Uniforms uniforms(6);
+    for (int i = 0; i < 20000; ++i) {
+        const std::optional<DirectSample> s =
+            sample_direct(lit.lights, *lit.scene, kOrigin, uniforms.three());
+        ASSERT_TRUE(s && std::isfinite(s->pdf_omega) && s->pdf_omega > 0 &&
+                    std::isfinite(s->radiance.y));
+    }
+}
+
+TEST(World, SharesTheChoiceWithLamps) {
+    // A sky and a sun of the same irradiance on their own; the sum on the ground is exact.
+    SceneMaker maker;
+    Texels texels(64 * 32 * 3);
+    for (size_t i = 0; i < texels.size(); ++i)
+        texels[i] = i / (64 * 3) >= 16 ? 2.0f : 0.0f;  // the upper half
+    const uint32_t image = maker.builder.add_image(
+        image_from_floats("panorama", texels, 64, 32, 3, ColorSpace::linear, AlphaMode::none));
+    Graph graph;
+    graph.name = "world";
+    graph.nodes = {{"Output", "output", kNone},
+                   {"Background", "background", kNone},
+                   {"Sky", "environment_texture", image}};
+    graph.links = {{1, "Background", 0, "Surface"}, {2, "Color", 1, "Color"}};
+    maker.builder.set_environment({maker.builder.add_material(graph), kVisibleAll, false});
+    maker.builder.add_light(sun_lamp(4, 0.1f));
+    maker.add(square(3), diffuse(0.5f), translation({0, 0, -1}));
+    const Lit lit = freeze(maker);
+    // The edge of the upper half is half a texel of ramp on both sides of the horizon, where the
+    // cosine vanishes.
+    const double step = kPiD / 32,
+                 ramp =
+                     integrate([&](double e) { return 2 * (e / step) * std::sin(e) * std::cos(e); },
+                               0, step / 2, 1e-9);
+    const double inner = kPiD * 2 * sqr(static_cast<float>(std::cos(step / 2)));
+    const double sky =
+        inner + 2 * kPiD *
+                    (ramp + integrate([](double e) { return std::sin(e) * std::cos(e); }, 0,
+                                      step / 2, 1e-9));
+    const double sun = 4;
+    EXPECT_TRUE(is_mean(irradiance_direct(lit, kOrigin, kUp, 4 * kSamples, 8), sky + sun,
+                        kSignificance, 1e-3 * sky));
+    // The sky feeds no casters.
+    EXPECT_EQ(pdf_light_point_world(lit.lights, *lit.scene, kUp), 0.0f);
+    EXPECT_TRUE(
+        is_mean(irradiance_light_point(lit, kOrigin, kUp, kSamples, 9), sun, kSignificance, 1e-4));
+}
+
+}  // namespace
+}  // namespace spc::test

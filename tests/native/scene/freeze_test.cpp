@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// From the builder to the frozen scene: what is dropped, resolved, assigned and reported; and the
+// camera's rays.
+#include "core/error.h"
+#include "scene/surface.h"
+#include "support/numerics.h"
+#include "support/scenes.h"
+
+#include <gtest/gtest.h>
+
+namespace spc {
+namespace {
+
+// Five triangles of which the second, third and fifth have no area; all per-triangle data tell who
+// they belong to.
+Mesh partly_degenerate() {
+    Mesh mesh;
+    mesh.name = "shards";
+    mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {2, 0, 0}, {1, 0, 0}, {0, 0, 1}};
+    mesh.triangles = {{0, 1, 2}, {0, 0, 1}, {0, 1, 3}, {0, 1, 5}, {1, 4, 2}};
+    mesh.slot_count = 2;
+    UvLayer layer;
+    layer.name = "UVMap";
+    for (uint32_t t = 0; t < 5; ++t) {
+        mesh.slots.push_back(t == 3 ? 1 : 0);
+        for (uint32_t k = 0; k < 3; ++k) {
+            const auto id = float(3 * t + k);
+            layer.uv.push_back({id, -id});
+            layer.tangents.push_back(Vec3(id, 1, 0));
+            layer.tangent_signs.push_back(t == 3 ? -1.0f : 1.0f);
+            mesh.normals.push_back(t == 3 && k == 1 ? Vec3(0.0f) : Vec3(0, 0, id + 1.0f));
+        }
+    }
+    mesh.uv_layers = {layer};
+    return mesh;
+}
+
+TEST(Builder, DropsTrianglesWithoutAreaAndAllTheirData) {
+    test::SceneMaker maker;
+    const uint32_t index = maker.builder.add_mesh(partly_degenerate());
+    const Mesh& mesh = maker.builder.mesh(index);
+    EXPECT_EQ(mesh.dropped_triangles, 3u);
+    ASSERT_EQ(mesh.triangles.size(), 2u);
+    EXPECT_EQ(mesh.triangles[1], (std::array<uint32_t, 3>{0, 1, 5}));
+    EXPECT_EQ(mesh.slots, (std::vector<uint32_t>{0, 1}));
+    const UvLayer& layer = mesh.uv_layers[0];
+    ASSERT_EQ(layer.uv.size(), 6u);
+    ASSERT_EQ(mesh.normals.size(), 6u);
+    for (uint32_t k = 0; k < 6; ++k) {
+        const auto id = float(k < 3 ? k : k + 6);
+        EXPECT_EQ(layer.uv[k], Vec2(id, -id));
+        EXPECT_EQ(layer.tangents[k], Vec3(id, 1, 0));
+        EXPECT_EQ(layer.tangent_signs[k], k < 3 ? 1.0f : -1.0f);
+        // Normalised; the one without length takes its face's.
+        EXPECT_NEAR_ANGLE(mesh.normals[k], k == 4 ? Vec3(0, -1, 0) : Vec3(0, 0, 1), 1e-6);
+        EXPECT_NEAR(length(mesh.normals[k]), 1.0f, 1e-6f);
+    }
+}
+
+// From specks to worlds: what survives has a normal, what has none does not survive.
+TEST(Builder, EveryTriangleThatStaysHasANormal) {
+    int kept = 0, dropped = 0;
+    for (int exponent = -24; exponent <= 24; ++exponent) {
+        const float size = std::pow(10.0f, float(exponent));
+        for (const float flatness : {1.0f, 1e-3f, 1e-6f}) {
+            test::SceneMaker maker;
+            Mesh mesh;
+            mesh.name = "speck";
+            mesh.positions = {
+                {0, 0, 0}, {size, 0, 0}, {0.3f * size, flatness * size, 0.1f * flatness * size}};
+            mesh.triangles = {{0, 1, 2}};
+            mesh.normals.assign(3, Vec3(0.0f));
+            try {
+                const Mesh& added = maker.builder.mesh(maker.builder.add_mesh(mesh));
+                ++kept;
+                for (const Vec3& n : added.normals) {
+                    EXPECT_TRUE(is_finite(n));
+                    EXPECT_NEAR(length(n), 1.0f, 1e-4f)
+                        << "size " << size << ", flatness " << flatness;
+                }
+                if (exponent >= -6 && exponent <= 6) continue;
+            } catch (const Error& error) {
+                ++dropped;
+                EXPECT_EQ(error.kind(), ErrorKind::invalid_argument);
+                EXPECT_NE(std::string(error.what()).find("speck"), std::string::npos);
+                EXPECT_TRUE(exponent < -6 || exponent > 6)
+                    << "dropped at size " << size << ", flatness " << flatness;
+            }
+        }
+    }
+    EXPECT_GT(kept, 39);
+    EXPECT_GT(dropped, 10);
+}
+
+TEST(Freeze, SlotsWithoutMaterialDrawNothing) {
+    test::SceneMaker maker;
+    Instance instance;
+    instance.name = "shards";
+    instance.mesh = maker.builder.add_mesh(partly_degenerate());
+    instance.materials = {maker.builder.add_material(test::diffuse(0.5f)), kNone};
+    maker.builder.add_instance(instance);
+    const RenderScene world = maker.finish();
+    EXPECT_TRUE(world.scene->any_transparency);
+    EXPECT_EQ(surface_transparency(*world.scene, {0, 0, 0.2f, 0.2f}, Vec3(0, 0, 1)), Spectrum(0.0f));
+    EXPECT_EQ(surface_transparency(*world.scene, {0, 1, 0.2f, 0.2f}, Vec3(0, -1, 0)),
+              Spectrum(1.0f));
+}
+
+TEST(Freeze, RolesAndReport) {
+    struct Case {
+        CausticsRole role;
+        bool mirror, caster, receiver;
+    };
+    for (const Case& c :
+         {Case{CausticsRole::automatic, true, true, false},
+          Case{CausticsRole::automatic, false, false, true},
+          Case{CausticsRole::off, true, false, false}, Case{CausticsRole::off, false, false, false},
+          Case{CausticsRole::caster, true, true, false},
+          Case{CausticsRole::caster, false, false, false},
+          Case{CausticsRole::receiver, true, false, false},
+          Case{CausticsRole::receiver, false, false, true},
+          Case{CausticsRole::both, true, true, false},
+          Case{CausticsRole::both, false, false, true}}) {
+        test::SceneMaker maker;
+        maker.add(test::square(1.0f), c.mirror ? test::mirror() : test::diffuse(0.5f), {}, c.role);
+        const RenderScene world = maker.finish();
+        const Instance& instance = world.scene->instances[0];
+        EXPECT_EQ(instance.caster, c.caster)
+            << "role " << int(c.role) << (c.mirror ? ", mirror" : ", diffuse");
+        EXPECT_EQ(instance.receiver, c.receiver)
+            << "role " << int(c.role) << (c.mirror ? ", mirror" : ", diffuse");
+        EXPECT_EQ(world.casters.casters.size(), c.caster ? 1u : 0u);
+        const bool asked_in_vain =
+            !c.mirror && (c.role == CausticsRole::caster || c.role == CausticsRole::both);
+        EXPECT_EQ(world.scene->report.size(), c.caster || asked_in_vain ? 1u : 0u);
+        if (asked_in_vain) {
+            EXPECT_NE(world.scene->report[0].find("path traced"), std::string::npos);
+        }
+    }
+}
+
+TEST(Freeze, MissingUvLayerIsReported) {
+    test::SceneMaker maker;
+    maker.builder.add_image(image_from_floats("grey", std::vector<float>{0.5f}, 1, 1, 1,
+                                              ColorSpace::linear, AlphaMode::none));
+    Graph graph;
+    graph.name = "papered";
+    graph.nodes = {{"Out", "output", kNone},
+                   {"Diff", "bsdf_diffuse", kNone},
+                   {"Tex", "image_texture", 0},
+                   {"UV", "uv_map", kNone}};
+    graph.options = {{3, "uv_map", "Second"}};
+    graph.links = {{1, "BSDF", 0, "Surface"}, {2, "Color", 1, "Color"}, {3, "UV", 2, "Vector"}};
+    maker.add(test::square(1.0f), graph);
+    const RenderScene world = maker.finish();
+    ASSERT_EQ(world.scene->report.size(), 1u);
+    for (const char* word : {"square of papered", "Second", "papered"})
+        EXPECT_NE(world.scene->report[0].find(word), std::string::npos) << world.scene->report[0];
+}
+
+// ---- the camera, against a pinhole made by hand
+
+TEST(Camera, RaysAreThoseOfAPinhole) {
+    test::Uniforms uniforms(6);
+    for (int i = 0; i < 50; ++i) {
+        const float angle = 6.0f * uniforms(), scale = 0.1f + 5.0f * uniforms();
+        const bool flipped = i % 3 == 0;
+        Camera camera;
+        camera.to_world = test::rotation_x(angle, uniforms.three() * 10.0f);
+        for (Vec3& row : camera.to_world.row)
+            row = Vec3(row.x, row.y * (flipped ? -1.0f : 1.0f), row.z) * scale;
+        camera.width = 160;
+        camera.height = 90;
+        camera.crop = {20, 30, 50, 40};
+        const float shift_x = uniforms() - 0.5f, shift_y = uniforms() - 0.5f,
+                    tan_half = 0.2f + uniforms();
+        camera.viewplane = {shift_x - tan_half, shift_x + tan_half, shift_y - tan_half,
+                            shift_y + tan_half};
+        camera.clip_near = 0.5f;
+        camera.clip_far = 20.0f;
+        test::SceneMaker maker;
+        maker.builder.set_camera(camera);
+        const RenderScene world = maker.finish();
+        const float x = 160.0f * uniforms(), y = 90.0f * uniforms();
+        const Ray ray = world.scene->camera.ray(x, y);
+        // In the camera's own space, where scale plays no part.
+        const double px = double(shift_x) + (2 * double(x) / 160 - 1) * double(tan_half),
+                     py = double(shift_y) + (2 * double(y) / 90 - 1) * double(tan_half);
+        const Vec3d local = normalize(Vec3d(px, py * (flipped ? -1.0 : 1.0), -1.0));
+        const double c = std::cos(double(angle)), s = std::sin(double(angle));
+        const Vec3d expected(local.x, c * local.y - s * local.z, s * local.y + c * local.z);
+        EXPECT_NEAR_ANGLE(ray.direction, Vec3(expected), 1e-5);
+        EXPECT_NEAR(length(ray.direction), 1.0f, 1e-5f);
+        EXPECT_EQ(ray.origin, camera.to_world.translation);
+        // Clipping is along the axis, and depth is its inverse.
+        EXPECT_NEAR(world.scene->camera.depth(ray.origin + ray.direction * ray.t_near), 0.5f, 1e-4f);
+        EXPECT_NEAR(world.scene->camera.depth(ray.origin + ray.direction * ray.t_far), 20.0f, 1e-3f);
+    }
+}
+
+TEST(Camera, ClipsWhatItSees) {
+    test::SceneMaker maker;
+    maker.add(test::square(1.0f), test::diffuse(0.5f));
+    Camera camera;
+    camera.to_world = test::translation(Vec3(0, 0, 3));
+    for (const auto& [clip_near, clip_far, seen] : {std::tuple{0.0f, kInfinity, true},
+                                                    {2.9f, 3.1f, true},
+                                                    {3.1f, 10.0f, false},
+                                                    {0.1f, 2.9f, false}}) {
+        camera.clip_near = clip_near;
+        camera.clip_far = clip_far;
+        test::SceneMaker maker_of_one;
+        maker_of_one.add(test::square(1.0f), test::diffuse(0.5f));
+        maker_of_one.builder.set_camera(camera);
+        const RenderScene world = maker_of_one.finish();
+        EXPECT_EQ(world.scene->accel->intersect(world.scene->camera.ray(0.4f, 0.6f), kVisibleCamera)
+                      .has_value(),
+                  seen)
+            << clip_near << ", " << clip_far;
+    }
+}
+
+}  // namespace
+}  // namespace spc

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Radiance along rays of small scenes, as the integrator estimates it.
+#pragma once
+
+#include "support/numerics.h"
+#include "support/scenes.h"
+
+namespace spc::test {
+
+inline ManifoldSettings unbiased_manifold(Constraint constraint = Constraint::half_vector) {
+    ManifoldSettings settings;
+    settings.enabled = true;
+    settings.constraint = constraint;
+    return settings;
+}
+
+// Enough bounces for energy to be conserved.
+inline IntegratorSettings unlimited(const ManifoldSettings& manifold = {}) {
+    IntegratorSettings settings;
+    settings.limits = {1000, 1000, 1000, 1000, 1000};
+    settings.manifold = manifold;
+    return settings;
+}
+
+// Independent samples (each of its own pixel), so that the standard error is one. `ray(i)` gives
+// the i-th camera ray.
+struct RadianceEstimate {
+    MeanEstimate radiance, caustics, alpha;
+    double least = kInfinity, most = -kInfinity;  // of the radiance
+};
+template <class MakeRay>
+RadianceEstimate estimate(const RenderScene& world, const IntegratorSettings& settings,
+                          uint32_t samples, MakeRay ray, uint32_t seed = 1) {
+    RadianceEstimate result;
+    PathStats stats;
+    for (uint32_t i = 0; i < samples; ++i) {
+        const PathSample sample = path_radiance(world, settings, ray(i), Sampler(seed, i, 0), stats);
+        EXPECT_TRUE(is_finite(sample.radiance));
+        const double value =
+            (double(sample.radiance.x) + double(sample.radiance.y) + double(sample.radiance.z)) /
+            3.0;
+        result.radiance.add(value);
+        result.caustics.add(double(sample.caustics.y));
+        result.alpha.add(double(sample.alpha));
+        result.least = std::min(result.least, value);
+        result.most = std::max(result.most, value);
+    }
+    return result;
+}
+inline RadianceEstimate estimate(const RenderScene& world, const IntegratorSettings& settings,
+                                 uint32_t samples, const Ray& ray, uint32_t seed = 1) {
+    return estimate(
+        world, settings, samples, [&](uint32_t) { return ray; }, seed);
+}
+
+inline Ray ray_to(const Vec3& from, const Vec3& to) { return {from, normalize(to - from)}; }
+
+// ---- graphs
+
+inline Graph emission(float strength) {
+    return single_shader("emission",
+                         {{1, "Color", {1, 1, 1, 1}}, {1, "Strength", {strength, 0, 0, 0}}});
+}
+inline Graph transparent(float color) {
+    return single_shader("bsdf_transparent", {{1, "Color", {color, color, color, 1}}});
+}
+
+// Two shaders under a mix (by `fac`) or, with fac < 0, an addition.
+inline Graph combined(const Graph& a, const Graph& b, float fac) {
+    Graph graph;
+    graph.name = a.name + " and " + b.name;
+    const bool adds = fac < 0.0f;
+    graph.nodes = {{"Output", "output", kNone},
+                   {"Both", adds ? "add_shader" : "mix_shader", kNone},
+                   a.nodes[1],
+                   b.nodes[1]};
+    if (!adds) graph.inputs.push_back({1, "Fac", {fac, 0, 0, 0}});
+    for (GraphInput input : a.inputs) {
+        input.node = 2;
+        graph.inputs.push_back(input);
+    }
+    for (GraphInput input : b.inputs) {
+        input.node = 3;
+        graph.inputs.push_back(input);
+    }
+    graph.links = {{1, "Shader", 0, "Surface"},
+                   {2, a.links[0].from_socket, 1, "Shader"},
+                   {3, b.links[0].from_socket, 1, "Shader_001"}};
+    return graph;
+}
+
+inline void set_world(SceneMaker& maker, float radiance, uint32_t visibility = kVisibleAll) {
+    const uint32_t sky = maker.builder.add_material(background(radiance, radiance, radiance));
+    maker.builder.set_environment({sky, visibility, true});
+}
+
+inline Mesh flat(Mesh mesh) {
+    mesh.normals.clear();
+    return mesh;
+}
+
+}  // namespace spc::test

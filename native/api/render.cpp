@@ -39,8 +39,6 @@ RenderSettings to_settings(const spc_render_settings& s) {
     IntegratorSettings& integrator = settings.integrator;
     integrator.limits = {s.max_bounces, s.max_diffuse_bounces, s.max_glossy_bounces, s.max_transmission_bounces,
                          s.max_transparent_bounces};
-    integrator.caustics_reflective = s.caustics_reflective != 0;
-    integrator.caustics_refractive = s.caustics_refractive != 0;
     integrator.transparent_film = s.transparent_film != 0;
     ManifoldSettings& manifold = integrator.manifold;
     manifold.enabled = s.method != SPC_METHOD_PT;
@@ -48,8 +46,8 @@ RenderSettings to_settings(const spc_render_settings& s) {
     manifold.set_size = s.set_size;
     manifold.constraint = static_cast<Constraint>(s.constraint);
     manifold.two_stage = s.two_stage != 0;
-    manifold.reflections = integrator.caustics_reflective;
-    manifold.refractions = integrator.caustics_refractive;
+    manifold.reflections = s.caustics_reflective != 0;
+    manifold.refractions = s.caustics_refractive != 0;
     settings.first_sample = s.first_sample;
     settings.samples = s.samples;
     settings.time_limit = s.time_limit;

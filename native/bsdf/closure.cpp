@@ -253,6 +253,39 @@ ClosureEval eval(const ClosureList& list, const Vec3& ng, const Vec3& wo, const 
     return result;
 }
 
+ClosureEval eval(const ClosureList& list, const Vec3& ng, const Vec3& wo, const Vec3& wi,
+                 uint32_t kinds) {
+    ClosureEval result = eval(list, ng, wo, wi);
+    const float side = dot(ng, wi);
+    for (int i = 0; i < list.count; ++i) {
+        const Closure& closure = list.closures[i];
+        const BounceKind kind = std::holds_alternative<Lambert>(closure.kind) ? BounceKind::diffuse
+                                : side < 0.0f ? BounceKind::transmission
+                                              : BounceKind::glossy;
+        if ((kinds >> static_cast<uint32_t>(kind) & 1u) != 0) continue;
+        const LobeEval hidden = std::visit(
+            [&](const auto& c) { return eval_lobe(c, wo, wi, side < 0.0f); }, closure.kind);
+        result.f_cos -= closure.weight * hidden.f_cos;
+    }
+    return result;
+}
+
+void drop_caustics(ClosureList& list, bool reflective, bool refractive) {
+    int kept = 0;
+    for (int i = 0; i < list.count; ++i) {
+        Closure& closure = list.closures[i];
+        if (std::holds_alternative<MicrofacetReflection>(closure.kind) && !reflective) continue;
+        if (auto* interface = std::get_if<MicrofacetDielectric>(&closure.kind)) {
+            interface->reflects = interface->reflects && reflective;
+            interface->refracts = interface->refracts && refractive;
+            if (!interface->reflects && !interface->refracts) continue;
+        }
+        if (kept != i) list.closures[kept] = closure;
+        ++kept;
+    }
+    list.count = kept;
+}
+
 std::optional<ClosureSample> sample(const ClosureList& list, const Vec3& ng, const Vec3& wo,
                                     const Vec3& u) {
     if (list.count == 0) return std::nullopt;

@@ -108,6 +108,14 @@ struct ClosureEval {
 };
 ClosureEval eval(const ClosureList& list, const Vec3& ng, const Vec3& wo, const Vec3& wi);
 
+// The same, but f_cos has only the kinds of scattering in `kinds`, a set of bits 1 << BounceKind: what a light that
+// hides from some kinds of rays contributes.
+ClosureEval eval(const ClosureList& list, const Vec3& ng, const Vec3& wo, const Vec3& wi, uint32_t kinds);
+
+// Takes away what reflects, or transmits, other than diffusely and straight on: what a diffuse ray finds where
+// caustics are switched off.
+void drop_caustics(ClosureList& list, bool reflective, bool refractive);
+
 struct ClosureSample {
     Vec3 wi;
     Spectrum weight;       // f |cos| / pdf, already divided, the choice of closure included. A smooth sample

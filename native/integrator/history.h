@@ -23,6 +23,9 @@ struct BounceCounts {
         return total > limits.total || diffuse > limits.diffuse || glossy > limits.glossy ||
                transmission > limits.transmission || transparent > limits.transparent;
     }
+    uint32_t transparent_left(const BounceLimits& limits) const {
+        return limits.transparent - std::min(limits.transparent, transparent);
+    }
     // Whether a vertex here may scatter once more, by whichever smooth closure, and be lit at the next vertex.
     bool leaves_room_for_chain(const BounceLimits& limits) const {
         return total < limits.total && diffuse < limits.diffuse && glossy < limits.glossy &&

@@ -91,19 +91,28 @@ struct PathTracer {
         const std::optional<DirectSample> light =
             sample_direct(world.lights, scene(), surface.p, sampler[Domain::light].three());
         if (!light || is_black(light->radiance)) return Spectrum(0.0f);
-        const ClosureEval f = eval(surface.closures, surface.ng, surface.wo, light->wi);
-        if (is_black(f.f_cos)) return Spectrum(0.0f);
         const uint32_t visibility = light_visibility(world.lights, light->light);
-        const uint32_t kind = dot(light->wi, surface.ng) > 0.0f ? kVisibleDiffuse | kVisibleGlossy : kVisibleTransmission;
-        if ((visibility & kind) == 0) return Spectrum(0.0f);
+        const ClosureEval f = eval_seen_by(surface, light->wi, visibility);
+        if (is_black(f.f_cos)) return Spectrum(0.0f);
         Spectrum through(1.0f);
         if ((visibility & kVisibleShadow) != 0) {
             const bool distant = std::isinf(light->distance);
             const ChainEnd end{distant, distant ? Vec3(0.0f) : surface.p + light->wi * light->distance, light->wi};
-            through = transmittance(scene(), surface.p, surface.ng, end, kVisibleShadow, stats.rays);
+            uint32_t transparent_left = bounces.transparent_left(settings.limits);
+            through = transmittance(scene(), surface.p, surface.ng, end, kVisibleShadow, transparent_left, stats.rays);
         }
         const float density = light->delta ? light->pdf_omega : light->pdf_omega + f.pdf_omega;
         return f.f_cos * light->radiance * through * (1.0f / density);  // f L / p_light times its balance weight
+    }
+
+    // The closures by whose rays a light of this visibility would be found.
+    ClosureEval eval_seen_by(const Surface& surface, const Vec3& wi, uint32_t visibility) const {
+        constexpr uint32_t kScattered = kVisibleDiffuse | kVisibleGlossy | kVisibleTransmission;
+        if ((visibility & kScattered) == kScattered) return eval(surface.closures, surface.ng, surface.wo, wi);
+        uint32_t kinds = 0;
+        for (const BounceKind kind : {BounceKind::diffuse, BounceKind::glossy, BounceKind::transmission})
+            if ((visibility & ray_kind_after(kind)) != 0) kinds |= 1u << static_cast<uint32_t>(kind);
+        return eval(surface.closures, surface.ng, surface.wo, wi, kinds);
     }
 
     bool may_receive(const Surface& surface) const {
@@ -113,11 +122,10 @@ struct PathTracer {
 
     // ---- going on
 
-    // Without caustics, what a diffuse ray sees has no glossy or no transmitting closures, as in Cycles.
-    bool dropped_as_caustic(const ClosureSample& next) const {
-        if (ray_kind != kVisibleDiffuse) return false;
-        return (next.kind == BounceKind::glossy && !settings.caustics_reflective) ||
-               (next.kind == BounceKind::transmission && !settings.caustics_refractive);
+    static uint32_t ray_kind_after(BounceKind kind) {
+        return kind == BounceKind::diffuse  ? kVisibleDiffuse
+               : kind == BounceKind::glossy ? kVisibleGlossy
+                                            : kVisibleTransmission;
     }
 
     void append(const Surface& surface, const ClosureSample& next, bool receives) {
@@ -125,9 +133,7 @@ struct PathTracer {
             history.append_delta(surface.hit, next, settings.manifold, world.casters);
         else
             history.append_smooth(surface, next.pdf_omega, receives);
-        ray_kind = next.kind == BounceKind::diffuse  ? kVisibleDiffuse
-                   : next.kind == BounceKind::glossy ? kVisibleGlossy
-                                                     : kVisibleTransmission;
+        ray_kind = ray_kind_after(next.kind);
     }
 };
 
@@ -167,20 +173,30 @@ PathSample path_radiance(const RenderScene& world, const IntegratorSettings& set
         const std::optional<Hit> hit = scene.accel->intersect(ray, path.ray_kind);
         if (!hit) {
             if (path.ray_kind == kVisibleCamera && settings.transparent_film)
-                out.alpha = 0.0f;
+                out.alpha = 1.0f - (throughput.x + throughput.y + throughput.z) / 3.0f;
             else
                 out.radiance += throughput * path.emission_from_afar(ray.direction);
             break;
         }
         if (hit->light != kNone) {  // lamps are looked through, as in Cycles
             out.radiance += throughput * path.emission_of_lamp(ray, *hit);
-            ray.t_near = hit->t * (1.0f + 1e-5f);
+            ray.t_near = past(hit->t);
             continue;
         }
 
         evaluate_surface(scene, hit->surface, ray.direction * -1.0f, surface);
         out.radiance += throughput * path.emission_of_surface(ray, *hit, surface);
-        if (path.bounces.exhausted(settings.limits)) break;
+        if (path.ray_kind == kVisibleDiffuse && !(settings.manifold.reflections && settings.manifold.refractions))
+            drop_caustics(surface.closures, settings.manifold.reflections, settings.manifold.refractions);
+        if (path.bounces.exhausted(settings.limits)) {
+            // Its last vertex had its direct light, through whatever is transparent: so must this ray.
+            throughput *= surface.closures.transparency;
+            path.bounces.add(BounceKind::transparent);
+            if (is_black(throughput) || path.bounces.transparent > settings.limits.transparent) break;
+            path.history.append_transparent(hit->surface, world.casters);
+            ray.t_near = past(hit->t);
+            continue;
+        }
 
         const Sampler here = sampler.vertex(vertex);
         const bool receives = has_smooth_closure(surface.closures) && path.may_receive(surface);
@@ -188,7 +204,8 @@ PathSample path_radiance(const RenderScene& world, const IntegratorSettings& set
             out.radiance += throughput * path.direct_radiance(surface, here);
             if (receives) {
                 const Spectrum caustic = throughput * manifold_radiance(scene, world.lights, world.casters, settings.manifold,
-                                                                        {surface.p, surface.ng, surface.wo, &surface.closures},
+                                                                        {surface.p, surface.ng, surface.wo, &surface.closures,
+                                                                         path.bounces.transparent_left(settings.limits)},
                                                                         here, stats.manifold);
                 out.radiance += caustic;
                 out.caustics += caustic;
@@ -202,13 +219,13 @@ PathSample path_radiance(const RenderScene& world, const IntegratorSettings& set
             out.position = surface.p;
             out.normal = surface.n;
         }
-        if (!next || path.dropped_as_caustic(*next)) break;
+        if (!next) break;
         throughput *= next->weight;
         path.bounces.add(next->kind);
         if (!survive_roulette(throughput, here)) break;
         if (transparent) {
             path.history.append_transparent(hit->surface, world.casters);
-            ray.t_near = hit->t * (1.0f + 1e-5f);
+            ray.t_near = past(hit->t);
             continue;
         }
         path.append(surface, *next, receives);

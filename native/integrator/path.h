@@ -21,7 +21,6 @@ struct BounceLimits {
 
 struct IntegratorSettings {
     BounceLimits limits;
-    bool caustics_reflective = true, caustics_refractive = true;
     bool transparent_film = false;
     ManifoldSettings manifold;
 };

@@ -61,7 +61,7 @@ std::optional<DirectionDual> scattered(Interaction interaction, float eta, const
 }
 
 // Of single precision, with room for the handful of operations that each coordinate has seen.
-constexpr float kUnitRoundoff = 4.0f * 0x1p-24f;
+constexpr float kUnitRoundoff = 8.0f * 0x1p-24f;
 
 float largest_coordinate(const Vec3& a, const Vec3& b) {
     float largest = 0.0f;

@@ -19,12 +19,15 @@ std::optional<double> solid_angle_per_light_measure(const Vec3& x, const ChainRo
 
 bool chain_is_clear(const Scene& scene, const LightSet& lights, const Receiver& receiver, const ChainRoot& root, const LightPoint& y,
                     Spectrum& through, ManifoldStats& stats) {
-    const ChainEnd vertex{false, root.patch.p, Vec3(0.0f)};
-    through = transmittance(scene, receiver.p, receiver.ng, vertex, kVisibleDiffuse, stats.rays);
-    if (is_black(through)) return false;
     const uint32_t kind = root.interaction == Interaction::reflection ? kVisibleGlossy : kVisibleTransmission;
-    if ((light_visibility(lights, y.light) & kVisibleShadow) == 0) return true;
-    through *= transmittance(scene, root.patch.p, root.patch.ng, end_of(y), kind, stats.rays);
+    const uint32_t visibility = light_visibility(lights, y.light);
+    if ((visibility & kind) == 0) return false;
+    const ChainEnd vertex{false, root.patch.p, Vec3(0.0f)};
+    uint32_t transparent_left = receiver.transparent_left;
+    through = transmittance(scene, receiver.p, receiver.ng, vertex, kVisibleDiffuse, transparent_left, stats.rays);
+    if (is_black(through)) return false;
+    if ((visibility & kVisibleShadow) == 0) return true;
+    through *= transmittance(scene, root.patch.p, root.patch.ng, end_of(y), kind, transparent_left, stats.rays);
     return !is_black(through);
 }
 
@@ -142,9 +145,8 @@ Spectrum manifold_radiance(const Scene& scene, const LightSet& lights, const Cas
 }
 
 Spectrum transmittance(const Scene& scene, const Vec3& a, const Vec3& ng_a, const ChainEnd& end, uint32_t kind,
-                       uint64_t& rays) {
+                       uint32_t& transparent_left, uint64_t& rays) {
     constexpr float kFarMargin = 1e-4f;  // relative: the surface at the far end does not block itself
-    constexpr int kMaxTransparentSurfaces = 64;
     float distance;
     Vec3 direction = end.from(a, distance);
     // Aimed anew from where the ray starts: a parallel ray would meet the far surface off its mark.
@@ -152,16 +154,19 @@ Spectrum transmittance(const Scene& scene, const Vec3& a, const Vec3& ng_a, cons
     direction = end.from(origin, distance);
     Ray ray{origin, direction, 0.0f, distance * (1.0f - kFarMargin)};
     Spectrum through(1.0f);
-    for (int i = 0; i < kMaxTransparentSurfaces; ++i) {
+    for (;;) {
         ++rays;
         if (!scene.any_transparency) return Spectrum(scene.accel->occluded(ray, kind) ? 0.0f : 1.0f);
         const std::optional<Hit> hit = scene.accel->intersect(ray, kind);
         if (!hit) return through;
-        if (hit->light == kNone) through *= surface_transparency(scene, hit->surface, direction * -1.0f);
-        if (is_black(through)) return through;
-        ray.t_near = std::nextafter(hit->t, kInfinity) * (1.0f + 1e-6f);
+        if (hit->light == kNone) {
+            if (transparent_left == 0) return Spectrum(0.0f);
+            --transparent_left;
+            through *= surface_transparency(scene, hit->surface, direction * -1.0f);
+            if (is_black(through)) return through;
+        }
+        ray.t_near = past(hit->t);
     }
-    return Spectrum(0.0f);
 }
 
 }  // namespace spc

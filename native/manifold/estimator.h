@@ -18,6 +18,7 @@ struct Receiver {
     Vec3 ng;  // on the side of wo
     Vec3 wo;
     const ClosureList* closures;
+    uint32_t transparent_left;  // surfaces that the rest of the path may be looked through
 };
 
 // A chain as both estimators describe it. Everything that decides who owns it is a property of the path alone.
@@ -55,8 +56,8 @@ Spectrum manifold_radiance(const Scene& scene, const LightSet& lights, const Cas
                            ManifoldStats& stats);
 
 // Fraction of light that passes from the surface point a to `end` (both excluded) through transparent surfaces, as a
-// ray of `kind` sees them.
+// ray of `kind` sees them. Takes those surfaces off `transparent_left`; one more blocks.
 Spectrum transmittance(const Scene& scene, const Vec3& a, const Vec3& ng_a, const ChainEnd& end, uint32_t kind,
-                       uint64_t& rays);
+                       uint32_t& transparent_left, uint64_t& rays);
 
 }  // namespace spc

@@ -14,8 +14,8 @@ struct ManifoldSettings {
     uint32_t set_size = 16;
     Constraint constraint = Constraint::half_vector;
     bool two_stage = false;
-    bool reflections = true;    // chains that reflect
-    bool refractions = true;
+    // Whether light may reach a diffuse surface by reflection, by refraction, through any method at all.
+    bool reflections = true, refractions = true;
 
     // A walk has converged when the constraint, an angle, is below this (radians). Single precision of directions
     // leaves 3e-7; solutions at folds move by the root of it.

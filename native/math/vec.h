@@ -124,4 +124,7 @@ struct Ray {
     float t_far = kInfinity;
 };
 
+// Where a ray goes on that looks through what it met at t.
+inline float past(float t) { return t * (1.0f + 1e-5f); }
+
 }  // namespace spc

@@ -68,10 +68,14 @@ void resolve_uv_layers(Scene& scene) {
 void assign_caustics_roles(Scene& scene) {
     for (Instance& instance : scene.instances) {
         const CausticsRole role = instance.role;
-        const bool may_cast = role == CausticsRole::automatic || role == CausticsRole::caster || role == CausticsRole::both;
+        // Chains stand for paths of scattered rays: what hides from those casts nothing.
+        constexpr uint32_t kScattered = kVisibleDiffuse | kVisibleGlossy;
+        const bool seen = (instance.visibility & kScattered) == kScattered;
+        const bool asked = role == CausticsRole::automatic || role == CausticsRole::caster || role == CausticsRole::both;
+        const bool may_cast = asked && seen;
         const bool may_receive =
             role == CausticsRole::automatic || role == CausticsRole::receiver || role == CausticsRole::both;
-        std::string why, why_not;
+        std::string why, why_not = seen ? "" : "hidden from diffuse or glossy rays";
         for (const uint32_t index : instance.materials) {
             const Material& material = scene.materials[index];
             const bool specular = material.specular.reflects || material.specular.refracts;

@@ -200,8 +200,6 @@ test::RadianceEstimate floor_beside(const Pool& pool, bool reflective, bool refr
     maker.builder.add_light(light);
     IntegratorSettings settings =
         test::unlimited(manifold ? test::unbiased_manifold() : ManifoldSettings{});
-    settings.caustics_reflective = reflective;
-    settings.caustics_refractive = refractive;
     settings.manifold.reflections = reflective;
     settings.manifold.refractions = refractive;
     return test::estimate(maker.finish(), settings, 20000,

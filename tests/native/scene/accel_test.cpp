@@ -161,8 +161,10 @@ TEST(Accel, NearestHitForEveryKindOfRay) {
 TEST(Accel, CasterAloneIgnoresEverythingElse) {
     const std::unique_ptr<Scene> scene = crowded_scene();
     test::Uniforms uniforms(8);
+    int casters = 0;
     for (uint32_t instance = 0; instance < 4; ++instance) {
-        ASSERT_TRUE(scene->instances[instance].caster);
+        if (!scene->instances[instance].caster) continue;  // hidden from scattered rays
+        ++casters;
         int hits = 0, behind_others = 0, disputed = 0;
         for (int i = 0; i < 1000; ++i) {
             const Ray ray = random_ray(uniforms);
@@ -184,6 +186,7 @@ TEST(Accel, CasterAloneIgnoresEverythingElse) {
         EXPECT_GT(behind_others, 20) << "instance " << instance;
         EXPECT_LE(disputed, 2) << "instance " << instance;
     }
+    EXPECT_GE(casters, 2);
 }
 
 TEST(Accel, AnEmptySceneAndOneOfLampsAlone) {

@@ -48,6 +48,7 @@ class SpeculaSceneSettings(bpy.types.PropertyGroup):
         name="Constraint",
         description="What a walk over the caustic casters solves for",
         items=CONSTRAINTS,
+        default="ANGLE_DIFFERENCE",
     )
     two_stage: BoolProperty(
         name="Two Stages",

@@ -133,6 +133,7 @@ def run_addon(log: Path, selection: str | None) -> Result:
     """What of the addon works without Blender; `import specula` finds addon/."""
     env = dict(os.environ)
     env["PYTHONPATH"] = str(host.scripts_folder(BUILD / "python") / "addons")
+    env["SPECULA_LIBRARY_DIR"] = str(host.library_folder(quiet=False))
     return run_pytest("tests/addon", log, selection, [PYTHON, "-m", "pytest"], env)
 
 

@@ -26,6 +26,7 @@ class AlphaMode(IntEnum):
     STRAIGHT = 0
     PREMULTIPLIED = 1
     NONE = 2
+    PACKED = 3
 
 
 class Visibility(IntFlag):
@@ -231,11 +232,11 @@ class RenderSettings:
     """As spc_render_settings. Limits and filter default to what Cycles has in a new file."""
 
     method: Method = Method.SMS_UNBIASED
-    constraint: Constraint = Constraint.HALF_VECTOR
+    constraint: Constraint = Constraint.ANGLE_DIFFERENCE
     two_stage: bool = True
     set_size: int = 16
     first_sample: int = 0
-    samples: int = 128
+    samples: int = 64
     time_limit: float = 0.0  # s of rendering, 0: none
     seed: int = 0
     threads: int = 0  # 0: all

@@ -25,7 +25,7 @@ COLOR_SPACES = {
 ALPHA_MODES = {
     "STRAIGHT": AlphaMode.STRAIGHT,
     "PREMUL": AlphaMode.PREMULTIPLIED,
-    "CHANNEL_PACKED": AlphaMode.STRAIGHT,
+    "CHANNEL_PACKED": AlphaMode.PACKED,
     "NONE": AlphaMode.NONE,
 }
 

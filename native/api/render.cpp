@@ -87,7 +87,8 @@ void spc_render_settings_init(spc_render_settings* settings) {
     *settings = {};
     settings->struct_size = sizeof(*settings);
     settings->method = SPC_METHOD_SMS_UNBIASED;
-    settings->constraint = SPC_CONSTRAINT_HALF_VECTOR;
+    settings->constraint = SPC_CONSTRAINT_ANGLE_DIFFERENCE;
+    settings->two_stage = 1;
     settings->set_size = defaults.integrator.manifold.set_size;
     settings->samples = defaults.samples;
     settings->max_bounces = limits.total;

@@ -44,7 +44,7 @@ Transform transform_of(const float (&rows)[12], const std::string& owner) {
 Image to_image(const spc_image_desc& desc) {
     const std::string name = name_or(desc.name, "image");
     const auto space = checked_enum<ColorSpace>(desc.color_space, SPC_COLOR_DATA, name, "colour space");
-    const auto alpha = checked_enum<AlphaMode>(desc.alpha_mode, SPC_ALPHA_NONE, name, "alpha mode");
+    const auto alpha = checked_enum<AlphaMode>(desc.alpha_mode, SPC_ALPHA_PACKED, name, "alpha mode");
     const int sources = (desc.pixels != nullptr) + (desc.encoded != nullptr) + (desc.path != nullptr);
     require(sources == 1, name + ": an image has exactly one of pixels, encoded and path");
     if (desc.path != nullptr) return image_from_file(name, desc.path, space, alpha);

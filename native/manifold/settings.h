@@ -12,8 +12,8 @@ struct ManifoldSettings {
     bool enabled = false;
     bool biased = false;        // sum over the solutions of `set_size` walks [Zeltner20 Alg. 3]
     uint32_t set_size = 16;
-    Constraint constraint = Constraint::half_vector;
-    bool two_stage = false;
+    Constraint constraint = Constraint::angle_difference;
+    bool two_stage = true;
     // Whether light may reach a diffuse surface by reflection, by refraction, through any method at all.
     bool reflections = true, refractions = true;
 

@@ -127,7 +127,6 @@ uint32_t SceneBuilder::add_mesh(Mesh mesh) {
         invalid(fmt::format("{}: active UV layer {} of {}", name, mesh.active_uv_layer, mesh.uv_layers.size()));
     if (mesh.slot_count == 1) mesh.slots.clear();
     drop_degenerate_triangles(mesh);
-    if (mesh.triangles.empty()) invalid(fmt::format("{}: the mesh has no triangle with an area", name));
     normalize_corner_normals(mesh);
     mesh.positions.reserve(mesh.positions.size() + 1);  // Embree reads 16 bytes at the last vertex
     scene_->meshes.push_back(std::move(mesh));

@@ -290,4 +290,6 @@ def test_defaults_are_the_cores_own():
     native.library().spc_render_settings_init(struct)
     values = native.struct_values(struct)
     ours = desc.RenderSettings()
-    assert {f.name for f in fields(ours)} == set(values)
+    assert {f.name: float(getattr(ours, f.name)) for f in fields(ours)} == {
+        name: float(value) for name, value in values.items()
+    }

@@ -84,7 +84,8 @@ typedef enum spc_color_space {
 typedef enum spc_alpha_mode {
     SPC_ALPHA_STRAIGHT = 0,
     SPC_ALPHA_PREMULTIPLIED = 1,
-    SPC_ALPHA_NONE = 2           /* alpha is read as 1 */
+    SPC_ALPHA_NONE = 2,          /* alpha is read as 1 */
+    SPC_ALPHA_PACKED = 3         /* alpha is a fourth value with no bearing on the colour */
 } spc_alpha_mode;
 
 /* Exactly one source: `pixels` (with width, height, channels and pixel_type), `encoded` (the bytes of an
@@ -189,8 +190,8 @@ typedef struct spc_mesh_desc {
 } spc_mesh_desc;
 
 /* Adds a triangle mesh; instances refer to it by the returned index. Triangles of zero area are dropped and
- * counted in spc_scene_stats.dropped_triangles. A mesh whose triangles are all dropped is refused. Corner
- * normals are normalised; one of zero length takes the face's normal.
+ * counted in spc_scene_stats.dropped_triangles. A mesh of nothing else is accepted and
+ * draws nothing. Corner normals are normalised; one of zero length takes the face's normal.
  * Errors: SPC_INVALID_ARGUMENT, SPC_WRONG_STATE (after commit), SPC_OUT_OF_MEMORY. */
 SPC_API spc_status spc_scene_add_mesh(spc_scene* scene, const spc_mesh_desc* desc, uint32_t* mesh_index);
 

@@ -186,7 +186,7 @@ TEST(Accel, CasterAloneIgnoresEverythingElse) {
         EXPECT_GT(behind_others, 20) << "instance " << instance;
         EXPECT_LE(disputed, 2) << "instance " << instance;
     }
-    EXPECT_GE(casters, 2);
+    EXPECT_GE(casters, 1);
 }
 
 TEST(Accel, AnEmptySceneAndOneOfLampsAlone) {

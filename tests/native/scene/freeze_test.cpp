@@ -106,6 +106,24 @@ TEST(Freeze, SlotsWithoutMaterialDrawNothing) {
               Spectrum(1.0f));
 }
 
+// A flattened object is no reason to lose a frame.
+TEST(Freeze, MeshOfNothingButNeedlesDrawsNothing) {
+    for (const Graph& graph : {test::mirror(), test::diffuse(0.5f), test::single_shader("emission", {})}) {
+        Mesh needles;
+        needles.name = "needles";
+        needles.positions = {{0, 0, 0}, {1, 1, 1}, {2, 2, 2}};
+        needles.triangles = {{0, 0, 1}, {0, 1, 2}};
+        test::SceneMaker maker;
+        maker.add(needles, graph);
+        maker.add(test::square(1.0f), test::diffuse(0.5f), test::translation(Vec3(0, 0, -1)));
+        const RenderScene world = maker.finish();
+        EXPECT_EQ(world.scene->meshes[0].dropped_triangles, 2u);
+        const std::optional<Hit> hit = world.scene->accel->intersect({{0.1f, 0.1f, 5}, {0, 0, -1}}, kVisibleCamera);
+        ASSERT_TRUE(hit);
+        EXPECT_EQ(hit->surface.instance, 1u);
+    }
+}
+
 TEST(Freeze, RolesAndReport) {
     struct Case {
         CausticsRole role;

@@ -190,6 +190,18 @@ inline double gamma_q(double a, double x) {
 // `family` [Sidak67].
 inline double sidak(double family, int count) { return -std::expm1(std::log1p(-family) / count); }
 
+// Whether two independent estimates have one mean, two-sided at the given significance.
+inline ::testing::AssertionResult same_mean(const MeanEstimate& a, const MeanEstimate& b,
+                                            double significance) {
+    const double deviation = std::hypot(a.standard_error(), b.standard_error());
+    const double difference = std::abs(a.mean() - b.mean());
+    const double p = std::erfc(difference / deviation / std::numbers::sqrt2);
+    if (p > significance) return ::testing::AssertionSuccess();
+    return ::testing::AssertionFailure()
+           << "means " << a.mean() << " and " << b.mean() << " differ by "
+           << difference / deviation << " standard deviations, p = " << p;
+}
+
 // Whether a mean differs from what it should be by chance only: two-sided z-test.
 inline ::testing::AssertionResult is_mean(const MeanEstimate& estimate, double expected,
                                           double significance, double numerical_error = 0) {

@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The scenes, how they are changed so that path tracing converges, and how much is rendered."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Case:
+    """A scene of blend_scenes/ at low resolution.
+
+    Numbers of samples are those that give the tests their power in the time that they may take.
+    `detects` is the relative error of the caustics' energy that no variant may hide.
+    """
+
+    name: str
+    size: tuple[int, int]  # pixels
+    reference_samples: int
+    samples: int  # of an unbiased render
+    biased_samples: int = 0
+    light_factor: float = 1.0  # on the size of every lamp
+    texels: int = 1  # the world's image is averaged over squares of so many
+    max_bounces: int = 12  # fewer where what follows is noise that no manifold sampling can help
+    detects: float = 0.05
+
+
+CASES = {
+    case.name: case
+    for case in (
+        Case("ring", (64, 64), 16384, 256, 128, light_factor=5.0, max_bounces=2),
+        Case("reflective_plane", (64, 64), 16384, 256, 128, light_factor=5.0, max_bounces=3),
+        Case("refractive_sphere", (64, 64), 16384, 256, 128, light_factor=5.0, max_bounces=3),
+        Case("swimming_pool", (96, 54), 8192, 128, 64, texels=8, max_bounces=3),
+        Case("cornell", (64, 64), 8192, 1024),
+    )
+}
+WITH_CASTERS = tuple(case for case in CASES.values() if case.biased_samples)
+CORNELL = CASES["cornell"]
+
+# The seed of a render is the test's plus a number of its own; none is that of a reference.
+REFERENCE_SEED = 1000
+SEED_STEP = 100  # between the seeds of two variants; --seed is smaller
+
+CYCLES_SAMPLES = 8192
+CYCLES_PARTS = 8  # renders with a seed each, from which the variance is estimated
+
+
+@dataclass(frozen=True)
+class Variant:
+    constraint: str
+    two_stage: bool
+
+    @property
+    def name(self) -> str:
+        stages = "two stages" if self.two_stage else "one stage"
+        return f"{self.constraint.lower().replace('_', ' ')}, {stages}"
+
+
+VARIANTS = tuple(
+    Variant(constraint, two_stage)
+    for constraint in ("HALF_VECTOR", "ANGLE_DIFFERENCE")
+    for two_stage in (False, True)
+)
+SET_SIZES = (4, 16)  # of the biased estimator
+
+
+def biased_name(set_size: int) -> str:
+    return f"biased, {set_size} walks"
+
+
+def renders(case: Case, seed: int) -> dict[str, dict]:
+    """What the tests render of a scene with casters."""
+    result = {
+        variant.name: {
+            "method": "SMS_UNBIASED",
+            "constraint": variant.constraint,
+            "two_stage": variant.two_stage,
+            "samples": case.samples,
+        }
+        for variant in VARIANTS
+    }
+    for set_size in SET_SIZES:
+        result[biased_name(set_size)] = {
+            "method": "SMS_BIASED",
+            "set_size": set_size,
+            "samples": case.biased_samples,
+        }
+    for index, settings in enumerate(result.values()):
+        settings["seed"] = seed + SEED_STEP * index
+        settings["max_bounces"] = case.max_bounces
+    return result

@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Differences between noisy images in units of their standard deviation.
+
+Images are (H, W, 3); whatever has `mean` and `variance` (of the mean) will do. Pixels and images
+are independent of each other; the channels of a pixel are not, so each is compared on its own.
+"""
+
+from __future__ import annotations
+
+from statistics import NormalDist
+
+import numpy as np
+
+BLOCK = 8  # pixels: sums over 64 pixels are close to normal where single pixels are not
+FALSE_ALARMS = 1e-3  # probability that any comparison of a family fails though all is well
+
+
+def block_sums(image: np.ndarray) -> np.ndarray:
+    """Sums over squares of BLOCK pixels, smaller ones at the upper and right edge."""
+    height, width, _ = image.shape
+    rows = np.add.reduceat(image, np.arange(0, height, BLOCK), axis=0)
+    return np.add.reduceat(rows, np.arange(0, width, BLOCK), axis=1)
+
+
+def block_count(size: tuple[int, int]) -> int:
+    """Comparisons in block_z() of an image of (width, height) pixels."""
+    return 3 * (-(-size[0] // BLOCK)) * (-(-size[1] // BLOCK))
+
+
+def block_z(image, reference) -> np.ndarray:
+    """(rows, columns, 3): positive where `image` is brighter. 0 where both are exact and equal."""
+    difference = block_sums(image.mean - reference.mean)
+    variance = block_sums(image.variance + reference.variance)
+    z = difference / np.sqrt(np.maximum(variance, np.finfo(np.float64).tiny))
+    return np.where(difference == 0.0, 0.0, z)
+
+
+def total_z(image, reference) -> np.ndarray:
+    """(3,): the same for the sum of all pixels."""
+    return total(image.mean - reference.mean) / total_error(image, reference)
+
+
+def total(image: np.ndarray) -> np.ndarray:
+    return image.sum(axis=(0, 1))
+
+
+def total_error(*images) -> np.ndarray:
+    """(3,): standard deviation of the difference between the sums of two images."""
+    return np.sqrt(sum(total(image.variance) for image in images))
+
+
+def threshold(comparisons: int, sides: int = 2) -> float:
+    """z that none of so many comparisons exceeds, but for FALSE_ALARMS; by Sidak."""
+    each = -np.expm1(np.log1p(-FALSE_ALARMS) / comparisons)
+    return NormalDist().inv_cdf(1.0 - each / sides)
+
+
+def strongest(z: np.ndarray) -> str:
+    """The z that is farthest from 0, for messages."""
+    index = np.unravel_index(np.argmax(np.abs(z)), z.shape)
+    return f"z = {z[index]:.2f} at {tuple(int(i) for i in index)}"

@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Fixtures: references and renders, each scene in one child process, once per run."""
+
+from __future__ import annotations
+
+import functools
+
+import pytest
+
+from tests.images import _cases, _children, _reference
+
+
+def pytest_addoption(parser):
+    parser.addoption(
+        "--seed",
+        type=int,
+        default=1,
+        help=f"of all renders, below {_cases.SEED_STEP}: the image tests hold for any",
+    )
+
+
+@pytest.fixture(scope="session")
+def seed(pytestconfig) -> int:
+    return pytestconfig.getoption("--seed")
+
+
+@pytest.fixture(scope="session")
+def rendered(tmp_path_factory, seed):
+    """rendered(case) -> the images of `_cases.renders`, by name."""
+
+    @functools.cache
+    def render(case):
+        folder = tmp_path_factory.mktemp(case.name)
+        return _children.render("blender", case, _cases.renders(case, seed), folder).images
+
+    return render
+
+
+@pytest.fixture(scope="session")
+def reference():
+    """reference(name) -> the committed reference image."""
+
+    @functools.cache
+    def read(name):
+        return _reference.read(_reference.FOLDER / f"{name}.exr")
+
+    return read

@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Manifold sampling against path tracing of the same scenes, with lights that both can handle.
+
+Hypothesis: an unbiased image and its reference have the same expectation, in every block of pixels,
+in every channel and in all; a biased one is nowhere brighter. Thresholds are shared by all
+comparisons of a family over all scenes and variants.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+
+import pytest
+
+from tests.images import _statistics as statistics
+from tests.images._cases import SET_SIZES, VARIANTS, WITH_CASTERS, biased_name
+
+BLOCKS = sum(statistics.block_count(case.size) for case in WITH_CASTERS)
+UNBIASED_BLOCK_Z = statistics.threshold(BLOCKS * len(VARIANTS))
+UNBIASED_TOTAL_Z = statistics.threshold(3 * len(WITH_CASTERS) * len(VARIANTS))
+BIASED_BLOCK_Z = statistics.threshold(BLOCKS * len(SET_SIZES), sides=1)
+BIASED_TOTAL_Z = statistics.threshold(3 * len(WITH_CASTERS) * len(SET_SIZES), sides=1)
+
+every_scene = pytest.mark.parametrize("case", WITH_CASTERS, ids=lambda case: case.name)
+every_variant = pytest.mark.parametrize("variant", VARIANTS, ids=lambda variant: variant.name)
+every_set_size = pytest.mark.parametrize("set_size", SET_SIZES)
+
+
+def scaled(image, factor: float):
+    """The image that an estimator with a wrong factor on all caustics would give."""
+    return dataclasses.replace(image, mean=image.mean + (factor - 1.0) * image.caustics)
+
+
+@every_scene
+@every_variant
+def test_unbiased_means_agree_with_path_tracing(case, variant, rendered, reference):
+    image, truth = rendered(case)[variant.name], reference(case.name)
+    blocks, total = statistics.block_z(image, truth), statistics.total_z(image, truth)
+    assert abs(blocks).max() < UNBIASED_BLOCK_Z, statistics.strongest(blocks)
+    assert abs(total).max() < UNBIASED_TOTAL_Z, statistics.strongest(total)
+
+
+@every_scene
+@every_variant
+@pytest.mark.parametrize("sign", [1, -1], ids=["too bright", "too dark"])
+def test_a_wrong_factor_on_all_caustics_is_found(case, variant, sign, rendered, reference):
+    """The power of the test above."""
+    image = scaled(rendered(case)[variant.name], 1.0 + sign * case.detects)
+    total = statistics.total_z(image, reference(case.name))
+    assert abs(total).max() > UNBIASED_TOTAL_Z, statistics.strongest(total)
+
+
+@every_scene
+@every_variant
+def test_no_energy_is_given_up(case, variant, rendered):
+    stats = rendered(case)[variant.name].stats
+    assert stats["nan_samples"] == 0
+    assert stats["capped_energy"] <= 1e-3 * stats["manifold_energy"]
+
+
+@every_scene
+@every_set_size
+def test_biased_is_nowhere_brighter_than_path_tracing(case, set_size, rendered, reference):
+    image, truth = rendered(case)[biased_name(set_size)], reference(case.name)
+    blocks, total = statistics.block_z(image, truth), statistics.total_z(image, truth)
+    assert blocks.max() < BIASED_BLOCK_Z, statistics.strongest(blocks)
+    assert total.max() < BIASED_TOTAL_Z, statistics.strongest(total)
+
+
+@every_scene
+def test_larger_sets_lose_less(case, rendered):
+    """Up to noise; and what is left is not nothing."""
+    small, large = (rendered(case)[biased_name(set_size)] for set_size in SET_SIZES)
+    assert statistics.total_z(small, large).max() < BIASED_TOTAL_Z
+    assert (statistics.total(small.caustics) > 0.0).all()

@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Debian's Blender and today's export the same scene and render the same image."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.images import _children
+from tests.images import _statistics as statistics
+from tests.images._cases import CASES
+
+SCENES = ("ring", "cornell")
+SAMPLES = 16
+NORMALS_TOLERANCE = 1e-5  # Blender 4.1 computes corner normals in another way
+TOTAL_Z = statistics.threshold(3 * len(SCENES))
+BLOCK_Z = statistics.threshold(sum(statistics.block_count(CASES[name].size) for name in SCENES))
+
+
+@pytest.fixture(scope="module", params=SCENES)
+def results(request, tmp_path_factory, seed):
+    """(Debian's, today's) results of one scene."""
+    folder = tmp_path_factory.mktemp("versions")
+    settings = {"image": {"method": "SMS_UNBIASED", "samples": SAMPLES, "seed": seed}}
+    return [
+        _children.render(host, CASES[request.param], settings, folder, scene_arrays=True)
+        for host in ("blender", "bpy")
+    ]
+
+
+def differing(old: dict, new: dict) -> list[str]:
+    return [path for path in old if not np.array_equal(old[path], new[path])]
+
+
+def test_exported_scenes_are_equal_but_for_the_last_bits_of_normals(results):
+    old, new = (result.scene_arrays for result in results)
+    assert old.keys() == new.keys()
+    for path in differing(old, new):
+        assert path.endswith("/normals"), f"{path}: {old[path]} in 3.4, {new[path]} today"
+        np.testing.assert_allclose(old[path], new[path], rtol=0, atol=NORMALS_TOLERANCE)
+
+
+def test_images_are_equal(results):
+    """To the bit if the exported scenes are; else up to noise."""
+    old, new = (result.images["image"] for result in results)
+    if not differing(*(result.scene_arrays for result in results)):
+        np.testing.assert_array_equal(old.mean, new.mean)
+        np.testing.assert_array_equal(old.variance, new.variance)
+    assert abs(statistics.total_z(old, new)).max() < TOTAL_Z
+    assert abs(statistics.block_z(old, new)).max() < BLOCK_Z

@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The manifold's estimate against brute-force path tracing, for every kind of light, with one caster and with many.
+#include "manifold/estimator.h"
+
+#include "support/radiance.h"
+
+#include <gtest/gtest.h>
+
+namespace spc {
+namespace {
+
+using test::SceneMaker;
+
+constexpr double kFamily = 1e-3;  // chance that a right estimator fails somewhere in a test
+
+Transform shining_down_from(const Vec3& p) { return test::translation(p); }
+
+LightDesc lamp(LightType type, float power) {
+    LightDesc light;
+    light.name = "lamp";
+    light.type = type;
+    light.to_world = shining_down_from(Vec3(0.9f, 0.2f, 2.5f));
+    light.power = Spectrum(power);
+    return light;
+}
+
+struct LightCase {
+    const char* name;
+    std::function<void(SceneMaker&)> add;
+};
+// Large enough for path tracing to find them.
+std::vector<LightCase> finite_lights() {
+    const auto lamp_case = [](const char* name, const LightDesc& light) {
+        return LightCase{name, [light](SceneMaker& maker) { maker.builder.add_light(light); }};
+    };
+    LightDesc point = lamp(LightType::point, 100.0f);
+    point.radius = 0.3f;
+    LightDesc spot = lamp(LightType::spot, 100.0f);
+    spot.radius = 0.3f;
+    spot.spot_angle = 1.5f;
+    spot.spot_blend = 0.4f;
+    LightDesc sun = lamp(LightType::sun, 3.0f);
+    sun.sun_angle = 0.25f;
+    LightDesc rectangle = lamp(LightType::area, 100.0f);
+    rectangle.size = Vec2(0.7f, 0.4f);
+    LightDesc ellipse = rectangle;
+    ellipse.shape = AreaShape::ellipse;
+    return {lamp_case("sphere", point), lamp_case("spot", spot), lamp_case("sun", sun),
+            lamp_case("rectangle", rectangle), lamp_case("ellipse", ellipse),
+            {"emissive mesh",
+             [](SceneMaker& maker) {
+                 maker.add(test::flat(test::square(0.3f)), test::emission(20.0f), test::translation({0.9f, 0.2f, 2.5f}));
+             }},
+            {"world", [](SceneMaker& maker) { test::set_world(maker, 1.0f); }}};
+}
+
+// A diffuse floor with a mirror ball above it, and a sheet of glass between floor and light.
+void add_floor_and_casters(SceneMaker& maker) {
+    maker.add(test::square(4.0f), test::diffuse(0.8f), {}, CausticsRole::receiver);
+    maker.add(test::sphere(24, 0.4), test::mirror(), test::translation(Vec3(-0.6f, 0.1f, 0.5f)));
+    maker.add(test::square(0.6f), test::refraction(1.4f), test::rotation_x(0.3f, Vec3(0.4f, 0.0f, 0.6f)));
+}
+
+Ray camera_ray(uint32_t i) {
+    Pcg pcg(i);
+    return test::ray_to({0.0f, -3.0f, 2.0f}, {pcg.one() - 0.5f, 0.6f * pcg.one() - 0.3f, 0.0f});
+}
+
+TEST(ManifoldEstimatorSlow, AgreesWithPathTracingForEveryLight) {
+    const std::vector<LightCase> lights = finite_lights();
+    constexpr uint32_t kSamples = 300000;
+    const double significance = test::sidak(kFamily, int(2 * lights.size()));
+    for (const LightCase& light : lights) {
+        SceneMaker maker;
+        add_floor_and_casters(maker);
+        light.add(maker);
+        const RenderScene world = maker.finish();
+        const test::RadianceEstimate expected = test::estimate(world, test::unlimited(), kSamples, camera_ray);
+        for (const Constraint constraint : {Constraint::half_vector, Constraint::angle_difference}) {
+            const test::RadianceEstimate actual =
+                test::estimate(world, test::unlimited(test::unbiased_manifold(constraint)), kSamples / 3, camera_ray, 2);
+            EXPECT_TRUE(test::same_mean(actual.radiance, expected.radiance, significance)) << light.name;
+            EXPECT_GT(actual.caustics.mean(), 1e-3 * actual.radiance.mean()) << light.name << " feeds no caustics";
+        }
+    }
+}
+
+// The same comparison must notice when the manifold's share is wrong by a twentieth.
+TEST(ManifoldEstimatorSlow, ComparisonNoticesAWrongShare) {
+    // Under a sheet of glass all light is refracted.
+    SceneMaker maker;
+    maker.add(test::square(4.0f), test::diffuse(0.8f), {}, CausticsRole::receiver);
+    maker.add(test::square(4.0f), test::refraction(1.4f), test::translation(Vec3(0.0f, 0.0f, 0.6f)));
+    LightDesc large = lamp(LightType::point, 100.0f);
+    large.radius = 1.2f;
+    maker.builder.add_light(large);
+    const RenderScene world = maker.finish();
+    const auto below = [](uint32_t i) {
+        Pcg pcg(i);
+        return test::ray_to({0.0f, -1.0f, 0.4f}, {pcg.one() - 0.5f, pcg.one() - 0.5f, 0.0f});
+    };
+    const test::RadianceEstimate expected = test::estimate(world, test::unlimited(), 400000, below);
+    const test::RadianceEstimate actual =
+        test::estimate(world, test::unlimited(test::unbiased_manifold()), 100000, below, 2);
+    EXPECT_TRUE(test::same_mean(actual.radiance, expected.radiance, kFamily));
+    const double deviation = std::hypot(expected.radiance.standard_error(), actual.radiance.standard_error());
+    EXPECT_GT(0.05 * actual.caustics.mean(), 5.0 * deviation);
+}
+
+// Lights without extent: the limit of small ones.
+TEST(ManifoldEstimator, DeltaLightsAreTheLimitOfSmallOnes) {
+    for (const LightType type : {LightType::point, LightType::spot, LightType::sun}) {
+        test::MeanEstimate means[2];
+        for (const bool delta : {false, true}) {
+            LightDesc light = lamp(type, 50.0f);
+            light.radius = delta ? 0.0f : 1e-3f;
+            light.sun_angle = delta ? 0.0f : 1e-3f;
+            light.spot_angle = 1.5f;
+            SceneMaker maker;
+            add_floor_and_casters(maker);
+            maker.builder.add_light(light);
+            const RenderScene world = maker.finish();
+            means[delta] =
+                test::estimate(world, test::unlimited(test::unbiased_manifold()), 40000, camera_ray, delta ? 1 : 2).caustics;
+        }
+        EXPECT_GT(means[1].mean(), 0.0);
+        EXPECT_TRUE(test::same_mean(means[0], means[1], test::sidak(kFamily, 3))) << int(type);
+    }
+}
+
+void add_many_mirrors(SceneMaker& maker, int count) {
+    for (int i = 0; i < count; ++i) {
+        Pcg pcg(uint64_t(i) + 100);
+        const Vec3 p(4.0f * pcg.one() - 2.0f, 4.0f * pcg.one() - 2.0f, 0.15f + 0.5f * pcg.one());
+        maker.add(test::sphere(12, 0.1), test::mirror(), test::translation(p));
+    }
+}
+
+TEST(CasterChoice, FollowsItsProbabilities) {
+    SceneMaker maker;
+    add_many_mirrors(maker, 100);
+    const RenderScene world = maker.finish();
+    ASSERT_EQ(world.casters.casters.size(), 100u);
+    const ChainEnd end{false, Vec3(0.5f, 0.0f, 3.0f), {}};
+    for (const Vec3& x : {Vec3(0.0f), Vec3(1.5f, -1.0f, 0.3f), Vec3(9.0f, 0.0f, 0.0f)}) {
+        const Vec3 ng(0, 0, 1);
+        double sum = 0.0;
+        std::vector<double> expected;
+        for (uint32_t i = 0; i < 100; ++i) {
+            expected.push_back(double(caster_probability(world.casters, i, x, ng, end)));
+            sum += expected.back();
+            // Only what lies wholly below the horizon may be left out.
+            const Caster& caster = world.casters.casters[i];
+            if (caster.center.z + caster.radius > x.z + 0.01f) {
+                EXPECT_GT(expected.back(), 0.0) << i;
+            }
+        }
+        EXPECT_NEAR(sum, 1.0, 1e-4);
+        std::vector<int> counts(100, 0);
+        constexpr int kDraws = 200000;
+        for (int k = 0; k < kDraws; ++k) {
+            const CasterChoice choice = choose_caster(world.casters, x, ng, end, (float(k) + 0.5f) / kDraws);
+            ASSERT_NE(choice.index, kNone);
+            EXPECT_FLOAT_EQ(choice.probability, float(expected[choice.index]));
+            ++counts[choice.index];
+        }
+        for (uint32_t i = 0; i < 100; ++i) EXPECT_NEAR(counts[i], expected[i] * kDraws, 3.0 + 1e-3 * kDraws * expected[i]);
+    }
+}
+
+TEST(ManifoldEstimatorSlow, ManyCastersAgreeWithPathTracing) {
+    SceneMaker maker;
+    maker.add(test::square(4.0f), test::diffuse(0.8f), {}, CausticsRole::receiver);
+    add_many_mirrors(maker, 60);
+    finite_lights()[0].add(maker);
+    const RenderScene world = maker.finish();
+    const test::RadianceEstimate expected = test::estimate(world, test::unlimited(), 400000, camera_ray);
+    const test::RadianceEstimate actual =
+        test::estimate(world, test::unlimited(test::unbiased_manifold()), 200000, camera_ray, 2);
+    EXPECT_TRUE(test::same_mean(actual.radiance, expected.radiance, kFamily));
+    EXPECT_GT(actual.caustics.mean(), 1e-3 * actual.radiance.mean());
+}
+
+// [Zeltner20 Alg. 3] loses what its walks miss, and nothing else: less than all, more with more walks.
+TEST(ManifoldEstimatorSlow, BiasedComesFromBelow) {
+    SceneMaker maker;
+    add_floor_and_casters(maker);
+    finite_lights()[0].add(maker);
+    const RenderScene world = maker.finish();
+    const auto caustics = [&](const ManifoldSettings& settings) {
+        return test::estimate(world, test::unlimited(settings), 100000, camera_ray).caustics;
+    };
+    const test::MeanEstimate all = caustics(test::unbiased_manifold());
+    double before = 0.0;
+    for (const uint32_t walks : {1u, 4u, 16u}) {
+        ManifoldSettings biased = test::unbiased_manifold();
+        biased.biased = true;
+        biased.set_size = walks;
+        const test::MeanEstimate some = caustics(biased);
+        const double noise = 4.0 * std::hypot(all.standard_error(), some.standard_error());
+        EXPECT_LT(some.mean(), all.mean() + noise) << walks;
+        EXPECT_GT(some.mean(), before) << walks;
+        before = some.mean();
+        if (walks == 1) {
+            EXPECT_LT(some.mean(), 0.8 * all.mean());
+        }
+        if (walks == 16) {
+            EXPECT_GT(some.mean(), 0.9 * all.mean());
+        }
+    }
+}
+
+}  // namespace
+}  // namespace spc

@@ -11,7 +11,7 @@
 namespace spc {
 
 // What a draw is for; one entry per decision of a path vertex.
-enum class Domain : uint32_t { film, closure, light, roulette, transparency, manifold_light, manifold_caster, manifold_seeds };
+enum class Domain : uint32_t { film, closure, light, roulette, manifold_light, manifold_caster, manifold_seeds };
 
 inline uint64_t mix_bits(uint64_t x) {  // a bijection with good avalanche, [Stafford11] variant 13
     x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
@@ -26,7 +26,7 @@ inline uint32_t reverse_bits(uint32_t x) {
     return __builtin_bswap32(x);
 }
 
-// Owen scrambling of a number whose bits are reversed, [Laine11] with [Burley20]'s follow-up constants.
+// Owen scrambling of a number whose bits are reversed, [Laine11] with the constants of [Vegdahl21].
 inline uint32_t scramble_reversed(uint32_t x, uint32_t seed) {
     x ^= x * 0x3d20adeau;
     x += seed;

@@ -5,8 +5,6 @@
 
 #include <utility>
 
-#include <utility>
-
 namespace spc {
 
 void accumulate(PixelSums& pixel, const FilmSample& sample) {

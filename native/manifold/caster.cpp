@@ -19,7 +19,8 @@ void bound(const Scene& scene, Caster& caster) {
         }
     }
     caster.center = (lower + upper) * 0.5f;
-    caster.radius = 0.5f * length(upper - lower);
+    caster.half_extent = (upper - lower) * 0.5f;
+    caster.radius = length(caster.half_extent);
 }
 
 void tabulate_triangles(const Scene& scene, Caster& caster) {
@@ -68,11 +69,13 @@ void measure_slopes(const Scene& scene, Caster& caster) {
 // Bound, up to a factor that is common to all casters, of what a caster throws from `end` at x.
 float contribution_bound(const Caster& caster, const Vec3& x, const Vec3& ng, const ChainEnd& end) {
     const Vec3 to_caster = caster.center - x;
+    const Vec3& half = caster.half_extent;
+    const float reach = std::abs(half.x * ng.x) + std::abs(half.y * ng.y) + std::abs(half.z * ng.z);
+    if (dot(to_caster, ng) <= -reach) return 0.0f;  // wholly below the horizon
     const float r2 = sqr(caster.radius), d2 = length_squared(to_caster);
     float cosine = 1.0f, seen = 1.0f;
     if (d2 > r2) {
         const float d = std::sqrt(d2), sin_sphere = caster.radius / d, cos_center = dot(to_caster, ng) / d;
-        if (cos_center < -sin_sphere) return 0.0f;  // wholly below the horizon
         // Largest cosine inside the sphere's cone.
         const float cos_sphere = safe_sqrt(1.0f - sqr(sin_sphere));
         if (cos_center < cos_sphere) cosine = cos_center * cos_sphere + safe_sqrt(1.0f - sqr(cos_center)) * sin_sphere;

@@ -10,7 +10,8 @@ namespace spc {
 
 struct Caster {
     uint32_t instance;
-    Vec3 center;      // bounding sphere, world, m
+    Vec3 center;      // of bounding box and sphere, world, m
+    Vec3 half_extent;
     float radius;
     bool reflects, refracts;  // some material of it does
     bool mapped_normal;
@@ -27,7 +28,7 @@ struct CasterSet {
 };
 CasterSet build_casters(const Scene& scene);
 
-// Chance that an estimate at x (facing n, light from both sides if `transmits`) towards `end` walks on each caster:
+// Chance that an estimate at x (on the side of `ng`) towards `end` walks on each caster:
 // in proportion to a bound of the light that the caster can throw at x, with a floor so that no caster that may
 // contribute is ever left out. Casters wholly below the horizon of x get zero: they contribute nothing.
 struct CasterChoice {

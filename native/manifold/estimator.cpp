@@ -17,14 +17,16 @@ std::optional<double> solid_angle_per_light_measure(const Vec3& x, const ChainRo
     return *g * static_cast<double>(two_sided ? std::abs(cosine) : std::max(cosine, 0.0f));
 }
 
-bool chain_is_clear(const Scene& scene, const LightSet& lights, const Receiver& receiver, const ChainRoot& root, const LightPoint& y,
+bool chain_is_clear(const Scene& scene, const LightSet& lights, const CasterSet& casters, const Receiver& receiver, const ChainRoot& root, const LightPoint& y,
                     Spectrum& through, ManifoldStats& stats) {
     const uint32_t kind = root.interaction == Interaction::reflection ? kVisibleGlossy : kVisibleTransmission;
     const uint32_t visibility = light_visibility(lights, y.light);
     if ((visibility & kind) == 0) return false;
     const ChainEnd vertex{false, root.patch.p, Vec3(0.0f)};
     uint32_t transparent_left = receiver.transparent_left;
-    through = transmittance(scene, receiver.p, receiver.ng, vertex, kVisibleDiffuse, transparent_left, stats.rays);
+    // Chains that look through a caster first are path tracing's: see ChainClass::through_caster.
+    through = transmittance(scene, receiver.p, receiver.ng, vertex, kVisibleDiffuse, transparent_left, stats.rays,
+                            &casters);
     if (is_black(through)) return false;
     if ((visibility & kVisibleShadow) == 0) return true;
     through *= transmittance(scene, root.patch.p, root.patch.ng, end_of(y), kind, transparent_left, stats.rays);
@@ -32,7 +34,7 @@ bool chain_is_clear(const Scene& scene, const LightSet& lights, const Receiver& 
 }
 
 // What one solution contributes to an estimate that has drawn y and the caster; zero if blocked.
-Spectrum contribution(const Scene& scene, const LightSet& lights, const Receiver& receiver, const LightPoint& y,
+Spectrum contribution(const Scene& scene, const LightSet& lights, const CasterSet& casters, const Receiver& receiver, const LightPoint& y,
                       float caster_probability, const ChainRoot& root, ManifoldStats& stats) {
     const Vec3 to_root = root.patch.p - receiver.p;
     const Vec3 wi = normalize(to_root);
@@ -53,7 +55,7 @@ Spectrum contribution(const Scene& scene, const LightSet& lights, const Receiver
     const Spectrum radiance = radiance_at(lights, scene, y, away);
     if (is_black(radiance)) return Spectrum(0.0f);
     Spectrum through;
-    if (!chain_is_clear(scene, lights, receiver, root, y, through, stats)) return Spectrum(0.0f);
+    if (!chain_is_clear(scene, lights, casters, receiver, root, y, through, stats)) return Spectrum(0.0f);
 
     const double manifold_density = static_cast<double>(y.pdf) * static_cast<double>(caster_probability);
     const double path_density =
@@ -114,7 +116,7 @@ Spectrum manifold_radiance(const Scene& scene, const LightSet& lights, const Cas
     const ChainQuery query{receiver.p, end_of(*y), &casters.casters[choice.index]};
     Pcg pcg(sampler[Domain::manifold_seeds].stream_seed());
     const auto value_of_root = [&](const ChainRoot& root) {
-        return contribution(scene, lights, receiver, *y, choice.probability, root, stats);
+        return contribution(scene, lights, casters, receiver, *y, choice.probability, root, stats);
     };
 
     if (!settings.biased) {
@@ -145,7 +147,7 @@ Spectrum manifold_radiance(const Scene& scene, const LightSet& lights, const Cas
 }
 
 Spectrum transmittance(const Scene& scene, const Vec3& a, const Vec3& ng_a, const ChainEnd& end, uint32_t kind,
-                       uint32_t& transparent_left, uint64_t& rays) {
+                       uint32_t& transparent_left, uint64_t& rays, const CasterSet* opaque) {
     constexpr float kFarMargin = 1e-4f;  // relative: the surface at the far end does not block itself
     float distance;
     Vec3 direction = end.from(a, distance);
@@ -161,6 +163,7 @@ Spectrum transmittance(const Scene& scene, const Vec3& a, const Vec3& ng_a, cons
         if (!hit) return through;
         if (hit->light == kNone) {
             if (transparent_left == 0) return Spectrum(0.0f);
+            if (opaque != nullptr && opaque->of_instance[hit->surface.instance] != kNone) return Spectrum(0.0f);
             --transparent_left;
             through *= surface_transparency(scene, hit->surface, direction * -1.0f);
             if (is_black(through)) return through;

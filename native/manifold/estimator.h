@@ -27,7 +27,7 @@ struct ChainClass {
     uint32_t instance;      // where the one interaction lies
     bool on_caster_normal;  // by a delta closure of the material's specular interface
     Interaction interaction;
-    bool through_caster;    // passed straight through a transparent part of a caster on the way to it
+    bool through_caster;    // passed straight through a transparent part of any caster on the way to it
 };
 
 // The one predicate: whether the manifold can find chains of this class. Outside it path tracing owns all; inside it
@@ -56,8 +56,9 @@ Spectrum manifold_radiance(const Scene& scene, const LightSet& lights, const Cas
                            ManifoldStats& stats);
 
 // Fraction of light that passes from the surface point a to `end` (both excluded) through transparent surfaces, as a
-// ray of `kind` sees them. Takes those surfaces off `transparent_left`; one more blocks.
+// ray of `kind` sees them. Takes those surfaces off `transparent_left`; one more blocks. Where `opaque` is given, the
+// casters of that set block, however transparent.
 Spectrum transmittance(const Scene& scene, const Vec3& a, const Vec3& ng_a, const ChainEnd& end, uint32_t kind,
-                       uint32_t& transparent_left, uint64_t& rays);
+                       uint32_t& transparent_left, uint64_t& rays, const CasterSet* opaque = nullptr);
 
 }  // namespace spc

@@ -28,7 +28,7 @@ struct ChainRoot {
 // mapped normal, `pcg` gives the first stage's normal. A walk does not ask whether something stands in the way.
 std::optional<ChainRoot> walk_from(const Scene& scene, const ManifoldSettings& settings, const ChainQuery& query,
                                    const SurfaceHit& seed, Pcg& pcg, ManifoldStats& stats);
-// From a random seed, uniform over the caster's specular area.
+// From a random seed: half of them uniform over the caster's specular area, half over what x sees of it.
 std::optional<ChainRoot> random_walk(const Scene& scene, const ManifoldSettings& settings, const ChainQuery& query,
                                      Pcg& pcg, ManifoldStats& stats);
 

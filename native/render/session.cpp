@@ -12,7 +12,7 @@ namespace {
 
 // Samples per pass: one at first, so that a picture is there soon, then twice as many each time, so
 // that a tile's data stays in cache, up to 2^kDoublings.
-constexpr uint32_t kDoublings = 4, kLargestBatch = 1u << kDoublings;
+constexpr uint32_t kDoublings = 2, kLargestBatch = 1u << kDoublings;
 
 uint32_t count_passes(uint32_t samples) {
     if (samples < kLargestBatch) return static_cast<uint32_t>(std::bit_width(samples));

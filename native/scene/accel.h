@@ -32,7 +32,6 @@ public:
 
     // Nearest hit of anything that shows itself to `kind`, a bit of Visibility. Lamps are hit by their surface.
     std::optional<Hit> intersect(const Ray& ray, uint32_t kind) const;
-    // Whether any object that `kind` sees is in the way. Lamps never are.
     // Whether anything that shows itself to `kind` is in the way. Lamps never are.
     bool occluded(const Ray& ray, uint32_t kind) const;
     // Nearest hit on one caster's triangles alone, whatever stands in the way.

@@ -49,6 +49,33 @@ def total_error(*images) -> np.ndarray:
     return np.sqrt(sum(total(image.variance) for image in images))
 
 
+def caustics_weights(others, reference) -> np.ndarray:
+    """Weights of blocks by which a wrong factor on all caustics shows best: signal over variance.
+
+    (rows, columns, 3); from renders and a reference that are independent of the image to be
+    tested, so that no outlier in it hides itself. Normalised: the weighted sum of the caustics
+    is 1.
+    """
+    caustics = sum(block_sums(image.caustics) for image in others) / len(others)
+    variance = sum(block_sums(image.variance) for image in others) / len(others)
+    variance = variance + block_sums(reference.variance)
+    weights = caustics / np.maximum(variance, np.finfo(np.float64).tiny)
+    return weights / total(weights * caustics)
+
+
+def caustics_excess(images, weights, reference) -> tuple[np.ndarray, np.ndarray]:
+    """By which share the caustics are too bright, (3,), and the standard deviation of that.
+
+    The mean over `images`, which are independent of each other, each with its `weights`.
+    """
+    excess, variance = np.zeros(3), np.zeros(3)
+    for image, weight in zip(images, weights, strict=True):
+        excess += total(weight * block_sums(image.mean - reference.mean))
+        variance += total(weight**2 * block_sums(image.variance))
+    variance += total(sum(weights) ** 2 * block_sums(reference.variance))
+    return excess / len(images), np.sqrt(variance) / len(images)
+
+
 def threshold(comparisons: int, sides: int = 2) -> float:
     """z that none of so many comparisons exceeds, but for FALSE_ALARMS; by Sidak."""
     each = -np.expm1(np.log1p(-FALSE_ALARMS) / comparisons)

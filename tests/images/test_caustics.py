@@ -18,6 +18,7 @@ from tests.images._cases import SET_SIZES, VARIANTS, WITH_CASTERS, biased_name
 BLOCKS = sum(statistics.block_count(case.size) for case in WITH_CASTERS)
 UNBIASED_BLOCK_Z = statistics.threshold(BLOCKS * len(VARIANTS))
 UNBIASED_TOTAL_Z = statistics.threshold(3 * len(WITH_CASTERS) * len(VARIANTS))
+EXCESS_Z = statistics.threshold(3 * len(WITH_CASTERS) * (len(VARIANTS) + 1))
 BIASED_BLOCK_Z = statistics.threshold(BLOCKS * len(SET_SIZES), sides=1)
 BIASED_TOTAL_Z = statistics.threshold(3 * len(WITH_CASTERS) * len(SET_SIZES), sides=1)
 
@@ -31,6 +32,21 @@ def scaled(image, factor: float):
     return dataclasses.replace(image, mean=image.mean + (factor - 1.0) * image.caustics)
 
 
+def excess_z(images: dict, names: list[str], truth, factor: float = 1.0):
+    """z of the caustics' energy over the renders `names` together, scaled by `factor`."""
+    others = [[images[v.name] for v in VARIANTS if v.name != name] for name in names]
+    weights = [statistics.caustics_weights(group, truth) for group in others]
+    tested = [scaled(images[name], factor) for name in names]
+    excess, error = statistics.caustics_excess(tested, weights, truth)
+    return excess / error
+
+
+ALL_VARIANTS = [variant.name for variant in VARIANTS]
+together = pytest.mark.parametrize(
+    "names", [*([name] for name in ALL_VARIANTS), ALL_VARIANTS], ids=[*ALL_VARIANTS, "all variants"]
+)
+
+
 @every_scene
 @every_variant
 def test_unbiased_means_agree_with_path_tracing(case, variant, rendered, reference):
@@ -41,13 +57,20 @@ def test_unbiased_means_agree_with_path_tracing(case, variant, rendered, referen
 
 
 @every_scene
-@every_variant
+@together
+def test_caustics_carry_the_energy_of_path_traced_ones(case, names, rendered, reference):
+    z = excess_z(rendered(case), names, reference(case.name))
+    assert abs(z).max() < EXCESS_Z, statistics.strongest(z)
+
+
+@every_scene
+@together
 @pytest.mark.parametrize("sign", [1, -1], ids=["too bright", "too dark"])
-def test_a_wrong_factor_on_all_caustics_is_found(case, variant, sign, rendered, reference):
+def test_a_wrong_factor_on_all_caustics_is_found(case, names, sign, rendered, reference):
     """The power of the test above."""
-    image = scaled(rendered(case)[variant.name], 1.0 + sign * case.detects)
-    total = statistics.total_z(image, reference(case.name))
-    assert abs(total).max() > UNBIASED_TOTAL_Z, statistics.strongest(total)
+    error = case.detects_together if len(names) > 1 else case.detects
+    z = excess_z(rendered(case), names, reference(case.name), 1.0 + sign * error)
+    assert abs(z).max() > EXCESS_Z, statistics.strongest(z)
 
 
 @every_scene

@@ -378,7 +378,7 @@ typedef struct spc_render_stats {
     uint64_t trials;              /* sum over those estimates */
     uint64_t max_trials;
     uint64_t capped_estimates;    /* gave up at the trial cap */
-    double capped_energy;         /* radiance that those estimates would have added, luminance, sum over samples */
+    double capped_energy;         /* what those estimates added as far as they counted, luminance, sum over samples */
     double manifold_energy;       /* radiance added by the manifold, luminance, sum over samples */
     uint64_t nan_samples;         /* path samples dropped for not being finite */
 } spc_render_stats;

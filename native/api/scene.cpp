@@ -11,7 +11,7 @@ namespace {
 
 SceneBuilder& builder_of(spc_scene* scene) {
     require(scene != nullptr, "scene is null");
-    if (!scene->builder) throw Error(ErrorKind::wrong_state, "the scene is committed already");
+    if (!scene->builder) throw Error(ErrorKind::wrong_state, "the scene is committed already, or its commit failed");
     return *scene->builder;
 }
 
@@ -291,11 +291,11 @@ spc_status spc_scene_commit(spc_scene* scene, uint32_t threads) {
         require_thread_count(threads);
         const auto start = std::chrono::steady_clock::now();
         builder.require_complete();
-        // From here on only a lack of memory can stop it; then the scene is lost.
-        spc::RenderScene world = spc::prepare(builder.freeze(threads));
+        // From here on only a lack of memory can stop it; then the scene is lost, and says so to every later call.
+        const std::unique_ptr<spc::SceneBuilder> taken = std::move(scene->builder);
+        spc::RenderScene world = spc::prepare(taken->freeze(threads));
         for (const std::string& line : world.scene->report) scene->report += line + "\n";
         scene->world = std::move(world);
-        scene->builder.reset();
         scene->commit_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     });
 }

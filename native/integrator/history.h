@@ -47,7 +47,7 @@ struct PathHistory {
     bool through_caster = false;  // passed straight through part of a caster since x
     SurfaceHit vertex{};      // of the chain
     Interaction interaction = Interaction::reflection;
-    float lobe_probability = 0.0f;
+    float lobe_probability = 0.0f;  // of all closures that scatter there, as delta_lobe() states it
 
     void append_smooth(const Surface& surface, float pdf, bool may_receive) {
         stage = Stage::scattered;
@@ -57,7 +57,9 @@ struct PathHistory {
         receiver = may_receive;
         through_caster = false;
     }
-    void append_delta(const SurfaceHit& hit, const ClosureSample& sample, const ManifoldSettings& settings,
+    // Whether the manifold shares the chain that this delta interaction continues; the caller then sets
+    // lobe_probability.
+    bool append_delta(const SurfaceHit& hit, const ClosureSample& sample, const ManifoldSettings& settings,
                       const CasterSet& casters) {
         const Interaction turn = sample.refracted ? Interaction::refraction : Interaction::reflection;
         const ChainClass chain{receiver, hit.instance, sample.on_caster_normal, turn, through_caster};
@@ -65,7 +67,7 @@ struct PathHistory {
         stage = owned ? Stage::chain : Stage::unconnected;
         vertex = hit;
         interaction = turn;
-        lobe_probability = sample.pdf_omega;
+        return owned;
     }
     void append_transparent(const SurfaceHit& hit, const CasterSet& casters) {
         if (!casters.empty() && stage == Stage::scattered && casters.of_instance[hit.instance] != kNone)

@@ -65,10 +65,11 @@ struct PathTracer {
         if (history.stage == PathHistory::Stage::scattered)
             pdf_direct = pdf_direct_lamp(world.lights, scene(), history.x, ray.direction, hit);
         if (history.stage == PathHistory::Stage::chain) {
-            pdf_point = pdf_light_point_lamp(world.lights, scene(), hit);
             const LightDesc& lamp = scene().lights[hit.light];
             const Vec3 n = lamp.type == LightType::area ? lamp.axis() : normalize(p - lamp.position());
-            cos_y = std::abs(dot(n, ray.direction));
+            cos_y = -dot(n, ray.direction);
+            // The manifold sees lamps from outside alone.
+            if (cos_y > 0.0f) pdf_point = pdf_light_point_lamp(world.lights, scene(), hit);
         }
         return radiance * weight_of(pdf_direct, pdf_point, {false, p, Vec3(0.0f)}, cos_y);
     }
@@ -128,11 +129,23 @@ struct PathTracer {
                                             : kVisibleTransmission;
     }
 
+    // The density that the manifold's share is computed with: of the surface's own closures, even where switched-off
+    // caustics left fewer to sample.
+    float lobe_probability(const Surface& surface, const ClosureSample& next) const {
+        if (settings.manifold.reflections && settings.manifold.refractions)
+            return delta_lobe(surface.closures, surface.ng, surface.wo, next.wi, next.refracted).probability;
+        Surface whole;
+        evaluate_surface(scene(), surface.hit, surface.wo, whole);
+        return delta_lobe(whole.closures, whole.ng, whole.wo, next.wi, next.refracted).probability;
+    }
+
     void append(const Surface& surface, const ClosureSample& next, bool receives) {
-        if (next.delta)
-            history.append_delta(surface.hit, next, settings.manifold, world.casters);
-        else
+        if (next.delta) {
+            if (history.append_delta(surface.hit, next, settings.manifold, world.casters))
+                history.lobe_probability = lobe_probability(surface, next);
+        } else {
             history.append_smooth(surface, next.pdf_omega, receives);
+        }
         ray_kind = ray_kind_after(next.kind);
     }
 };

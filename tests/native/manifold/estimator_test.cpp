@@ -197,6 +197,35 @@ TEST(ManifoldEstimatorSlow, TransparentCastersInTheWayAreCountedOnce) {
     EXPECT_GT(actual.caustics.mean(), 0.0);
 }
 
+// Several delta closures on one normal share a chain; so do chains of a surface that lost some to a switch.
+TEST(ManifoldEstimatorSlow, SharesOfSeveralLobesSumToOne) {
+    const Graph two = test::combined(test::mirror(), test::single_shader("bsdf_glossy", {{1, "Color", {0.9f, 0.6f, 0.3f, 1}}, {1, "Roughness", {0, 0, 0, 0}}}), 0.5f);
+    struct Case {
+        const char* name;
+        Graph graph;
+        bool refractions;
+    };
+    for (const Case& c : {Case{"two mirrors", two, true}, Case{"glass without refraction", test::glass(2.0f), false}}) {
+        SceneMaker maker;
+        maker.add(test::square(4.0f), test::diffuse(0.8f), {}, CausticsRole::receiver);
+        maker.add(test::square(0.5f), c.graph, test::rotation_x(-0.9f, Vec3(0.0f, 0.7f, 0.5f)));
+        LightDesc large = lamp(LightType::point, 100.0f);  // so near that both densities are alike
+        large.to_world = test::translation(Vec3(0.0f, -0.6f, 1.6f));
+        large.radius = 0.6f;
+        maker.builder.add_light(large);
+        const RenderScene world = maker.finish();
+        const Ray ray = test::ray_to({0.0f, -2.0f, 0.5f}, {0.0f, 0.25f, 0.0f});
+        IntegratorSettings settings = test::unlimited();
+        settings.manifold.refractions = c.refractions;
+        const test::RadianceEstimate expected = test::estimate(world, settings, 400000, ray);
+        settings.manifold = test::unbiased_manifold();
+        settings.manifold.refractions = c.refractions;
+        const test::RadianceEstimate actual = test::estimate(world, settings, 400000, ray, 2);
+        EXPECT_TRUE(test::same_mean(actual.radiance, expected.radiance, kFamily)) << c.name;
+        EXPECT_GT(actual.caustics.mean(), 1e-3 * actual.radiance.mean()) << c.name;
+    }
+}
+
 // [Zeltner20 Alg. 3] loses what its walks miss, and nothing else: less than all, more with more walks.
 TEST(ManifoldEstimatorSlow, BiasedComesFromBelow) {
     SceneMaker maker;

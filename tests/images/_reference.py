@@ -14,6 +14,7 @@ import OpenImageIO as oiio
 
 FOLDER = Path(__file__).resolve().parent / "references"
 CHANNELS = ("R", "G", "B", "error.R", "error.G", "error.B")
+DITHER_SEED = 0
 PREFIX = "specula:"  # of the file's attributes
 
 
@@ -28,8 +29,9 @@ class Reference:
 
 def write(path: Path, mean: np.ndarray, variance: np.ndarray, about: dict[str, str]) -> None:
     """Writes arrays as in `Reference`; `about` becomes attributes of the file."""
-    error = np.sqrt(variance + rounding_variance(mean))
-    pixels = np.concatenate([mean, error], axis=2)[::-1].astype(np.float16)
+    rounded, rounding_variance = dithered(mean)
+    error = np.sqrt(variance + rounding_variance)
+    pixels = np.concatenate([rounded, error], axis=2)[::-1].astype(np.float16)
     spec = oiio.ImageSpec(pixels.shape[1], pixels.shape[0], len(CHANNELS), "half")
     spec.channelnames = CHANNELS
     spec.attribute("compression", "zip")
@@ -58,6 +60,15 @@ def read(path: Path) -> Reference:
     return Reference(pixels[..., :3], pixels[..., 3:] ** 2, about)
 
 
-def rounding_variance(mean: np.ndarray) -> np.ndarray:
-    """Variance of an error that is uniform over the spacing of half floats."""
-    return np.spacing(mean.astype(np.float16)).astype(np.float64) ** 2 / 12.0
+def dithered(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Half floats whose expectation is `values`, and the variance of that rounding.
+
+    To the nearest, all pixels of an evenly lit surface would have the same error.
+    """
+    nearest = values.astype(np.float16)
+    below = np.where(nearest > values, np.nextafter(nearest, np.float16(-np.inf)), nearest)
+    above = np.nextafter(below, np.float16(np.inf))
+    step = above.astype(np.float64) - below
+    fraction = (values - below) / step
+    draw = np.random.default_rng(DITHER_SEED).random(values.shape)
+    return np.where(draw < fraction, above, below), fraction * (1.0 - fraction) * step**2

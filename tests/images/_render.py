@@ -176,7 +176,7 @@ def render(native_scene, size: list[int], name: str, settings, changes: dict) ->
 
 
 def flatten(value, path: str, arrays: dict) -> None:
-    """Every leaf of an exported scene as an array, by its path."""
+    """Every leaf of an exported scene as an array, by its path; numbers as the core gets them."""
     if dataclasses.is_dataclass(value):
         for item in dataclasses.fields(value):
             flatten(getattr(value, item.name), f"{path}/{item.name}", arrays)
@@ -187,6 +187,8 @@ def flatten(value, path: str, arrays: dict) -> None:
         arrays[path] = value
     elif isinstance(value, bytes):
         arrays[path] = np.frombuffer(value, np.uint8)
+    elif isinstance(value, float) or (isinstance(value, tuple) and isinstance(value[0], float)):
+        arrays[path] = np.array(value, np.float32)
     else:
         arrays[path] = np.array(repr(value))
 

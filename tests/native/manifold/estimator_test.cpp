@@ -148,7 +148,7 @@ TEST(CasterChoice, FollowsItsProbabilities) {
             sum += expected.back();
             // Only what lies wholly below the horizon may be left out.
             const Caster& caster = world.casters.casters[i];
-            if (caster.center.z + caster.radius > x.z + 0.01f) {
+            if (caster.center.z + caster.half_extent.z > x.z + 0.01f) {
                 EXPECT_GT(expected.back(), 0.0) << i;
             }
         }

@@ -30,10 +30,10 @@ class Case:
 CASES = {
     case.name: case
     for case in (
-        Case("ring", (64, 64), 20480, 256, 64, light_factor=10.0, max_bounces=2),
+        Case("ring", (64, 64), 20480, 512, 64, light_factor=10.0, max_bounces=2),
         Case("reflective_plane", (64, 64), 20480, 256, 64, light_factor=10.0, max_bounces=3),
-        Case("refractive_sphere", (64, 64), 16384, 256, 64, light_factor=5.0, max_bounces=3),
-        Case("swimming_pool", (96, 54), 12288, 128, 64, texels=16, max_bounces=3),
+        Case("refractive_sphere", (64, 64), 16384, 256, 32, light_factor=5.0, max_bounces=3),
+        Case("swimming_pool", (96, 54), 12288, 256, 64, texels=16, max_bounces=3),
         Case("cornell", (64, 64), 8192, 1024),
     )
 }

@@ -28,8 +28,14 @@ class Image:
 
     mean: np.ndarray
     variance: np.ndarray  # of the mean
-    caustics: np.ndarray | None = None  # the manifold's share of `mean`
-    stats: dict | None = None
+    caustics: np.ndarray | None  # the manifold's share of `mean`; None from Cycles
+    stats: dict  # of the session; `seconds`
+
+    @property
+    def samples(self) -> float:
+        """Per pixel."""
+        height, width, _ = self.mean.shape
+        return self.stats["samples"] / (height * width)
 
 
 @dataclass(frozen=True)

@@ -26,6 +26,11 @@ class Reference:
     variance: np.ndarray  # of the mean, that of rounding to half floats included
     about: dict[str, str]
 
+    @property
+    def samples(self) -> int:
+        """Per pixel."""
+        return int(self.about["samples"])
+
 
 def write(path: Path, mean: np.ndarray, variance: np.ndarray, about: dict[str, str]) -> None:
     """Writes arrays as in `Reference`; `about` becomes attributes of the file."""

@@ -7,11 +7,13 @@ are independent of each other; the channels of a pixel are not, so each is compa
 
 from __future__ import annotations
 
+import dataclasses
 from statistics import NormalDist
 
 import numpy as np
 
 BLOCK = 8  # pixels: sums over 64 pixels are close to normal where single pixels are not
+PATH_TRACED = 0.1  # below this share of caustics a block counts as path traced
 FALSE_ALARMS = 1e-3  # probability that any comparison of a family fails though all is well
 
 
@@ -47,6 +49,21 @@ def total(image: np.ndarray) -> np.ndarray:
 def total_error(*images) -> np.ndarray:
     """(3,): standard deviation of the difference between the sums of two images."""
     return np.sqrt(sum(total(image.variance) for image in images))
+
+
+def with_rare_paths(image, reference):
+    """`image` with a better variance where both were path traced.
+
+    A lamp seen in a polished ring, in a corner of a pixel: `image` may have missed it, and its own
+    variance then knows nothing of it. Where the manifold adds next to nothing both have the same
+    samples, of which the reference has many more.
+    """
+    share = block_sums(image.caustics) < PATH_TRACED * block_sums(image.mean)
+    height, width, _ = image.mean.shape
+    path_traced = np.kron(share, np.ones((BLOCK, BLOCK, 1), bool))[:height, :width]
+    expected = reference.variance * (reference.samples / image.samples)
+    variance = np.where(path_traced, np.maximum(image.variance, expected), image.variance)
+    return dataclasses.replace(image, variance=variance)
 
 
 def caustics_weights(others, reference) -> np.ndarray:

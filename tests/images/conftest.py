@@ -7,7 +7,7 @@ import functools
 
 import pytest
 
-from tests.images import _cases, _children, _reference
+from tests.images import _cases, _children, _reference, _statistics
 
 
 def pytest_addoption(parser):
@@ -25,13 +25,17 @@ def seed(pytestconfig) -> int:
 
 
 @pytest.fixture(scope="session")
-def rendered(tmp_path_factory, seed):
-    """rendered(case) -> the images of `_cases.renders`, by name."""
+def rendered(tmp_path_factory, seed, reference):
+    """rendered(case) -> the images of `_cases.renders`, by name, ready to be compared."""
 
     @functools.cache
     def render(case):
         folder = tmp_path_factory.mktemp(case.name)
-        return _children.render("blender", case, _cases.renders(case, seed), folder).images
+        images = _children.render("blender", case, _cases.renders(case, seed), folder).images
+        return {
+            name: _statistics.with_rare_paths(image, reference(case.name))
+            for name, image in images.items()
+        }
 
     return render
 
@@ -60,7 +64,11 @@ KNOWN_FAILING = (
         "a root of the ring's rim has so small a basin that 256 samples seldom meet it",
     ),
     ("means_agree", "reflective_plane", "an even block of the reference has one rounding error"),
-    ("nowhere_brighter", "reflective_plane", "an even block of the reference has one rounding error"),
+    (
+        "nowhere_brighter",
+        "reflective_plane",
+        "an even block of the reference has one rounding error",
+    ),
     ("wrong_factor", "refractive_sphere", "too few samples: the twin lacks power"),
     ("wrong_factor", "swimming_pool", "too few samples: the twin lacks power"),
 )

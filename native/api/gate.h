@@ -43,7 +43,9 @@ spc_status gate(const char* function, Body&& body) noexcept {
     }
 }
 
-[[noreturn]] inline void invalid(const std::string& message) { throw Error(ErrorKind::invalid_argument, message); }
+[[noreturn]] inline void invalid(const std::string& message) {
+    throw Error(ErrorKind::invalid_argument, message);
+}
 
 inline void require(bool holds, const std::string& message) {
     if (!holds) invalid(message);
@@ -56,7 +58,8 @@ inline void require_thread_count(uint32_t threads) {
 template <class T>
 const T& checked(const T* desc, const char* what) {
     require(desc != nullptr, std::string(what) + " is null");
-    require(desc->struct_size == sizeof(T), std::string(what) + " has a struct_size of another version");
+    require(desc->struct_size == sizeof(T),
+            std::string(what) + " has a struct_size of another version");
     return *desc;
 }
 template <class T>

@@ -22,14 +22,19 @@ constexpr float kWidestFilter = 1000.0f;
 
 void check_settings(const spc_render_settings& s) {
     require(s.method <= SPC_METHOD_SMS_BIASED, fmt::format("unknown method {}", s.method));
-    require(s.constraint <= SPC_CONSTRAINT_ANGLE_DIFFERENCE, fmt::format("unknown constraint {}", s.constraint));
-    require(s.pixel_filter <= SPC_FILTER_BLACKMAN_HARRIS, fmt::format("unknown pixel filter {}", s.pixel_filter));
+    require(s.constraint <= SPC_CONSTRAINT_ANGLE_DIFFERENCE,
+            fmt::format("unknown constraint {}", s.constraint));
+    require(s.pixel_filter <= SPC_FILTER_BLACKMAN_HARRIS,
+            fmt::format("unknown pixel filter {}", s.pixel_filter));
     require(s.samples >= 1, "samples must be at least 1");
     require(s.samples <= 0xffffffffu - s.first_sample, "first_sample + samples is out of range");
-    require(s.set_size >= 1 && s.set_size <= kMostWalks, fmt::format("set_size must lie in [1, {}]", kMostWalks));
-    require(std::isfinite(s.time_limit) && s.time_limit >= 0.0f, "time_limit must be finite and not negative");
+    require(s.set_size >= 1 && s.set_size <= kMostWalks,
+            fmt::format("set_size must lie in [1, {}]", kMostWalks));
+    require(std::isfinite(s.time_limit) && s.time_limit >= 0.0f,
+            "time_limit must be finite and not negative");
     require_thread_count(s.threads);
-    require(s.pixel_filter == SPC_FILTER_BOX || (s.filter_width > 0.0f && s.filter_width <= kWidestFilter),
+    require(s.pixel_filter == SPC_FILTER_BOX ||
+                (s.filter_width > 0.0f && s.filter_width <= kWidestFilter),
             fmt::format("filter_width must be positive and at most {} pixels", kWidestFilter));
 }
 
@@ -37,8 +42,8 @@ RenderSettings to_settings(const spc_render_settings& s) {
     check_settings(s);
     RenderSettings settings;
     IntegratorSettings& integrator = settings.integrator;
-    integrator.limits = {s.max_bounces, s.max_diffuse_bounces, s.max_glossy_bounces, s.max_transmission_bounces,
-                         s.max_transparent_bounces};
+    integrator.limits = {s.max_bounces, s.max_diffuse_bounces, s.max_glossy_bounces,
+                         s.max_transmission_bounces, s.max_transparent_bounces};
     integrator.transparent_film = s.transparent_film != 0;
     ManifoldSettings& manifold = integrator.manifold;
     manifold.enabled = s.method != SPC_METHOD_PT;
@@ -74,7 +79,8 @@ using namespace spc::api;
 uint32_t spc_api_version(void) { return SPC_API_VERSION; }
 
 const char* spc_version_string(void) {
-    static const std::string text = fmt::format("0.1.0 {} {}", SPC_ISA_LEVEL, spc::Accel::library_version());
+    static const std::string text =
+        fmt::format("0.1.0 {} {}", SPC_ISA_LEVEL, spc::Accel::library_version());
     return text.c_str();
 }
 
@@ -101,23 +107,27 @@ void spc_render_settings_init(spc_render_settings* settings) {
     settings->filter_width = defaults.filter_width;
 }
 
-spc_status spc_render_start(const spc_scene* scene, const spc_render_settings* settings, spc_session** session) {
+spc_status spc_render_start(const spc_scene* scene, const spc_render_settings* settings,
+                            spc_session** session) {
     return gate("spc_render_start", [&] {
         require(scene != nullptr, "scene is null");
-        if (!scene->world) throw spc::Error(spc::ErrorKind::wrong_state, "the scene is not committed");
+        if (!scene->world)
+            throw spc::Error(spc::ErrorKind::wrong_state, "the scene is not committed");
         spc_session*& out = checked_output(session, "session");
         const spc::RenderSettings checked_settings = to_settings(checked(settings, "settings"));
         out = new spc_session{spc::Session(*scene->world, checked_settings)};
     });
 }
 
-spc_status spc_render_wait(spc_session* session, uint32_t milliseconds, spc_render_progress* progress) {
+spc_status spc_render_wait(spc_session* session, uint32_t milliseconds,
+                           spc_render_progress* progress) {
     return gate("spc_render_wait", [&] {
         spc::Session& s = session_of(session);
         if (progress != nullptr) checked(progress, "progress");
         const spc::RenderProgress now = s.wait(std::chrono::milliseconds(milliseconds));
         if (progress != nullptr)
-            *progress = {sizeof(*progress), static_cast<uint32_t>(now.state), now.samples_done, now.fraction, now.seconds};
+            *progress = {sizeof(*progress), static_cast<uint32_t>(now.state), now.samples_done,
+                         now.fraction, now.seconds};
         if (now.state == spc::RenderState::failed) std::rethrow_exception(s.failure());
     });
 }
@@ -131,9 +141,9 @@ spc_status spc_render_get_stats(spc_session* session, spc_render_stats* stats) {
         const spc::RenderStats s = session_of(session).stats();
         checked(stats, "stats");
         const spc::ManifoldStats& m = s.path.manifold;
-        *stats = {sizeof(*stats), s.samples,      s.path.rays + m.rays, m.estimates, m.walks,    m.converged,
-                  m.iterations,   m.trial_estimates, m.trials,          m.max_trials, m.capped,  m.capped_energy,
-                  s.manifold_energy, s.nan_samples};
+        *stats = {sizeof(*stats), s.samples,       s.path.rays + m.rays, m.estimates,  m.walks,
+                  m.converged,    m.iterations,    m.trial_estimates,    m.trials,     m.max_trials,
+                  m.capped,       m.capped_energy, s.manifold_energy,    s.nan_samples};
     });
 }
 
@@ -146,8 +156,10 @@ spc_status spc_film_read(spc_session* session, uint32_t pass, float* buffer, siz
         const spc::Film& film = session_of(session).film();
         require(pass < SPC_PASS_COUNT, fmt::format("unknown pass {}", pass));
         require(buffer != nullptr, "buffer is null");
-        const size_t expected = static_cast<size_t>(spc_pass_channels(pass)) * film.width() * film.height();
-        require(count == expected, fmt::format("the buffer holds {} floats, the pass has {}", count, expected));
+        const size_t expected =
+            static_cast<size_t>(spc_pass_channels(pass)) * film.width() * film.height();
+        require(count == expected,
+                fmt::format("the buffer holds {} floats, the pass has {}", count, expected));
         film.read(static_cast<spc::Pass>(pass), {buffer, count});
     });
 }

@@ -11,7 +11,8 @@ namespace {
 
 SceneBuilder& builder_of(spc_scene* scene) {
     require(scene != nullptr, "scene is null");
-    if (!scene->builder) throw Error(ErrorKind::wrong_state, "the scene is committed already, or its commit failed");
+    if (!scene->builder)
+        throw Error(ErrorKind::wrong_state, "the scene is committed already, or its commit failed");
     return *scene->builder;
 }
 
@@ -37,30 +38,36 @@ std::string text(const char* value, const std::string& owner, const char* what) 
 }
 
 Transform transform_of(const float (&rows)[12], const std::string& owner) {
-    for (const float value : rows) require(std::isfinite(value), owner + ": the transform is not finite");
+    for (const float value : rows)
+        require(std::isfinite(value), owner + ": the transform is not finite");
     return Transform::from_rows(rows);
 }
 
 Image to_image(const spc_image_desc& desc) {
     const std::string name = name_or(desc.name, "image");
-    const auto space = checked_enum<ColorSpace>(desc.color_space, SPC_COLOR_DATA, name, "colour space");
-    const auto alpha = checked_enum<AlphaMode>(desc.alpha_mode, SPC_ALPHA_PACKED, name, "alpha mode");
-    const int sources = (desc.pixels != nullptr) + (desc.encoded != nullptr) + (desc.path != nullptr);
+    const auto space =
+        checked_enum<ColorSpace>(desc.color_space, SPC_COLOR_DATA, name, "colour space");
+    const auto alpha =
+        checked_enum<AlphaMode>(desc.alpha_mode, SPC_ALPHA_PACKED, name, "alpha mode");
+    const int sources =
+        (desc.pixels != nullptr) + (desc.encoded != nullptr) + (desc.path != nullptr);
     require(sources == 1, name + ": an image has exactly one of pixels, encoded and path");
     if (desc.path != nullptr) return image_from_file(name, desc.path, space, alpha);
     if (desc.encoded != nullptr) {
         require(desc.encoded_size > 0, name + ": the encoded image is empty");
-        return image_from_memory(name, {static_cast<const uint8_t*>(desc.encoded), desc.encoded_size}, space, alpha);
+        return image_from_memory(
+            name, {static_cast<const uint8_t*>(desc.encoded), desc.encoded_size}, space, alpha);
     }
     require(desc.width > 0 && desc.height > 0, name + ": the image has no pixels");
-    require(desc.channels == 1 || desc.channels == 3 || desc.channels == 4, name + ": an image has 1, 3 or 4 channels");
+    require(desc.channels == 1 || desc.channels == 3 || desc.channels == 4,
+            name + ": an image has 1, 3 or 4 channels");
     const size_t count = static_cast<size_t>(desc.width) * desc.height * desc.channels;
     require(desc.pixel_type <= SPC_PIXEL_F32, name + ": unknown pixel type");
     if (desc.pixel_type == SPC_PIXEL_U8)
-        return image_from_bytes(name, {static_cast<const uint8_t*>(desc.pixels), count}, desc.width, desc.height,
-                                desc.channels, space, alpha);
-    return image_from_floats(name, {static_cast<const float*>(desc.pixels), count}, desc.width, desc.height,
-                             desc.channels, space, alpha);
+        return image_from_bytes(name, {static_cast<const uint8_t*>(desc.pixels), count}, desc.width,
+                                desc.height, desc.channels, space, alpha);
+    return image_from_floats(name, {static_cast<const float*>(desc.pixels), count}, desc.width,
+                             desc.height, desc.channels, space, alpha);
 }
 
 Graph to_graph(const spc_material_desc& desc) {
@@ -72,7 +79,8 @@ Graph to_graph(const spc_material_desc& desc) {
     require(desc.options != nullptr || desc.option_count == 0, owner + ": options is null");
     require(desc.links != nullptr || desc.link_count == 0, owner + ": links is null");
     const auto check_node = [&](uint32_t node, const char* what) {
-        require(node < desc.node_count, fmt::format("{}: {} names node {} of {}", owner, what, node, desc.node_count));
+        require(node < desc.node_count,
+                fmt::format("{}: {} names node {} of {}", owner, what, node, desc.node_count));
     };
     for (uint32_t i = 0; i < desc.node_count; ++i) {
         const spc_node& node = desc.nodes[i];
@@ -83,21 +91,24 @@ Graph to_graph(const spc_material_desc& desc) {
         const spc_node_input& input = desc.inputs[i];
         check_node(input.node, "an input");
         for (const float value : input.value)
-            require(std::isfinite(value), fmt::format("{}: {}: a socket's value is not finite", owner, graph.nodes[input.node].name));
-        graph.inputs.push_back({input.node, text(input.socket, owner, "a socket"),
+            require(std::isfinite(value), fmt::format("{}: {}: a socket's value is not finite",
+                                                      owner, graph.nodes[input.node].name));
+        graph.inputs.push_back({input.node,
+                                text(input.socket, owner, "a socket"),
                                 {input.value[0], input.value[1], input.value[2], input.value[3]}});
     }
     for (uint32_t i = 0; i < desc.option_count; ++i) {
         const spc_node_option& option = desc.options[i];
         check_node(option.node, "an option");
-        graph.options.push_back({option.node, text(option.option, owner, "an option"), text(option.value, owner, "an option's value")});
+        graph.options.push_back({option.node, text(option.option, owner, "an option"),
+                                 text(option.value, owner, "an option's value")});
     }
     for (uint32_t i = 0; i < desc.link_count; ++i) {
         const spc_node_link& link = desc.links[i];
         check_node(link.from_node, "a link");
         check_node(link.to_node, "a link");
-        graph.links.push_back({link.from_node, text(link.from_socket, owner, "a socket"), link.to_node,
-                               text(link.to_socket, owner, "a socket")});
+        graph.links.push_back({link.from_node, text(link.from_socket, owner, "a socket"),
+                               link.to_node, text(link.to_socket, owner, "a socket")});
     }
     return graph;
 }
@@ -111,7 +122,8 @@ UvLayer to_uv_layer(const spc_uv_layer& desc, size_t corners, const std::string&
     layer.tangent_signs.resize(corners);
     for (size_t i = 0; i < corners; ++i) {
         const float* t = desc.tangents + 4 * i;
-        require(std::isfinite(t[3]), fmt::format("{}: UV layer {}: tangent sign {} is not finite", owner, layer.name, i));
+        require(std::isfinite(t[3]),
+                fmt::format("{}: UV layer {}: tangent sign {} is not finite", owner, layer.name, i));
         layer.tangents[i] = {t[0], t[1], t[2]};
         layer.tangent_signs[i] = t[3] < 0.0f ? -1.0f : 1.0f;
     }
@@ -127,7 +139,8 @@ Mesh to_mesh(const spc_mesh_desc& desc) {
     const size_t triangles = desc.triangle_count;
     mesh.positions = copied<Vec3>(desc.positions, desc.vertex_count, owner, "positions");
     mesh.triangles = copied<std::array<uint32_t, 3>>(desc.triangles, triangles, owner, "triangles");
-    if (desc.normals != nullptr) mesh.normals = copied<Vec3>(desc.normals, 3 * triangles, owner, "normals");
+    if (desc.normals != nullptr)
+        mesh.normals = copied<Vec3>(desc.normals, 3 * triangles, owner, "normals");
     if (desc.material_slots != nullptr)
         mesh.slots = copied<uint32_t>(desc.material_slots, triangles, owner, "material_slots");
     mesh.slot_count = desc.slot_count;
@@ -145,9 +158,11 @@ Instance to_instance(const spc_instance_desc& desc) {
     instance.mesh = desc.mesh;
     instance.object_to_world = transform_of(desc.transform, owner);
     instance.materials = copied<uint32_t>(desc.materials, desc.material_count, owner, "materials");
-    require((desc.visibility & ~static_cast<uint32_t>(SPC_VISIBLE_ALL)) == 0, owner + ": unknown visibility bits");
+    require((desc.visibility & ~static_cast<uint32_t>(SPC_VISIBLE_ALL)) == 0,
+            owner + ": unknown visibility bits");
     instance.visibility = desc.visibility;
-    instance.role = checked_enum<CausticsRole>(desc.caustics_role, SPC_CAUSTICS_BOTH, owner, "caustics role");
+    instance.role =
+        checked_enum<CausticsRole>(desc.caustics_role, SPC_CAUSTICS_BOTH, owner, "caustics role");
     return instance;
 }
 
@@ -164,7 +179,8 @@ LightDesc to_light(const spc_light_desc& desc) {
     light.sun_angle = desc.sun_angle;
     light.shape = checked_enum<AreaShape>(desc.shape, SPC_AREA_ELLIPSE, light.name, "shape");
     light.size = Vec2(desc.size[0], desc.size[1]);
-    require((desc.visibility & ~static_cast<uint32_t>(SPC_VISIBLE_ALL)) == 0, light.name + ": unknown visibility bits");
+    require((desc.visibility & ~static_cast<uint32_t>(SPC_VISIBLE_ALL)) == 0,
+            light.name + ": unknown visibility bits");
     light.visibility = desc.visibility;
     light.feeds_caustics = desc.feeds_caustics != 0;
     return light;
@@ -190,10 +206,13 @@ void fill_stats(const spc_scene& handle, spc_scene_stats& stats) {
     for (const Mesh& mesh : scene.meshes) {
         stats.triangles += mesh.triangles.size();
         stats.dropped_triangles += mesh.dropped_triangles;
-        stats.memory_bytes += mesh.positions.size() * sizeof(Vec3) + mesh.triangles.size() * sizeof(mesh.triangles[0]) +
-                              mesh.normals.size() * sizeof(Vec3) + mesh.slots.size() * sizeof(uint32_t);
+        stats.memory_bytes += mesh.positions.size() * sizeof(Vec3) +
+                              mesh.triangles.size() * sizeof(mesh.triangles[0]) +
+                              mesh.normals.size() * sizeof(Vec3) +
+                              mesh.slots.size() * sizeof(uint32_t);
         for (const UvLayer& layer : mesh.uv_layers)
-            stats.memory_bytes += layer.uv.size() * sizeof(Vec2) + layer.tangents.size() * (sizeof(Vec3) + sizeof(float));
+            stats.memory_bytes += layer.uv.size() * sizeof(Vec2) +
+                                  layer.tangents.size() * (sizeof(Vec3) + sizeof(float));
     }
     for (const Image& image : scene.images) stats.memory_bytes += image.memory_bytes();
     stats.instances = scene.instances.size();
@@ -213,7 +232,8 @@ using namespace spc::api;
 
 spc_status spc_scene_create(spc_scene** scene) {
     return gate("spc_scene_create", [&] {
-        spc_scene*& out = checked_output(scene, "scene");  // first: an assignment evaluates its right side before
+        spc_scene*& out =
+            checked_output(scene, "scene");  // first: an assignment evaluates its right side before
         out = new spc_scene;
     });
 }
@@ -228,7 +248,8 @@ spc_status spc_scene_add_image(spc_scene* scene, const spc_image_desc* desc, uin
     });
 }
 
-spc_status spc_scene_add_material(spc_scene* scene, const spc_material_desc* desc, uint32_t* material_index) {
+spc_status spc_scene_add_material(spc_scene* scene, const spc_material_desc* desc,
+                                  uint32_t* material_index) {
     return gate("spc_scene_add_material", [&] {
         spc::SceneBuilder& builder = builder_of(scene);
         uint32_t& index = checked_output(material_index, "material_index");
@@ -236,7 +257,8 @@ spc_status spc_scene_add_material(spc_scene* scene, const spc_material_desc* des
     });
 }
 
-spc_status spc_scene_material_needs(const spc_scene* scene, uint32_t material_index, spc_material_needs* needs) {
+spc_status spc_scene_material_needs(const spc_scene* scene, uint32_t material_index,
+                                    spc_material_needs* needs) {
     return gate("spc_scene_material_needs", [&] {
         const spc::SceneBuilder& builder = builder_of(const_cast<spc_scene*>(scene));
         checked(needs, "needs");
@@ -256,7 +278,8 @@ spc_status spc_scene_add_mesh(spc_scene* scene, const spc_mesh_desc* desc, uint3
     });
 }
 
-spc_status spc_scene_add_instance(spc_scene* scene, const spc_instance_desc* desc, uint32_t* instance_index) {
+spc_status spc_scene_add_instance(spc_scene* scene, const spc_instance_desc* desc,
+                                  uint32_t* instance_index) {
     return gate("spc_scene_add_instance", [&] {
         spc::SceneBuilder& builder = builder_of(scene);
         uint32_t& index = checked_output(instance_index, "instance_index");
@@ -273,14 +296,16 @@ spc_status spc_scene_add_light(spc_scene* scene, const spc_light_desc* desc, uin
 }
 
 spc_status spc_scene_set_camera(spc_scene* scene, const spc_camera_desc* desc) {
-    return gate("spc_scene_set_camera", [&] { builder_of(scene).set_camera(to_camera(checked(desc, "desc"))); });
+    return gate("spc_scene_set_camera",
+                [&] { builder_of(scene).set_camera(to_camera(checked(desc, "desc"))); });
 }
 
 spc_status spc_scene_set_environment(spc_scene* scene, const spc_environment_desc* desc) {
     return gate("spc_scene_set_environment", [&] {
         spc::SceneBuilder& builder = builder_of(scene);
         const spc_environment_desc& d = checked(desc, "desc");
-        require((d.visibility & ~static_cast<uint32_t>(SPC_VISIBLE_ALL)) == 0, "world: unknown visibility bits");
+        require((d.visibility & ~static_cast<uint32_t>(SPC_VISIBLE_ALL)) == 0,
+                "world: unknown visibility bits");
         builder.set_environment({d.material, d.visibility, d.feeds_caustics != 0});
     });
 }
@@ -291,12 +316,14 @@ spc_status spc_scene_commit(spc_scene* scene, uint32_t threads) {
         require_thread_count(threads);
         const auto start = std::chrono::steady_clock::now();
         builder.require_complete();
-        // From here on only a lack of memory can stop it; then the scene is lost, and says so to every later call.
+        // From here on only a lack of memory can stop it; then the scene is lost, and says so to
+        // every later call.
         const std::unique_ptr<spc::SceneBuilder> taken = std::move(scene->builder);
         spc::RenderScene world = spc::prepare(taken->freeze(threads));
         for (const std::string& line : world.scene->report) scene->report += line + "\n";
         scene->world = std::move(world);
-        scene->commit_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        scene->commit_seconds =
+            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     });
 }
 

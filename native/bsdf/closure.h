@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Closures: what a surface does to light at one point. A closed variant of parameter structs, and the free
-// functions eval / sample that work on a weighted list of them.
+// Closures: what a surface does to light at one point. A closed variant of parameter structs, and
+// the free functions eval / sample that work on a weighted list of them.
 //
-// Directions are unit, in world space and point away from the surface: wo to where the path came from (the
-// camera's side), wi to where it goes on (the light's side). `ng` is the geometric normal on the side of wo:
-// dot(ng, wo) >= 0. Each closure carries its own shading normal `n`, on the side of wo by the geometry (it may
-// still have dot(n, wo) < 0: then microfacet closures are black there; Lambert does not depend on wo).
+// Directions are unit, in world space and point away from the surface: wo to where the path came
+// from (the camera's side), wi to where it goes on (the light's side). `ng` is the geometric normal
+// on the side of wo: dot(ng, wo) >= 0. Each closure carries its own shading normal `n`, on the side
+// of wo by the geometry (it may still have dot(n, wo) < 0: then microfacet closures are black
+// there; Lambert does not depend on wo).
 //
-// Radiance is carried as basic radiance (radiance over the squared index of refraction), as Cycles does: a
-// refraction does not scale it. Light that would cross the geometric surface on the wrong side is black: a
-// reflection needs dot(ng, wi) > 0, a transmission dot(ng, wi) < 0, in path tracing and manifold alike.
+// Radiance is carried as basic radiance (radiance over the squared index of refraction), as Cycles
+// does: a refraction does not scale it. Light that would cross the geometric surface on the wrong
+// side is black: a reflection needs dot(ng, wi) > 0, a transmission dot(ng, wi) < 0, in path
+// tracing and manifold alike.
 #pragma once
 
 #include "math/vec.h"
@@ -18,7 +20,8 @@
 
 namespace spc {
 
-// At or below this alpha a microfacet closure is a delta: its lobe is narrower than single precision resolves.
+// At or below this alpha a microfacet closure is a delta: its lobe is narrower than single
+// precision resolves.
 inline constexpr float kDeltaAlpha = 2e-5f;
 
 enum class MicrofacetModel : uint8_t { ggx, beckmann };
@@ -26,17 +29,17 @@ enum class MicrofacetModel : uint8_t { ggx, beckmann };
 // How much of the light a microfacet reflects, by the cosine between half-vector and wo.
 struct Fresnel {
     enum class Kind : uint8_t {
-        none,           // f0 at all angles: Blender's Glossy node. Its colour belongs here rather than in the
-                        // closure's weight, so that energy compensation saturates it as Cycles does
-        dielectric,     // exact, unpolarised, eta = ior below the surface / ior above; times f0 as a tint
+        none,  // f0 at all angles: Blender's Glossy node. Its colour belongs here rather than in the
+               // closure's weight, so that energy compensation saturates it as Cycles does
+        dielectric,  // exact, unpolarised, eta = ior below the surface / ior above; times f0 as a tint
         dielectric_f0,  // the same curve moved to rise from f0 to 1: Principled's specular layer, whose tint
                         // colours f0 only
-        conductor,      // exact, unpolarised, complex index eta + i k per channel
-        f82             // Schlick with f0 and an edge tint at 82 degrees, Principled's metal [Kutz21]
+        conductor,  // exact, unpolarised, complex index eta + i k per channel
+        f82         // Schlick with f0 and an edge tint at 82 degrees, Principled's metal [Kutz21]
     };
     Kind kind = Kind::none;
     float eta = 1.0f;
-    Spectrum f0{1.0f};  // f82, dielectric_f0: normal incidence; dielectric: tint; conductor: eta
+    Spectrum f0{1.0f};   // f82, dielectric_f0: normal incidence; dielectric: tint; conductor: eta
     Spectrum f82{1.0f};  // f82: tint at 82 degrees; conductor: k
 };
 Spectrum fresnel(const Fresnel& fresnel, float cos_wo_h);
@@ -46,8 +49,8 @@ float fresnel_dielectric(float cos_i, float eta);
 struct Lambert {
     Vec3 n;
 };
-// Mirror where alpha <= kDeltaAlpha. With `energy_compensated` (GGX alone, as in Cycles) light that one bounce
-// between the microfacets loses is given back, scaled to the same lobe [Turquin19].
+// Mirror where alpha <= kDeltaAlpha. With `energy_compensated` (GGX alone, as in Cycles) light that
+// one bounce between the microfacets loses is given back, scaled to the same lobe [Turquin19].
 struct MicrofacetReflection {
     Vec3 n;
     float alpha;
@@ -55,11 +58,12 @@ struct MicrofacetReflection {
     Fresnel fresnel;
     bool energy_compensated = false;
 };
-// A dielectric interface: reflects, refracts or both (the dropped half is black: Blender's Refraction node
-// transmits everything but total internal reflection, without Fresnel, when `fresnel_weighted` is false: then just
-// one of `reflects` and `refracts` is set). Delta where alpha <= kDeltaAlpha, and where it refracts at an index so
-// near to 1 that the half-vector of two float directions has no digits left (see is_delta). Compensated as above,
-// as a whole, for glass of both halves; the coloured loss follows transmission_tint.
+// A dielectric interface: reflects, refracts or both (the dropped half is black: Blender's
+// Refraction node transmits everything but total internal reflection, without Fresnel, when
+// `fresnel_weighted` is false: then just one of `reflects` and `refracts` is set). Delta where
+// alpha <= kDeltaAlpha, and where it refracts at an index so near to 1 that the half-vector of two
+// float directions has no digits left (see is_delta). Compensated as above, as a whole, for glass
+// of both halves; the coloured loss follows transmission_tint.
 struct MicrofacetDielectric {
     Vec3 n;
     float alpha;
@@ -77,11 +81,13 @@ using ClosureKind = std::variant<Lambert, MicrofacetReflection, MicrofacetDielec
 struct Closure {
     Spectrum weight;
     float sample_weight;  // >= 0, relative chance to be sampled; set by ClosureList::add
-    bool on_caster_normal = false;  // shares the normal that the manifold walks on (shading/program.h)
+    // Shares the normal that the manifold walks on (shading/program.h).
+    bool on_caster_normal = false;
     ClosureKind kind;
 };
 
-// What a surface offers at one point. At most kMaxClosures; more are refused when the material is compiled.
+// What a surface offers at one point. At most kMaxClosures; more are refused when the material is
+// compiled.
 inline constexpr int kMaxClosures = 12;
 struct ClosureList {
     std::array<Closure, kMaxClosures> closures;
@@ -89,8 +95,9 @@ struct ClosureList {
     Spectrum emission{0.0f};      // radiance towards wo
     Spectrum transparency{0.0f};  // sum of the weights of Transparent closures
 
-    // Drops closures that are black from wo; negative weights count as zero. The sample weight follows the
-    // closure's albedo, and energy compensation, which depends on wo alone, is folded into the stored weight.
+    // Drops closures that are black from wo; negative weights count as zero. The sample weight
+    // follows the closure's albedo, and energy compensation, which depends on wo alone, is folded
+    // into the stored weight.
     void add(const Spectrum& weight, const ClosureKind& kind, const Vec3& wo, bool on_caster_normal);
     void clear();
 };
@@ -103,43 +110,50 @@ bool has_smooth_closure(const ClosureList& list);
 enum class BounceKind : uint8_t { diffuse, glossy, transmission, transparent };
 
 struct ClosureEval {
-    Spectrum f_cos{0.0f};     // sum of weight f |cos|, smooth closures only, 1/sr times cos
-    float pdf_omega = 0.0f;   // of sample() over the whole list, smooth part, 1/sr
+    Spectrum f_cos{0.0f};    // sum of weight f |cos|, smooth closures only, 1/sr times cos
+    float pdf_omega = 0.0f;  // of sample() over the whole list, smooth part, 1/sr
 };
 ClosureEval eval(const ClosureList& list, const Vec3& ng, const Vec3& wo, const Vec3& wi);
 
-// The same, but f_cos has only the kinds of scattering in `kinds`, a set of bits 1 << BounceKind: what a light that
-// hides from some kinds of rays contributes.
-ClosureEval eval(const ClosureList& list, const Vec3& ng, const Vec3& wo, const Vec3& wi, uint32_t kinds);
+// The same, but f_cos has only the kinds of scattering in `kinds`, a set of bits 1 << BounceKind:
+// what a light that hides from some kinds of rays contributes.
+ClosureEval eval(const ClosureList& list, const Vec3& ng, const Vec3& wo, const Vec3& wi,
+                 uint32_t kinds);
 
-// Takes away what reflects, or transmits, other than diffusely and straight on: what a diffuse ray finds where
-// caustics are switched off.
+// Takes away what reflects, or transmits, other than diffusely and straight on: what a diffuse ray
+// finds where caustics are switched off.
 void drop_caustics(ClosureList& list, bool reflective, bool refractive);
 
 struct ClosureSample {
     Vec3 wi;
-    Spectrum weight;       // f |cos| / pdf, already divided, the choice of closure included. A smooth sample
-                           // carries the sum over all smooth closures (one-sample MIS), a delta one its own.
-    float pdf_omega;       // 1/sr over the whole list; for a delta the discrete probability of its lobe
+    // f |cos| / pdf, already divided, the choice of closure included. A smooth sample carries the
+    // sum over all smooth closures (one-sample MIS), a delta one its own.
+    Spectrum weight;
+    float pdf_omega;  // 1/sr over the whole list; for a delta the discrete probability of its lobe
     bool delta;
     bool on_caster_normal;  // of the closure that was sampled
-    bool refracted;        // crossed the surface with a change of direction
+    bool refracted;         // crossed the surface with a change of direction
     BounceKind kind;
 };
-// u[0] chooses closure and lobe, u[1], u[2] the direction; all in [0, 1). Empty where nothing is scattered.
-std::optional<ClosureSample> sample(const ClosureList& list, const Vec3& ng, const Vec3& wo, const Vec3& u);
+// u[0] chooses closure and lobe, u[1], u[2] the direction; all in [0, 1). Empty where nothing is
+// scattered.
+std::optional<ClosureSample> sample(const ClosureList& list, const Vec3& ng, const Vec3& wo,
+                                    const Vec3& u);
 
-// What the list's delta closures on the caster's normal do with one given direction, reflected or refracted
-// exactly at that normal: their summed throughput, and the probability with which sample() takes them. The
-// caller guarantees that wi is the mirrored or refracted wo at that normal. Zero probability if there is none.
+// What the list's delta closures on the caster's normal do with one given direction, reflected or
+// refracted exactly at that normal: their summed throughput, and the probability with which
+// sample() takes them. The caller guarantees that wi is the mirrored or refracted wo at that
+// normal. Zero probability if there is none.
 struct DeltaLobe {
     Spectrum throughput{0.0f};
     float probability = 0.0f;
 };
-DeltaLobe delta_lobe(const ClosureList& list, const Vec3& ng, const Vec3& wo, const Vec3& wi, bool refracted);
+DeltaLobe delta_lobe(const ClosureList& list, const Vec3& ng, const Vec3& wo, const Vec3& wi,
+                     bool refracted);
 
-// Directional albedo of one closure (weight 1) with its energy compensation, for layering and sample weights:
-// exact for Lambert and deltas, from tables for rough microfacets. Their first use builds the tables (some ms).
+// Directional albedo of one closure (weight 1) with its energy compensation, for layering and
+// sample weights: exact for Lambert and deltas, from tables for rough microfacets. Their first use
+// builds the tables (some ms).
 Spectrum albedo(const ClosureKind& kind, const Vec3& wo);
 
 }  // namespace spc

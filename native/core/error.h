@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The two kinds of failure that are not numerical: bad input throws Error, our own bugs trip SPC_ASSERT.
+// The two kinds of failure that are not numerical: bad input throws Error, our own bugs trip
+// SPC_ASSERT.
 #pragma once
 
 #include <cstdio>
@@ -25,12 +26,12 @@ private:
 
 // Checked in the dev and asan builds only; states what must hold if Specula itself is right.
 #ifdef SPC_ENABLE_ASSERTS
-#define SPC_ASSERT(condition)                                                               \
-    do {                                                                                    \
-        if (!(condition)) {                                                                 \
+#define SPC_ASSERT(condition)                                                                      \
+    do {                                                                                           \
+        if (!(condition)) {                                                                        \
             std::fprintf(stderr, "%s:%d: assertion failed: %s\n", __FILE__, __LINE__, #condition); \
-            std::abort();                                                                   \
-        }                                                                                   \
+            std::abort();                                                                          \
+        }                                                                                          \
     } while (false)
 #else
 #define SPC_ASSERT(condition) static_cast<void>(0)

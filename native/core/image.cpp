@@ -87,7 +87,8 @@ void read_texels(OIIO::ImageInput& input, const std::string& name, OIIO::TypeDes
                     static_cast<size_t>(spec.nchannels));
 }
 
-// What is not a number in a file (renders with defects, suns of infinite radiance) must not poison a path.
+// What is not a number in a file (renders with defects, suns of infinite radiance) must not poison
+// a path.
 void repair(Image& image) {
     for (size_t texel = 0; texel < image.floats.size(); texel += image.channels) {
         bool finite = true;
@@ -143,7 +144,8 @@ OIIO::ImageSpec raw_alpha() {
     return config;
 }
 
-// OpenImageIO picks a reader by the name's extension; bytes in memory come without a dependable one.
+// OpenImageIO picks a reader by the name's extension; bytes in memory come without a dependable
+// one.
 const char* extension_by_signature(std::span<const uint8_t> encoded) {
     struct Signature {
         std::string_view bytes;

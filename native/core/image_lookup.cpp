@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Filtering of texels. The kernels are specialised on texel type and channel count before the first texel is read.
+// Filtering of texels. The kernels are specialised on texel type and channel count before the first
+// texel is read.
 #include <cstring>
 
 #include "core/image.h"
@@ -54,9 +55,9 @@ struct Texels {
 
 // ---- coordinates
 
-// Brings a coordinate near the image without changing what is found there, so that the conversion to an integer is
-// defined for every input and keeps its fraction. Periods are 1 and 2; beyond one image width, extend and clip no
-// longer change.
+// Brings a coordinate near the image without changing what is found there, so that the conversion
+// to an integer is defined for every input and keeps its fraction. Periods are 1 and 2; beyond one
+// image width, extend and clip no longer change.
 float fold(float u, Extension extension) {
     switch (extension) {
         case Extension::repeat: u -= std::floor(u); break;
@@ -224,8 +225,8 @@ Filtered filter(const Image& image, float u, float v, Interpolation interpolatio
 
 // ---- from stored to linear colour
 
-// The transfer function between table entries by a straight line: off by at most 4e-7, some 1/700 of what 8 bits
-// resolve at their darkest, and five times faster than pow.
+// The transfer function between table entries by a straight line: off by at most 4e-7, some 1/700
+// of what 8 bits resolve at their darkest, and five times faster than pow.
 constexpr int kSrgbIntervals = 2048;
 const std::array<float, kSrgbIntervals + 2> kSrgbTable = [] {
     std::array<float, kSrgbIntervals + 2> table;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Random numbers keyed by what they are for. A Sampler is a value: (seed, pixel, purpose) hashed to a key, and the
-// absolute sample index. Each purpose draws from its own Owen-scrambled (0, 2)-sequence with a shuffled index
-// [Burley20], so every draw is stratified over the samples of a pixel and independent of every other draw.
+// Random numbers keyed by what they are for. A Sampler is a value: (seed, pixel, purpose) hashed to
+// a key, and the absolute sample index. Each purpose draws from its own Owen-scrambled (0,
+// 2)-sequence with a shuffled index [Burley20], so every draw is stratified over the samples of a
+// pixel and independent of every other draw.
 #pragma once
 
 #include "math/vec.h"
@@ -11,7 +12,15 @@
 namespace spc {
 
 // What a draw is for; one entry per decision of a path vertex.
-enum class Domain : uint32_t { film, closure, light, roulette, manifold_light, manifold_caster, manifold_seeds };
+enum class Domain : uint32_t {
+    film,
+    closure,
+    light,
+    roulette,
+    manifold_light,
+    manifold_caster,
+    manifold_seeds
+};
 
 inline uint64_t mix_bits(uint64_t x) {  // a bijection with good avalanche, [Stafford11] variant 13
     x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
@@ -36,7 +45,8 @@ inline uint32_t scramble_reversed(uint32_t x, uint32_t seed) {
     return x;
 }
 
-// Pascal's triangle modulo 2 applied to the index: the second dimension of Sobol's sequence, bits reversed.
+// Pascal's triangle modulo 2 applied to the index: the second dimension of Sobol's sequence, bits
+// reversed.
 inline uint32_t pascal_reversed(uint32_t x) {
     x ^= x >> 16;
     x ^= (x & 0xff00ff00u) >> 8;
@@ -52,12 +62,16 @@ inline float to_unit_float(uint32_t bits) { return static_cast<float>(bits >> 8)
 class Sampler {
 public:
     Sampler(uint32_t seed, uint32_t pixel, uint32_t sample_index)
-        : key_(mix_bits((static_cast<uint64_t>(seed) << 32 | pixel) + 0x9e3779b97f4a7c15ull)), index_(sample_index) {}
+        : key_(mix_bits((static_cast<uint64_t>(seed) << 32 | pixel) + 0x9e3779b97f4a7c15ull)),
+          index_(sample_index) {}
 
     // Streams of the path's n-th vertex, and of one purpose there.
-    Sampler vertex(uint32_t n) const { return {mix_bits(key_ + 0x632be59bd9b4e019ull * (n + 1)), index_}; }
+    Sampler vertex(uint32_t n) const {
+        return {mix_bits(key_ + 0x632be59bd9b4e019ull * (n + 1)), index_};
+    }
     Sampler operator[](Domain domain) const {
-        return {mix_bits(key_ ^ (static_cast<uint64_t>(domain) + 1) * 0xd6e8feb86659fd93ull), index_};
+        return {mix_bits(key_ ^ (static_cast<uint64_t>(domain) + 1) * 0xd6e8feb86659fd93ull),
+                index_};
     }
 
     float one() const { return two().x; }
@@ -74,10 +88,12 @@ private:
 
     Vec2 draw(uint64_t key) const {
         const uint64_t more = mix_bits(key);
-        const uint32_t shuffled = reverse_bits(scramble_reversed(reverse_bits(index_), static_cast<uint32_t>(key)));
-        return {to_unit_float(reverse_bits(scramble_reversed(shuffled, static_cast<uint32_t>(more)))),
-                to_unit_float(reverse_bits(
-                    scramble_reversed(pascal_reversed(shuffled), static_cast<uint32_t>(more >> 32))))};
+        const uint32_t shuffled =
+            reverse_bits(scramble_reversed(reverse_bits(index_), static_cast<uint32_t>(key)));
+        return {
+            to_unit_float(reverse_bits(scramble_reversed(shuffled, static_cast<uint32_t>(more)))),
+            to_unit_float(reverse_bits(
+                scramble_reversed(pascal_reversed(shuffled), static_cast<uint32_t>(more >> 32))))};
     }
 
     uint64_t key_;
@@ -91,7 +107,8 @@ public:
     uint32_t bits() {
         const uint64_t old = state_;
         state_ = old * 6364136223846793005ull + 1442695040888963407ull;
-        return std::rotr(static_cast<uint32_t>(((old >> 18) ^ old) >> 27), static_cast<int>(old >> 59));
+        return std::rotr(static_cast<uint32_t>(((old >> 18) ^ old) >> 27),
+                         static_cast<int>(old >> 59));
     }
     float one() { return to_unit_float(bits()); }
     Vec2 two() {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a path remembers: how its last light connections were sampled, for MIS and ownership, and its bounce counts.
+// What a path remembers: how its last light connections were sampled, for MIS and ownership, and
+// its bounce counts.
 #pragma once
 
 #include "integrator/path.h"
@@ -14,11 +15,14 @@ struct BounceCounts {
             case BounceKind::diffuse: ++diffuse; break;
             case BounceKind::glossy: ++glossy; break;
             case BounceKind::transmission: ++transmission; break;
-            case BounceKind::transparent: ++transparent; return;  // not counted in the total, as in Cycles
+            case BounceKind::transparent:
+                ++transparent;
+                return;  // not counted in the total, as in Cycles
         }
         ++total;
     }
-    // Past a limit a path still sees lights, but no more surfaces: its last vertex had its direct light already.
+    // Past a limit a path still sees lights, but no more surfaces: its last vertex had its direct
+    // light already.
     bool exhausted(const BounceLimits& limits) const {
         return total > limits.total || diffuse > limits.diffuse || glossy > limits.glossy ||
                transmission > limits.transmission || transparent > limits.transparent;
@@ -26,26 +30,28 @@ struct BounceCounts {
     uint32_t transparent_left(const BounceLimits& limits) const {
         return limits.transparent - std::min(limits.transparent, transparent);
     }
-    // Whether a vertex here may scatter once more, by whichever smooth closure, and be lit at the next vertex.
+    // Whether a vertex here may scatter once more, by whichever smooth closure, and be lit at the
+    // next vertex.
     bool leaves_room_for_chain(const BounceLimits& limits) const {
         return total < limits.total && diffuse < limits.diffuse && glossy < limits.glossy &&
                transmission < limits.transmission;
     }
 };
 
-// The stretch of path since the last vertex that next event estimation or the manifold could have connected.
+// The stretch of path since the last vertex that next event estimation or the manifold could have
+// connected.
 struct PathHistory {
     enum class Stage : uint8_t {
         unconnected,  // from the camera through deltas alone, or beyond a chain that nobody else can find
-        scattered,    // one smooth scattering at x: shared with next event estimation
-        chain         // then one delta interaction that the manifold owns
+        scattered,  // one smooth scattering at x: shared with next event estimation
+        chain       // then one delta interaction that the manifold owns
     };
     Stage stage = Stage::unconnected;
-    Vec3 x, ng;               // the vertex of the smooth scattering
-    float pdf_omega = 0.0f;   // of that scattering
-    bool receiver = false;    // x may begin a chain (role, closures, bounces left)
+    Vec3 x, ng;                   // the vertex of the smooth scattering
+    float pdf_omega = 0.0f;       // of that scattering
+    bool receiver = false;        // x may begin a chain (role, closures, bounces left)
     bool through_caster = false;  // passed straight through part of a caster since x
-    SurfaceHit vertex{};      // of the chain
+    SurfaceHit vertex{};          // of the chain
     Interaction interaction = Interaction::reflection;
     float lobe_probability = 0.0f;  // of all closures that scatter there, as delta_lobe() states it
 
@@ -57,12 +63,14 @@ struct PathHistory {
         receiver = may_receive;
         through_caster = false;
     }
-    // Whether the manifold shares the chain that this delta interaction continues; the caller then sets
-    // lobe_probability.
-    bool append_delta(const SurfaceHit& hit, const ClosureSample& sample, const ManifoldSettings& settings,
-                      const CasterSet& casters) {
-        const Interaction turn = sample.refracted ? Interaction::refraction : Interaction::reflection;
-        const ChainClass chain{receiver, hit.instance, sample.on_caster_normal, turn, through_caster};
+    // Whether the manifold shares the chain that this delta interaction continues; the caller then
+    // sets lobe_probability.
+    bool append_delta(const SurfaceHit& hit, const ClosureSample& sample,
+                      const ManifoldSettings& settings, const CasterSet& casters) {
+        const Interaction turn =
+            sample.refracted ? Interaction::refraction : Interaction::reflection;
+        const ChainClass chain{receiver, hit.instance, sample.on_caster_normal, turn,
+                               through_caster};
         const bool owned = stage == Stage::scattered && manifold_owns(settings, casters, chain);
         stage = owned ? Stage::chain : Stage::unconnected;
         vertex = hit;
@@ -70,7 +78,8 @@ struct PathHistory {
         return owned;
     }
     void append_transparent(const SurfaceHit& hit, const CasterSet& casters) {
-        if (!casters.empty() && stage == Stage::scattered && casters.of_instance[hit.instance] != kNone)
+        if (!casters.empty() && stage == Stage::scattered &&
+            casters.of_instance[hit.instance] != kNone)
             through_caster = true;
     }
 };

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One camera path: unidirectional path tracing with next event estimation, and the manifold at receivers.
+// One camera path: unidirectional path tracing with next event estimation, and the manifold at
+// receivers.
 #pragma once
 
 #include "manifold/estimator.h"
@@ -41,7 +42,7 @@ struct PathSample {
     Vec3 normal{0.0f};
 };
 
-PathSample path_radiance(const RenderScene& world, const IntegratorSettings& settings, const Ray& camera_ray,
-                         const Sampler& sampler, PathStats& stats);
+PathSample path_radiance(const RenderScene& world, const IntegratorSettings& settings,
+                         const Ray& camera_ray, const Sampler& sampler, PathStats& stats);
 
 }  // namespace spc

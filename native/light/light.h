@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Everything that shines: lamps, emissive meshes and the world, behind one selection by power.
 //
-// Two ways to sample. Next event estimation samples a direction from a receiver (solid angle at the receiver).
-// The manifold samples a point of a light, or a direction to a distant one, without regard to a receiver (area or
-// solid angle at the light). All probabilities include the choice of the light. A light without extent (point, or
-// sun of angle 0) is `delta`: its density is the selection probability alone, and no ray ever hits it.
+// Two ways to sample. Next event estimation samples a direction from a receiver (solid angle at the
+// receiver). The manifold samples a point of a light, or a direction to a distant one, without
+// regard to a receiver (area or solid angle at the light). All probabilities include the choice of
+// the light. A light without extent (point, or sun of angle 0) is `delta`: its density is the
+// selection probability alone, and no ray ever hits it.
 #pragma once
 
 #include "core/distribution.h"
@@ -22,7 +23,7 @@ struct EmissiveInstance {
 
 struct LightSet {
     // By power, with an equal share for every light that shines mixed in: no light starves.
-    DiscreteDistribution selection;          // without a constant world: closures choose its directions better
+    DiscreteDistribution selection;  // without a constant world: closures choose its directions better
     DiscreteDistribution caustic_selection;  // over the lights that feed casters
     std::vector<Lamp> lamps;                 // as Scene::lights
     std::vector<uint32_t> disc_suns;         // lamps that are suns of some extent
@@ -31,39 +32,45 @@ struct LightSet {
     std::vector<uint32_t> emissive_of_instance;  // index into `emissive`, or kNone
     bool has_world = false;
     Distribution2D world_map;  // over the world's radiance in latitude-longitude, solid angle accounted for
-    Spectrum world_constant{0.0f};   // valid if world_is_constant
+    Spectrum world_constant{0.0f};  // valid if world_is_constant
     bool world_is_constant = false;
 
     uint32_t count(const Scene& scene) const;
 };
 LightSet build_lights(const Scene& scene);
 
-// Bits of Visibility: which rays see a light. kVisibleShadow: objects block it; only a lamp can be without.
+// Bits of Visibility: which rays see a light. kVisibleShadow: objects block it; only a lamp can be
+// without.
 uint32_t light_visibility(const LightSet& lights, uint32_t light);
 
 // ---- from a receiver
 
 struct DirectSample {
-    Vec3 wi;           // unit, towards the light
-    float distance;    // kInfinity for a distant light
-    Spectrum radiance; // arriving along wi if nothing is in between; for a delta light, radiance times solid angle
-                       // (intensity / distance^2, or irradiance), to be used with pdf_omega = selection probability
-    float pdf_omega;   // 1/sr
+    Vec3 wi;         // unit, towards the light
+    float distance;  // kInfinity for a distant light
+    Spectrum radiance;  // arriving along wi if nothing is in between; for a delta light, radiance times solid angle
+        // (intensity / distance^2, or irradiance), to be used with pdf_omega = selection
+        // probability
+    float pdf_omega;  // 1/sr
     bool delta;
     uint32_t light;
 };
-std::optional<DirectSample> sample_direct(const LightSet& lights, const Scene& scene, const Vec3& p, const Vec3& u);
+std::optional<DirectSample> sample_direct(const LightSet& lights, const Scene& scene, const Vec3& p,
+                                          const Vec3& u);
 
-// Density with which sample_direct from p takes the direction `wi` to the point that a ray hit. A ray that leaves the
-// scene meets the world and every one of LightSet::disc_suns that it points at, each with its own density.
-float pdf_direct_lamp(const LightSet& lights, const Scene& scene, const Vec3& p, const Vec3& wi, const Hit& hit);
-float pdf_direct_surface(const LightSet& lights, const Scene& scene, const Vec3& p, const Vec3& wi, const Hit& hit);
+// Density with which sample_direct from p takes the direction `wi` to the point that a ray hit. A
+// ray that leaves the scene meets the world and every one of LightSet::disc_suns that it points at,
+// each with its own density.
+float pdf_direct_lamp(const LightSet& lights, const Scene& scene, const Vec3& p, const Vec3& wi,
+                      const Hit& hit);
+float pdf_direct_surface(const LightSet& lights, const Scene& scene, const Vec3& p, const Vec3& wi,
+                         const Hit& hit);
 float pdf_direct_world(const LightSet& lights, const Scene& scene, const Vec3& wi);
 float pdf_direct_sun(const LightSet& lights, uint32_t light, const Vec3& wi);  // 0 outside its disc
 
-// Radiance that lamp `light` sends from the point p (of its surface) along `direction` (unit, away from it). A sun
-// has no p; it is black outside its disc. lamp_radiance(lights.lamps[light], ...) is the same without set-up.
-// A delta is black: no ray meets it.
+// Radiance that lamp `light` sends from the point p (of its surface) along `direction` (unit, away
+// from it). A sun has no p; it is black outside its disc. lamp_radiance(lights.lamps[light], ...)
+// is the same without set-up. A delta is black: no ray meets it.
 Spectrum lamp_radiance(const Scene& scene, uint32_t light, const Vec3& p, const Vec3& direction);
 Spectrum world_radiance(const LightSet& lights, const Scene& scene, const Vec3& direction);
 
@@ -74,22 +81,24 @@ struct LightPoint {
     uint32_t light;
     bool distant;
     bool delta;
-    Vec3 p;           // on the light; unset if distant
-    Vec3 n;           // unit normal there, on the shining side; zero for a point light
-    Vec3 direction;   // distant: unit, from the scene towards the light
+    Vec3 p;          // on the light; unset if distant
+    Vec3 n;          // unit normal there, on the shining side; zero for a point light
+    Vec3 direction;  // distant: unit, from the scene towards the light
     SurfaceHit surface{kNone, 0, 0, 0};  // for emissive meshes
-    float pdf;        // area (1/m^2) or, distant, solid angle (1/sr) density; delta: selection probability
+    float pdf;  // area (1/m^2) or, distant, solid angle (1/sr) density; delta: selection probability
 };
 // Among the lights that feed casters. u[0] selects, u[1], u[2] place.
-std::optional<LightPoint> sample_light_point(const LightSet& lights, const Scene& scene, const Vec3& u);
+std::optional<LightPoint> sample_light_point(const LightSet& lights, const Scene& scene,
+                                             const Vec3& u);
 
-// Radiance of the light at y towards the unit direction `away` (distant lights: radiance from y.direction). For
-// delta lights intensity (W/sr) or irradiance (W/m^2): the caller's Jacobian then is per solid angle at the light
-// squared distance included, see manifold/estimator.
-Spectrum radiance_at(const LightSet& lights, const Scene& scene, const LightPoint& y, const Vec3& away);
+// Radiance of the light at y towards the unit direction `away` (distant lights: radiance from
+// y.direction). For delta lights intensity (W/sr) or irradiance (W/m^2): the caller's Jacobian then
+// is per solid angle at the light squared distance included, see manifold/estimator.
+Spectrum radiance_at(const LightSet& lights, const Scene& scene, const LightPoint& y,
+                     const Vec3& away);
 
-// Density (as LightPoint::pdf) with which sample_light_point finds the point that a ray from p along wi hit; 0 for
-// a light that does not feed casters.
+// Density (as LightPoint::pdf) with which sample_light_point finds the point that a ray from p
+// along wi hit; 0 for a light that does not feed casters.
 float pdf_light_point_lamp(const LightSet& lights, const Scene& scene, const Hit& hit);
 float pdf_light_point_surface(const LightSet& lights, const Scene& scene, const SurfaceHit& hit);
 float pdf_light_point_world(const LightSet& lights, const Scene& scene, const Vec3& wi);

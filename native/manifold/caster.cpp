@@ -39,7 +39,8 @@ void tabulate_triangles(const Scene& scene, Caster& caster) {
     caster.triangles = DiscreteDistribution(area);
 }
 
-// Moments of the slopes from random points; they only shape seeds, so some thousand points are plenty.
+// Moments of the slopes from random points; they only shape seeds, so some thousand points are
+// plenty.
 void measure_slopes(const Scene& scene, Caster& caster) {
     constexpr int kPoints = 4096;
     Pcg pcg(caster.instance);
@@ -49,7 +50,8 @@ void measure_slopes(const Scene& scene, Caster& caster) {
         const uint32_t triangle = caster.triangles.sample(pcg.one()).index;
         const float root = std::sqrt(pcg.one()), v = pcg.one();
         const SurfaceHit hit{caster.instance, triangle, root * (1.0f - v), root * v};
-        const Vec3 local = Frame::around(evaluate_caster(scene, hit, true).n).to_local(evaluate_caster(scene, hit, false).n);
+        const Vec3 local = Frame::around(evaluate_caster(scene, hit, true).n)
+                               .to_local(evaluate_caster(scene, hit, false).n);
         if (!(local.z > 0.05f)) continue;
         const double slope[2] = {-local.x / local.z, -local.y / local.z};
         for (int k = 0; k < 2; ++k) {
@@ -62,7 +64,8 @@ void measure_slopes(const Scene& scene, Caster& caster) {
     for (int k = 0; k < 2; ++k) {
         const double mean = sum[k] / used;
         caster.slope_mean[k] = static_cast<float>(mean);
-        caster.slope_deviation[k] = static_cast<float>(std::sqrt(std::max(squares[k] / used - mean * mean, 0.0)));
+        caster.slope_deviation[k] =
+            static_cast<float>(std::sqrt(std::max(squares[k] / used - mean * mean, 0.0)));
     }
 }
 
@@ -75,18 +78,22 @@ float contribution_bound(const Caster& caster, const Vec3& x, const Vec3& ng, co
     const float r2 = sqr(caster.radius), d2 = length_squared(to_caster);
     float cosine = 1.0f, seen = 1.0f;
     if (d2 > r2) {
-        const float d = std::sqrt(d2), sin_sphere = caster.radius / d, cos_center = dot(to_caster, ng) / d;
+        const float d = std::sqrt(d2), sin_sphere = caster.radius / d,
+                    cos_center = dot(to_caster, ng) / d;
         // Largest cosine inside the sphere's cone.
         const float cos_sphere = safe_sqrt(1.0f - sqr(sin_sphere));
-        if (cos_center < cos_sphere) cosine = cos_center * cos_sphere + safe_sqrt(1.0f - sqr(cos_center)) * sin_sphere;
+        if (cos_center < cos_sphere)
+            cosine = cos_center * cos_sphere + safe_sqrt(1.0f - sqr(cos_center)) * sin_sphere;
         seen = r2 / d2;
     }
-    const float lit = end.distant ? 1.0f : std::min(1.0f, r2 / std::max(length_squared(caster.center - end.p), 1e-30f));
+    const float lit =
+        end.distant ? 1.0f
+                    : std::min(1.0f, r2 / std::max(length_squared(caster.center - end.p), 1e-30f));
     return std::max(cosine, 0.0f) * seen * lit;
 }
 
-// Share of the probability that is spread evenly over all casters above the horizon: the bound takes every caster for
-// evenly bright, a focus is up to some ten times brighter.
+// Share of the probability that is spread evenly over all casters above the horizon: the bound
+// takes every caster for evenly bright, a focus is up to some ten times brighter.
 constexpr float kEvenShare = 0.1f;
 
 struct BoundSum {
@@ -126,12 +133,14 @@ CasterSet build_casters(const Scene& scene) {
     return set;
 }
 
-CasterChoice choose_caster(const CasterSet& set, const Vec3& x, const Vec3& ng, const ChainEnd& end, float u) {
+CasterChoice choose_caster(const CasterSet& set, const Vec3& x, const Vec3& ng, const ChainEnd& end,
+                           float u) {
     const BoundSum sum = sum_bounds(set, x, ng, end);
     CasterChoice choice;
     float cumulative = 0.0f;
     for (uint32_t i = 0; i < set.casters.size(); ++i) {
-        const float probability = probability_from(contribution_bound(set.casters[i], x, ng, end), sum);
+        const float probability =
+            probability_from(contribution_bound(set.casters[i], x, ng, end), sum);
         if (probability == 0.0f) continue;
         choice = {i, probability};  // the last possible one also takes what rounding leaves over
         cumulative += probability;
@@ -140,8 +149,10 @@ CasterChoice choose_caster(const CasterSet& set, const Vec3& x, const Vec3& ng, 
     return choice;
 }
 
-float caster_probability(const CasterSet& set, uint32_t caster, const Vec3& x, const Vec3& ng, const ChainEnd& end) {
-    return probability_from(contribution_bound(set.casters[caster], x, ng, end), sum_bounds(set, x, ng, end));
+float caster_probability(const CasterSet& set, uint32_t caster, const Vec3& x, const Vec3& ng,
+                         const ChainEnd& end) {
+    return probability_from(contribution_bound(set.casters[caster], x, ng, end),
+                            sum_bounds(set, x, ng, end));
 }
 
 }  // namespace spc

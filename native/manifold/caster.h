@@ -10,14 +10,14 @@ namespace spc {
 
 struct Caster {
     uint32_t instance;
-    Vec3 center;      // of bounding box and sphere, world, m
+    Vec3 center;  // of bounding box and sphere, world, m
     Vec3 half_extent;
     float radius;
     bool reflects, refracts;  // some material of it does
     bool mapped_normal;
     DiscreteDistribution triangles;  // by area, those of specular materials alone: where seeds start
-    // Slopes of the mapped normal over the smooth one, in Frame::around(smooth normal): mean and standard
-    // deviation [Olano10], for the first of two stages.
+    // Slopes of the mapped normal over the smooth one, in Frame::around(smooth normal): mean and
+    // standard deviation [Olano10], for the first of two stages.
     Vec2 slope_mean{0.0f}, slope_deviation{0.0f};
 };
 
@@ -28,14 +28,17 @@ struct CasterSet {
 };
 CasterSet build_casters(const Scene& scene);
 
-// Chance that an estimate at x (on the side of `ng`) towards `end` walks on each caster:
-// in proportion to a bound of the light that the caster can throw at x, with a floor so that no caster that may
-// contribute is ever left out. Casters wholly below the horizon of x get zero: they contribute nothing.
+// Chance that an estimate at x (on the side of `ng`) towards `end` walks on each caster: in
+// proportion to a bound of the light that the caster can throw at x, with a floor so that no caster
+// that may contribute is ever left out. Casters wholly below the horizon of x get zero: they
+// contribute nothing.
 struct CasterChoice {
     uint32_t index = kNone;  // kNone: no caster can contribute
     float probability = 0.0f;
 };
-CasterChoice choose_caster(const CasterSet& set, const Vec3& x, const Vec3& ng, const ChainEnd& end, float u);
-float caster_probability(const CasterSet& set, uint32_t caster, const Vec3& x, const Vec3& ng, const ChainEnd& end);
+CasterChoice choose_caster(const CasterSet& set, const Vec3& x, const Vec3& ng, const ChainEnd& end,
+                           float u);
+float caster_probability(const CasterSet& set, uint32_t caster, const Vec3& x, const Vec3& ng,
+                         const ChainEnd& end);
 
 }  // namespace spc

@@ -10,14 +10,17 @@ struct DirectionDual {
     Vec3 w, dw_du, dw_dv;
 };
 
-// Unit direction from the moving vertex to a fixed point at `distance`; a distant end does not turn.
+// Unit direction from the moving vertex to a fixed point at `distance`; a distant end does not
+// turn.
 DirectionDual direction_to(const Vec3& w, float distance, const CasterPatch& vertex) {
     const float inv = std::isinf(distance) ? 0.0f : 1.0f / distance;
-    return {w, (w * dot(w, vertex.dp_du) - vertex.dp_du) * inv, (w * dot(w, vertex.dp_dv) - vertex.dp_dv) * inv};
+    return {w, (w * dot(w, vertex.dp_du) - vertex.dp_du) * inv,
+            (w * dot(w, vertex.dp_dv) - vertex.dp_dv) * inv};
 }
 
-std::optional<ConstraintValue> half_vector(Interaction interaction, float eta, const DirectionDual& wi,
-                                           const DirectionDual& wo, const CasterPatch& vertex) {
+std::optional<ConstraintValue> half_vector(Interaction interaction, float eta,
+                                           const DirectionDual& wi, const DirectionDual& wo,
+                                           const CasterPatch& vertex) {
     // [Walter07 Eq. 16], unnormalised; its sign does not matter to a root.
     const float scale = interaction == Interaction::reflection ? 1.0f : eta;
     const Vec3 sum = wi.w + wo.w * scale;
@@ -30,14 +33,17 @@ std::optional<ConstraintValue> half_vector(Interaction interaction, float eta, c
     const auto derivative = [&](const Vec3& dwi, const Vec3& dwo, const Vec3& dn) {
         const Vec3 dsum = dwi + dwo * scale;
         const Vec3 dh = (dsum - h * dot(h, dsum)) * (1.0f / l);
-        return Vec2(dot(frame.x, dh) - dot(frame.x, dn) * nh, dot(frame.y, dh) - dot(frame.y, dn) * nh);
+        return Vec2(dot(frame.x, dh) - dot(frame.x, dn) * nh,
+                    dot(frame.y, dh) - dot(frame.y, dn) * nh);
     };
-    return ConstraintValue{Vec2(dot(frame.x, h), dot(frame.y, h)), derivative(wi.dw_du, wo.dw_du, vertex.dn_du),
+    return ConstraintValue{Vec2(dot(frame.x, h), dot(frame.y, h)),
+                           derivative(wi.dw_du, wo.dw_du, vertex.dn_du),
                            derivative(wi.dw_dv, wo.dw_dv, vertex.dn_dv), 1.0f / l};
 }
 
 // Direction into which light from wi leaves, with derivatives. Empty at total internal reflection.
-std::optional<DirectionDual> scattered(Interaction interaction, float eta, const DirectionDual& wi, const CasterPatch& vertex) {
+std::optional<DirectionDual> scattered(Interaction interaction, float eta, const DirectionDual& wi,
+                                       const CasterPatch& vertex) {
     const Vec3& n = vertex.n;
     const float cos_i = dot(wi.w, n);
     if (interaction == Interaction::reflection) {
@@ -57,7 +63,8 @@ std::optional<DirectionDual> scattered(Interaction interaction, float eta, const
     const auto derivative = [&](const Vec3& dw, const Vec3& dn) {
         return dw * -inv + n * (dmu_dcos * (dot(dw, n) + dot(wi.w, dn))) + dn * mu;
     };
-    return DirectionDual{wi.w * -inv + n * mu, derivative(wi.dw_du, vertex.dn_du), derivative(wi.dw_dv, vertex.dn_dv)};
+    return DirectionDual{wi.w * -inv + n * mu, derivative(wi.dw_du, vertex.dn_du),
+                         derivative(wi.dw_dv, vertex.dn_dv)};
 }
 
 // Of single precision, with room for the handful of operations that each coordinate has seen.
@@ -69,20 +76,26 @@ float largest_coordinate(const Vec3& a, const Vec3& b) {
     return largest;
 }
 
-std::optional<ConstraintValue> angle_difference(Interaction interaction, float eta, const DirectionDual& wi,
-                                                const DirectionDual& wo, const CasterPatch& vertex) {
+std::optional<ConstraintValue> angle_difference(Interaction interaction, float eta,
+                                                const DirectionDual& wi, const DirectionDual& wo,
+                                                const CasterPatch& vertex) {
     const std::optional<DirectionDual> s = scattered(interaction, eta, wi, vertex);
     if (!s) return std::nullopt;
-    // Longitude and latitude in a frame whose equator passes through wo: no pole near a solution, nothing to wrap.
+    // Longitude and latitude in a frame whose equator passes through wo: no pole near a solution,
+    // nothing to wrap.
     const Frame frame = Frame::around(wo.w);
-    const float a = dot(s->w, frame.z), b = dot(s->w, frame.x), c = std::clamp(dot(s->w, frame.y), -1.0f, 1.0f);
-    const float equatorial = std::max(a * a + b * b, 1e-12f), inv_cos_latitude = 1.0f / std::sqrt(equatorial);
+    const float a = dot(s->w, frame.z), b = dot(s->w, frame.x),
+                c = std::clamp(dot(s->w, frame.y), -1.0f, 1.0f);
+    const float equatorial = std::max(a * a + b * b, 1e-12f),
+                inv_cos_latitude = 1.0f / std::sqrt(equatorial);
     const auto derivative = [&](const Vec3& ds, const Vec3& dwo) {
         const float da = dot(ds, frame.z), db = dot(ds, frame.x), dc = dot(ds, frame.y);
-        return Vec2((a * db - b * da) / equatorial - dot(dwo, frame.x), dc * inv_cos_latitude - dot(dwo, frame.y));
+        return Vec2((a * db - b * da) / equatorial - dot(dwo, frame.x),
+                    dc * inv_cos_latitude - dot(dwo, frame.y));
     };
     // Near the critical angle the refracted direction magnifies every error by 1 / cos_t.
-    const float magnified = interaction == Interaction::refraction ? 1.0f / std::abs(dot(s->w, vertex.n)) : 1.0f;
+    const float magnified =
+        interaction == Interaction::refraction ? 1.0f / std::abs(dot(s->w, vertex.n)) : 1.0f;
     return ConstraintValue{Vec2(std::atan2(b, a), std::asin(c)), derivative(s->dw_du, wo.dw_du),
                            derivative(s->dw_dv, wo.dw_dv), magnified};
 }
@@ -93,8 +106,9 @@ float eta_seen_from(const Vec3& front_ng, const Vec3& towards, float ior) {
     return dot(front_ng, towards) >= 0.0f ? ior : 1.0f / ior;
 }
 
-std::optional<ConstraintValue> evaluate_constraint(Constraint constraint, Interaction interaction, float eta,
-                                                   const Vec3& x, const CasterPatch& vertex, const ChainEnd& end) {
+std::optional<ConstraintValue> evaluate_constraint(Constraint constraint, Interaction interaction,
+                                                   float eta, const Vec3& x,
+                                                   const CasterPatch& vertex, const ChainEnd& end) {
     const Vec3 to_x = x - vertex.p;
     const float distance_x = length(to_x);
     float distance_y;
@@ -102,16 +116,19 @@ std::optional<ConstraintValue> evaluate_constraint(Constraint constraint, Intera
     if (!(distance_x > 0.0f) || !(distance_y > 0.0f)) return std::nullopt;
     const DirectionDual wi_dual = direction_to(to_x * (1.0f / distance_x), distance_x, vertex);
     const DirectionDual wo_dual = direction_to(wo, distance_y, vertex);
-    std::optional<ConstraintValue> value = constraint == Constraint::half_vector
-                                               ? half_vector(interaction, eta, wi_dual, wo_dual, vertex)
-                                               : angle_difference(interaction, eta, wi_dual, wo_dual, vertex);
+    std::optional<ConstraintValue> value =
+        constraint == Constraint::half_vector
+            ? half_vector(interaction, eta, wi_dual, wo_dual, vertex)
+            : angle_difference(interaction, eta, wi_dual, wo_dual, vertex);
     // The two see directions of this error; so far `noise` holds how much each magnifies it.
-    if (value) value->noise *= kUnitRoundoff * (2.0f + largest_coordinate(x, vertex.p) / std::min(distance_x, distance_y));
+    if (value)
+        value->noise *= kUnitRoundoff *
+                        (2.0f + largest_coordinate(x, vertex.p) / std::min(distance_x, distance_y));
     return value;
 }
 
-std::optional<double> geometry_term(Interaction interaction, float eta, const Vec3& x, const CasterPatch& patch,
-                                    const ChainEnd& end) {
+std::optional<double> geometry_term(Interaction interaction, float eta, const Vec3& x,
+                                    const CasterPatch& patch, const ChainEnd& end) {
     const Vec3d p(patch.p), pu(patch.dp_du), pv(patch.dp_dv), nu(patch.dn_du), nv(patch.dn_dv);
     const Vec3d to_p = p - Vec3d(x);
     const double t = length(to_p);
@@ -159,7 +176,8 @@ std::optional<double> geometry_term(Interaction interaction, float eta, const Ve
         column[j][1] = dot(e2, dq);
     }
     const double det = std::abs(column[0][0] * column[1][1] - column[0][1] * column[1][0]);
-    // On a fold all light of the chain meets: the density there is infinite, but nothing ever samples it exactly.
+    // On a fold all light of the chain meets: the density there is infinite, but nothing ever
+    // samples it exactly.
     return 1.0 / std::max(det, 1e-30);
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One specular interaction between a receiver x and a light point y, seen as a map: its constraint, which vanishes
-// where light can pass, and its generalised geometry term.
+// One specular interaction between a receiver x and a light point y, seen as a map: its constraint,
+// which vanishes where light can pass, and its generalised geometry term.
 #pragma once
 
 #include "light/light.h"
@@ -27,28 +27,32 @@ struct ChainEnd {
     }
 };
 
-// Index ratio for light that passes the interface: behind the surface over in front of it, as seen by the side on
-// which `ng` points at the receiver. `ior` is that of the back of a front face.
+// Index ratio for light that passes the interface: behind the surface over in front of it, as seen
+// by the side on which `ng` points at the receiver. `ior` is that of the back of a front face.
 float eta_seen_from(const Vec3& front_ng, const Vec3& towards, float ior);
 
-// Value and derivative by (u, v) of the constraint at a vertex. `C` is an angle in radians (half-vector: the sine
-// of the angle between generalised half-vector and normal; angle-difference: between scattered and wanted
-// direction), zero exactly where the chain is admissible. The unit normal n and its derivatives may be any: the
-// shading normal, or an offset one in the first of two stages.
+// Value and derivative by (u, v) of the constraint at a vertex. `C` is an angle in radians
+// (half-vector: the sine of the angle between generalised half-vector and normal; angle-difference:
+// between scattered and wanted direction), zero exactly where the chain is admissible. The unit
+// normal n and its derivatives may be any: the shading normal, or an offset one in the first of two
+// stages.
 struct ConstraintValue {
     Vec2 c;
     Vec2 dc_du, dc_dv;
     float noise;  // what rounding of positions in single precision leaves of C at an exact solution
     float size() const { return std::sqrt(c.x * c.x + c.y * c.y); }
 };
-// [Zeltner20 Eq. 2 and Sec. 4.2]. Empty at total internal reflection (angle-difference) or a degenerate half-vector.
-std::optional<ConstraintValue> evaluate_constraint(Constraint constraint, Interaction interaction, float eta,
-                                                   const Vec3& x, const CasterPatch& vertex, const ChainEnd& end);
+// [Zeltner20 Eq. 2 and Sec. 4.2]. Empty at total internal reflection (angle-difference) or a
+// degenerate half-vector.
+std::optional<ConstraintValue> evaluate_constraint(Constraint constraint, Interaction interaction,
+                                                   float eta, const Vec3& x,
+                                                   const CasterPatch& vertex, const ChainEnd& end);
 
-// |d solid angle at x / d area at y|, 1/m^2, without the cosine at y; distant ends: d solid angle at x / d solid
-// angle at the light. By ray differentials from x through the vertex [Jakob12 Eq. 27 in another form]. Empty for a
-// refraction that cannot be (total internal reflection) or a vertex seen edge-on.
-std::optional<double> geometry_term(Interaction interaction, float eta, const Vec3& x, const CasterPatch& patch,
-                                    const ChainEnd& end);
+// |d solid angle at x / d area at y|, 1/m^2, without the cosine at y; distant ends: d solid angle
+// at x / d solid angle at the light. By ray differentials from x through the vertex [Jakob12 Eq. 27
+// in another form]. Empty for a refraction that cannot be (total internal reflection) or a vertex
+// seen edge-on.
+std::optional<double> geometry_term(Interaction interaction, float eta, const Vec3& x,
+                                    const CasterPatch& patch, const ChainEnd& end);
 
 }  // namespace spc

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The manifold's estimate of the light that reaches a receiver through one specular interaction, and its share of
-// each such path beside path tracing.
+// The manifold's estimate of the light that reaches a receiver through one specular interaction,
+// and its share of each such path beside path tracing.
 //
 //   L(x, wo) = sum over chains of  int f(x) cos T L(y) |dw/dA_y| dA_y
 //
-// A point y is drawn by power, one caster by its bound, and the chains between them by random walks.
+// A point y is drawn by power, one caster by its bound, and the chains between them by random
+// walks.
 #pragma once
 
 #include "bsdf/closure.h"
@@ -21,44 +22,49 @@ struct Receiver {
     uint32_t transparent_left;  // surfaces that the rest of the path may be looked through
 };
 
-// A chain as both estimators describe it. Everything that decides who owns it is a property of the path alone.
+// A chain as both estimators describe it. Everything that decides who owns it is a property of the
+// path alone.
 struct ChainClass {
     bool receiver;          // x has the role, the closure and the bounces left
     uint32_t instance;      // where the one interaction lies
     bool on_caster_normal;  // by a delta closure of the material's specular interface
     Interaction interaction;
-    bool through_caster;    // passed straight through a transparent part of any caster on the way to it
+    bool through_caster;  // passed straight through a transparent part of any caster on the way to it
 };
 
-// The one predicate: whether the manifold can find chains of this class. Outside it path tracing owns all; inside it
-// the balance heuristic shares each path by the two densities below.
-bool manifold_owns(const ManifoldSettings& settings, const CasterSet& casters, const ChainClass& chain);
+// The one predicate: whether the manifold can find chains of this class. Outside it path tracing
+// owns all; inside it the balance heuristic shares each path by the two densities below.
+bool manifold_owns(const ManifoldSettings& settings, const CasterSet& casters,
+                   const ChainClass& chain);
 
 // Densities of one chain, both by area at y (distant light: by solid angle at the light).
 struct ChainDensities {
-    double manifold;      // p_L(y) times the chance of the caster
+    double manifold;  // p_L(y) times the chance of the caster
     double path_tracing;  // p_bsdf(w) |dw/dA_y| times the chance of the caster's lobe; 0 for delta lights
 };
 inline float manifold_share(const ChainDensities& p) {
     return static_cast<float>(p.manifold / (p.manifold + p.path_tracing));
 }
 
-// Path tracing's share of a chain that it found: from x (scattered with pdf_omega) by `hit` on a caster, whose lobe it
-// took with `lobe_probability`, to the point `end` of a light that it could also have drawn with density
-// `light_pdf` (as LightPoint::pdf). `cos_y` is the cosine at y, 1 for distant lights.
-float path_tracing_share(const Scene& scene, const CasterSet& casters, const Vec3& x, const Vec3& ng, float pdf_omega,
-                         const SurfaceHit& hit, Interaction interaction, float lobe_probability, const ChainEnd& end,
-                         float cos_y, float light_pdf);
+// Path tracing's share of a chain that it found: from x (scattered with pdf_omega) by `hit` on a
+// caster, whose lobe it took with `lobe_probability`, to the point `end` of a light that it could
+// also have drawn with density `light_pdf` (as LightPoint::pdf). `cos_y` is the cosine at y, 1 for
+// distant lights.
+float path_tracing_share(const Scene& scene, const CasterSet& casters, const Vec3& x, const Vec3& ng,
+                         float pdf_omega, const SurfaceHit& hit, Interaction interaction,
+                         float lobe_probability, const ChainEnd& end, float cos_y, float light_pdf);
 
-// One estimate of the radiance from `receiver` towards its wo. [Zeltner20 Alg. 2] or, biased, [Alg. 3].
+// One estimate of the radiance from `receiver` towards its wo. [Zeltner20 Alg. 2] or, biased, [Alg.
+// 3].
 Spectrum manifold_radiance(const Scene& scene, const LightSet& lights, const CasterSet& casters,
-                           const ManifoldSettings& settings, const Receiver& receiver, const Sampler& sampler,
-                           ManifoldStats& stats);
+                           const ManifoldSettings& settings, const Receiver& receiver,
+                           const Sampler& sampler, ManifoldStats& stats);
 
-// Fraction of light that passes from the surface point a to `end` (both excluded) through transparent surfaces, as a
-// ray of `kind` sees them. Takes those surfaces off `transparent_left`; one more blocks. Where `opaque` is given, the
-// casters of that set block, however transparent.
-Spectrum transmittance(const Scene& scene, const Vec3& a, const Vec3& ng_a, const ChainEnd& end, uint32_t kind,
-                       uint32_t& transparent_left, uint64_t& rays, const CasterSet* opaque = nullptr);
+// Fraction of light that passes from the surface point a to `end` (both excluded) through
+// transparent surfaces, as a ray of `kind` sees them. Takes those surfaces off `transparent_left`;
+// one more blocks. Where `opaque` is given, the casters of that set block, however transparent.
+Spectrum transmittance(const Scene& scene, const Vec3& a, const Vec3& ng_a, const ChainEnd& end,
+                       uint32_t kind, uint32_t& transparent_left, uint64_t& rays,
+                       const CasterSet* opaque = nullptr);
 
 }  // namespace spc

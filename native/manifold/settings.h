@@ -10,22 +10,25 @@ enum class Constraint : uint8_t { half_vector, angle_difference };
 
 struct ManifoldSettings {
     bool enabled = false;
-    bool biased = false;        // sum over the solutions of `set_size` walks [Zeltner20 Alg. 3]
+    bool biased = false;  // sum over the solutions of `set_size` walks [Zeltner20 Alg. 3]
     uint32_t set_size = 16;
     Constraint constraint = Constraint::angle_difference;
     bool two_stage = true;
-    // Whether light may reach a diffuse surface by reflection, by refraction, through any method at all.
+    // Whether light may reach a diffuse surface by reflection, by refraction, through any method at
+    // all.
     bool reflections = true, refractions = true;
 
-    // A walk has converged when the constraint, an angle, is below this (radians). Single precision of directions
-    // leaves 3e-7; solutions at folds move by the root of it.
+    // A walk has converged when the constraint, an angle, is below this (radians). Single precision
+    // of directions leaves 3e-7; solutions at folds move by the root of it.
     float tolerance = 1e-5f;
-    float seeds_by_area = 0.5f;  // share of the seeds that are uniform over the caster; the rest is what x sees of it
-    int max_iterations = 20;    // walks that need more nearly always diverge
-    int max_halvings = 6;       // of one step, before the walk gives up
+    float seeds_by_area =
+        0.5f;  // share of the seeds that are uniform over the caster; the rest is what x sees of it
+    int max_iterations = 20;  // walks that need more nearly always diverge
+    int max_halvings = 6;     // of one step, before the walk gives up
     // Two solutions closer than this many position tolerances (|dp/dC| tolerance) are one.
     float identity_factor = 8.0f;
-    uint32_t trial_cap = 4096;  // Bernoulli trials; beyond, the estimate keeps what it counted and reports the rest
+    uint32_t trial_cap =
+        4096;  // Bernoulli trials; beyond, the estimate keeps what it counted and reports the rest
 };
 
 struct ManifoldStats {

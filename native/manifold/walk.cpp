@@ -13,8 +13,8 @@ struct Iterate {
     ConstraintValue value;
 };
 
-// The normal that a walk aims for: the surface's own, or, in the first of two stages, the smooth one leaning by a
-// fixed slope.
+// The normal that a walk aims for: the surface's own, or, in the first of two stages, the smooth
+// one leaning by a fixed slope.
 struct NormalTarget {
     bool smooth_base = false;
     Vec3 offset{0.0f, 0.0f, 1.0f};  // unit, in Frame::around(smooth normal)
@@ -33,15 +33,22 @@ CasterPatch aimed_patch(const Scene& scene, const SurfaceHit& hit, const NormalT
 
 // Whether wi and wo leave the geometric and the shading surface as the interaction demands.
 bool sides_agree(const CasterPatch& patch, const Vec3& wi, const Vec3& wo, Interaction interaction) {
-    const float geometric = dot(patch.ng, wi) * dot(patch.ng, wo), shading = dot(patch.n, wi) * dot(patch.n, wo);
-    return interaction == Interaction::reflection ? geometric > 0.0f && shading > 0.0f : geometric < 0.0f && shading < 0.0f;
+    const float geometric = dot(patch.ng, wi) * dot(patch.ng, wo),
+                shading = dot(patch.n, wi) * dot(patch.n, wo);
+    return interaction == Interaction::reflection ? geometric > 0.0f && shading > 0.0f
+                                                  : geometric < 0.0f && shading < 0.0f;
 }
 
 class Walk {
 public:
-    Walk(const Scene& scene, const ManifoldSettings& settings, const ChainQuery& query, Interaction interaction,
-         float eta, ManifoldStats& stats)
-        : scene_(scene), settings_(settings), query_(query), interaction_(interaction), eta_(eta), stats_(stats) {}
+    Walk(const Scene& scene, const ManifoldSettings& settings, const ChainQuery& query,
+         Interaction interaction, float eta, ManifoldStats& stats)
+        : scene_(scene),
+          settings_(settings),
+          query_(query),
+          interaction_(interaction),
+          eta_(eta),
+          stats_(stats) {}
 
     // Runs from a hit to convergence.
     std::optional<Iterate> run(const SurfaceHit& start, const NormalTarget& target) {
@@ -52,7 +59,9 @@ public:
             if (converged && polished) return current;
             ++stats_.iterations;
             std::optional<Iterate> next = step(*current, target);
-            if (!next) return converged ? current : std::nullopt;  // at the limit of precision nothing improves
+            if (!next)
+                return converged ? current
+                                 : std::nullopt;  // at the limit of precision nothing improves
             polished = converged;
             current = next;
         }
@@ -66,17 +75,18 @@ private:
 
     std::optional<Iterate> evaluate(const SurfaceHit& hit, const NormalTarget& target) const {
         const CasterPatch patch = aimed_patch(scene_, hit, target);
-        const std::optional<ConstraintValue> value =
-            evaluate_constraint(settings_.constraint, interaction_, eta_, query_.x, patch, query_.end);
+        const std::optional<ConstraintValue> value = evaluate_constraint(
+            settings_.constraint, interaction_, eta_, query_.x, patch, query_.end);
         if (!value || !std::isfinite(value->size())) return std::nullopt;
         return Iterate{hit, patch, *value};
     }
 
-    // A Newton step in the tangent plane, projected back along the ray from x, and halved until the constraint falls.
+    // A Newton step in the tangent plane, projected back along the ray from x, and halved until the
+    // constraint falls.
     std::optional<Iterate> step(const Iterate& from, const NormalTarget& target) {
         const ConstraintValue& value = from.value;
-        const std::optional<Vec2> newton =
-            solve2x2(value.dc_du.x, value.dc_dv.x, value.dc_du.y, value.dc_dv.y, value.c.x, value.c.y);
+        const std::optional<Vec2> newton = solve2x2(value.dc_du.x, value.dc_dv.x, value.dc_du.y,
+                                                    value.dc_dv.y, value.c.x, value.c.y);
         if (!newton) return std::nullopt;
         Vec3 move = (from.patch.dp_du * newton->x + from.patch.dp_dv * newton->y) * -1.0f;
         // Farther than the caster's own extent the linear model says nothing.
@@ -98,10 +108,12 @@ private:
         if (!(distance > 0.0f)) return std::nullopt;
         ++stats_.rays;
         const std::optional<Hit> hit = scene_.accel->intersect_caster(
-            query_.caster->instance, {query_.x, to * (1.0f / distance), 1e-4f * distance, kInfinity});
+            query_.caster->instance,
+            {query_.x, to * (1.0f / distance), 1e-4f * distance, kInfinity});
         if (!hit) return std::nullopt;
         const SpecularInterface& specular = scene_.material_of(hit->surface).specular;
-        if (interaction_ == Interaction::reflection ? !specular.reflects : !specular.refracts) return std::nullopt;
+        if (interaction_ == Interaction::reflection ? !specular.reflects : !specular.refracts)
+            return std::nullopt;
         return hit->surface;
     }
 
@@ -120,15 +132,17 @@ SurfaceHit sample_by_area(const Caster& caster, Pcg& pcg) {
     return {caster.instance, triangle, b.x, b.y};
 }
 
-// What x sees of the caster along a direction that is uniform in the cone of its bounding sphere. Empty beside it.
+// What x sees of the caster along a direction that is uniform in the cone of its bounding sphere.
+// Empty beside it.
 std::optional<SurfaceHit> sample_by_direction(const Scene& scene, const ChainQuery& query, Pcg& pcg) {
     const Vec3 to_center = query.caster->center - query.x;
     const float d2 = length_squared(to_center), sin2 = sqr(query.caster->radius) / d2;
     const float one_minus_cos = sin2 < 1.0f ? sin2 / (1.0f + std::sqrt(1.0f - sin2)) : 2.0f;
     const Vec3 local = uniform_cone(pcg.two(), one_minus_cos);
-    const Vec3 direction = d2 > 0.0f ? Frame::around(to_center * (1.0f / std::sqrt(d2))).to_world(local) : local;
-    const std::optional<Hit> hit =
-        scene.accel->intersect_caster(query.caster->instance, {query.x, direction, 1e-4f * query.caster->radius, kInfinity});
+    const Vec3 direction =
+        d2 > 0.0f ? Frame::around(to_center * (1.0f / std::sqrt(d2))).to_world(local) : local;
+    const std::optional<Hit> hit = scene.accel->intersect_caster(
+        query.caster->instance, {query.x, direction, 1e-4f * query.caster->radius, kInfinity});
     if (!hit) return std::nullopt;
     const SpecularInterface& specular = scene.material_of(hit->surface).specular;
     if (!specular.reflects && !specular.refracts) return std::nullopt;
@@ -138,7 +152,8 @@ std::optional<SurfaceHit> sample_by_direction(const Scene& scene, const ChainQue
 // A normal that leans as the caster's mapped normals do.
 NormalTarget sample_lean(const Caster& caster, Pcg& pcg) {
     // Box-Muller; u in (0, 1].
-    const float u = 1.0f - pcg.one(), angle = 2.0f * kPi * pcg.one(), r = std::sqrt(-2.0f * std::log(u));
+    const float u = 1.0f - pcg.one(), angle = 2.0f * kPi * pcg.one(),
+                r = std::sqrt(-2.0f * std::log(u));
     const float sx = caster.slope_mean.x + caster.slope_deviation.x * r * std::cos(angle);
     const float sy = caster.slope_mean.y + caster.slope_deviation.y * r * std::sin(angle);
     return {true, normalize(Vec3(-sx, -sy, 1.0f))};
@@ -146,10 +161,11 @@ NormalTarget sample_lean(const Caster& caster, Pcg& pcg) {
 
 }  // namespace
 
-std::optional<ChainRoot> random_walk(const Scene& scene, const ManifoldSettings& settings, const ChainQuery& query,
-                                     Pcg& pcg, ManifoldStats& stats) {
+std::optional<ChainRoot> random_walk(const Scene& scene, const ManifoldSettings& settings,
+                                     const ChainQuery& query, Pcg& pcg, ManifoldStats& stats) {
     // By direction the part of a caster next to x gets its share; by area nothing is left out.
-    if (pcg.one() < settings.seeds_by_area) return walk_from(scene, settings, query, sample_by_area(*query.caster, pcg), pcg, stats);
+    if (pcg.one() < settings.seeds_by_area)
+        return walk_from(scene, settings, query, sample_by_area(*query.caster, pcg), pcg, stats);
     ++stats.rays;
     const std::optional<SurfaceHit> seed = sample_by_direction(scene, query, pcg);
     if (seed) return walk_from(scene, settings, query, *seed, pcg, stats);
@@ -157,17 +173,20 @@ std::optional<ChainRoot> random_walk(const Scene& scene, const ManifoldSettings&
     return std::nullopt;
 }
 
-std::optional<ChainRoot> walk_from(const Scene& scene, const ManifoldSettings& settings, const ChainQuery& query,
-                                   const SurfaceHit& seed, Pcg& pcg, ManifoldStats& stats) {
+std::optional<ChainRoot> walk_from(const Scene& scene, const ManifoldSettings& settings,
+                                   const ChainQuery& query, const SurfaceHit& seed, Pcg& pcg,
+                                   ManifoldStats& stats) {
     ++stats.walks;
     const Caster& caster = *query.caster;
     const bool two_stage = settings.two_stage && caster.mapped_normal;
     const NormalTarget lean = two_stage ? sample_lean(caster, pcg) : NormalTarget{};
 
-    const Vec3 p = surface_position(scene, seed), ng = front_normal(scene, seed.instance, seed.triangle);
+    const Vec3 p = surface_position(scene, seed),
+               ng = front_normal(scene, seed.instance, seed.triangle);
     float distance_y;
     const float side_x = dot(ng, query.x - p), side_y = dot(ng, query.end.from(p, distance_y));
-    const Interaction interaction = side_x * side_y > 0.0f ? Interaction::reflection : Interaction::refraction;
+    const Interaction interaction =
+        side_x * side_y > 0.0f ? Interaction::reflection : Interaction::refraction;
     const SpecularInterface& specular = scene.material_of(seed).specular;
     if (interaction == Interaction::reflection ? !(specular.reflects && settings.reflections)
                                                : !(specular.refracts && settings.refractions))
@@ -186,27 +205,35 @@ std::optional<ChainRoot> walk_from(const Scene& scene, const ManifoldSettings& s
 
     const Vec3 wi = normalize(query.x - end->patch.p), wo = query.end.from(end->patch.p, distance_y);
     if (!sides_agree(end->patch, wi, wo, interaction)) return std::nullopt;
-    // Another material, or the back of the surface, where the walk took another index ratio for granted.
-    if (eta_seen_from(end->patch.ng, wi, scene.material_of(end->hit).specular.ior) != eta) return std::nullopt;
+    // Another material, or the back of the surface, where the walk took another index ratio for
+    // granted.
+    if (eta_seen_from(end->patch.ng, wi, scene.material_of(end->hit).specular.ior) != eta)
+        return std::nullopt;
     ++stats.converged;
 
     // dp = p_uv (dC)^-1 tolerance, as a length.
     const ConstraintValue& value = end->value;
-    const std::optional<Vec2> a = solve2x2(value.dc_du.x, value.dc_dv.x, value.dc_du.y, value.dc_dv.y, 1.0f, 0.0f);
-    const std::optional<Vec2> b = solve2x2(value.dc_du.x, value.dc_dv.x, value.dc_du.y, value.dc_dv.y, 0.0f, 1.0f);
+    const std::optional<Vec2> a =
+        solve2x2(value.dc_du.x, value.dc_dv.x, value.dc_du.y, value.dc_dv.y, 1.0f, 0.0f);
+    const std::optional<Vec2> b =
+        solve2x2(value.dc_du.x, value.dc_dv.x, value.dc_du.y, value.dc_dv.y, 0.0f, 1.0f);
     float reach = 0.0f;
     if (a && b)
         reach = std::max(length(end->patch.dp_du * a->x + end->patch.dp_dv * a->y),
                          length(end->patch.dp_du * b->x + end->patch.dp_dv * b->y));
-    return ChainRoot{end->hit, end->patch, interaction, eta, reach * std::max(settings.tolerance, value.noise)};
+    return ChainRoot{end->hit, end->patch, interaction, eta,
+                     reach * std::max(settings.tolerance, value.noise)};
 }
 
 bool same_root(const ManifoldSettings& settings, const ChainRoot& a, const ChainRoot& b) {
     if (a.interaction != b.interaction) return false;
     const float distance = length(a.patch.p - b.patch.p);
-    // Single precision cannot hold positions apart that are closer than some units in the last place.
-    const float precision = 1e-6f * (std::abs(a.patch.p.x) + std::abs(a.patch.p.y) + std::abs(a.patch.p.z));
-    return distance <= std::max(settings.identity_factor * std::max(a.resolution, b.resolution), precision);
+    // Single precision cannot hold positions apart that are closer than some units in the last
+    // place.
+    const float precision =
+        1e-6f * (std::abs(a.patch.p.x) + std::abs(a.patch.p.y) + std::abs(a.patch.p.z));
+    return distance <=
+           std::max(settings.identity_factor * std::max(a.resolution, b.resolution), precision);
 }
 
 }  // namespace spc

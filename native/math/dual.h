@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Forward differentiation in two variables: a value with its derivatives by the surface parameters (u, v).
-// Code that must serve both plain evaluation and derivatives is written over T in {float, Dual2}.
+// Forward differentiation in two variables: a value with its derivatives by the surface parameters
+// (u, v). Code that must serve both plain evaluation and derivatives is written over T in {float,
+// Dual2}.
 #pragma once
 
 #include "math/vec.h"
@@ -30,7 +31,9 @@ inline Dual2 operator/(Dual2 a, Dual2 b) {
 inline Dual2& operator+=(Dual2& a, Dual2 b) { return a = a + b; }
 
 // f(a) given f and f' at a.v.
-inline Dual2 chain(Dual2 a, float f, float derivative) { return {f, derivative * a.du, derivative * a.dv}; }
+inline Dual2 chain(Dual2 a, float f, float derivative) {
+    return {f, derivative * a.du, derivative * a.dv};
+}
 
 inline Dual2 sqrt(Dual2 a) {
     const float s = std::sqrt(a.v);

@@ -58,10 +58,14 @@ inline float safe_sqrt(float a) { return std::sqrt(std::max(a, 0.0f)); }
 inline float lerp(float a, float b, float t) { return a + (b - a) * t; }
 
 // Rec.709 luminance; also how Blender turns a colour socket into a value.
-inline float luminance(const Spectrum& c) { return 0.2126729f * c.x + 0.7151522f * c.y + 0.0721750f * c.z; }
+inline float luminance(const Spectrum& c) {
+    return 0.2126729f * c.x + 0.7151522f * c.y + 0.0721750f * c.z;
+}
 inline float max_component(const Spectrum& c) { return std::max(c.x, std::max(c.y, c.z)); }
 inline bool is_black(const Spectrum& c) { return c.x == 0.0f && c.y == 0.0f && c.z == 0.0f; }
-inline bool is_finite(const Vec3& a) { return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z); }
+inline bool is_finite(const Vec3& a) {
+    return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
+}
 
 // Orthonormal right-handed frame around a unit z axis [Duff17].
 struct Frame {

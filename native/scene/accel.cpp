@@ -68,7 +68,8 @@ void light_bounds(const RTCBoundsFunctionArguments* args) {
     const auto& light = *static_cast<const LightDesc*>(args->geometryUserPtr);
     Vec3 half(light.radius);
     if (light.type == LightType::area)
-        for (int i = 0; i < 3; ++i) half[i] = std::abs(light.half_x()[i]) + std::abs(light.half_y()[i]);
+        for (int i = 0; i < 3; ++i)
+            half[i] = std::abs(light.half_x()[i]) + std::abs(light.half_y()[i]);
     const Vec3 lower = light.position() - half, upper = light.position() + half;
     *args->bounds_o = {lower.x, lower.y, lower.z, 0, upper.x, upper.y, upper.z, 0};
 }
@@ -79,7 +80,8 @@ void light_intersect(const RTCIntersectFunctionNArguments* args) {
     auto& ray_hit = *reinterpret_cast<RTCRayHit*>(args->rayhit);
     RTCRay& r = ray_hit.ray;
     const Ray ray{{r.org_x, r.org_y, r.org_z}, {r.dir_x, r.dir_y, r.dir_z}, r.tnear, r.tfar};
-    const std::optional<LightSurfaceHit> hit = intersect_light(*static_cast<const LightDesc*>(args->geometryUserPtr), ray);
+    const std::optional<LightSurfaceHit> hit =
+        intersect_light(*static_cast<const LightDesc*>(args->geometryUserPtr), ray);
     if (!hit) return;
     r.tfar = hit->t;
     ray_hit.hit.geomID = args->geomID;
@@ -95,8 +97,8 @@ void light_occluded(const RTCOccludedFunctionNArguments*) {}  // lamps cast no s
 struct Accel::Impl {
     RTCDevice device = nullptr;
     RTCScene scene = nullptr;
-    std::vector<RTCScene> mesh_scenes;    // object space, for meshes with several instances, else null
-    std::vector<RTCGeometry> baked;       // per instance, for meshes of one instance, else null
+    std::vector<RTCScene> mesh_scenes;  // object space, for meshes with several instances, else null
+    std::vector<RTCGeometry> baked;     // per instance, for meshes of one instance, else null
     std::vector<RTCScene> caster_scenes;  // per instance, null unless prepared
     std::vector<const Instance*> instances;
     uint32_t instance_count = 0;
@@ -117,16 +119,19 @@ struct Accel::Impl {
     void check(const char* step) const {
         const RTCError code = rtcGetDeviceError(device);
         if (code == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
-        if (code != RTC_ERROR_NONE) throw std::runtime_error(fmt::format("Embree error {} in {}", static_cast<int>(code), step));
+        if (code != RTC_ERROR_NONE)
+            throw std::runtime_error(
+                fmt::format("Embree error {} in {}", static_cast<int>(code), step));
     }
 
     RTCGeometry triangle_geometry(const std::vector<Vec3>& positions, const Mesh& mesh) const {
         RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
         rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_MEDIUM);
-        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, positions.data(), 0,
-                                   sizeof(Vec3), positions.size());
-        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles.data(), 0,
-                                   sizeof(mesh.triangles[0]), mesh.triangles.size());
+        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                   positions.data(), 0, sizeof(Vec3), positions.size());
+        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                   mesh.triangles.data(), 0, sizeof(mesh.triangles[0]),
+                                   mesh.triangles.size());
         return geometry;
     }
 
@@ -161,8 +166,9 @@ struct Accel::Impl {
         RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
         rtcSetGeometryInstancedScene(geometry, shared);
         const Transform& m = instance.object_to_world;
-        const float rows[12] = {m.row[0].x, m.row[0].y, m.row[0].z, m.translation.x, m.row[1].x, m.row[1].y,
-                                m.row[1].z, m.translation.y, m.row[2].x, m.row[2].y, m.row[2].z, m.translation.z};
+        const float rows[12] = {m.row[0].x, m.row[0].y, m.row[0].z, m.translation.x,
+                                m.row[1].x, m.row[1].y, m.row[1].z, m.translation.y,
+                                m.row[2].x, m.row[2].y, m.row[2].z, m.translation.z};
         rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, rows);
         rtcSetGeometryMask(geometry, instance.visibility);
         rtcCommitGeometry(geometry);
@@ -188,7 +194,8 @@ Accel::Accel(const Scene& scene, uint32_t threads) : impl_(std::make_unique<Impl
     const std::string config = threads == 0 ? std::string() : fmt::format("threads={}", threads);
     impl_->device = rtcNewDevice(config.c_str());
     if (impl_->device == nullptr)
-        throw std::runtime_error(fmt::format("Embree could not start (error {})", static_cast<int>(rtcGetDeviceError(nullptr))));
+        throw std::runtime_error(fmt::format("Embree could not start (error {})",
+                                             static_cast<int>(rtcGetDeviceError(nullptr))));
     impl_->instance_count = static_cast<uint32_t>(scene.instances.size());
     impl_->mesh_scenes.resize(scene.meshes.size(), nullptr);
     impl_->baked.resize(scene.instances.size(), nullptr);
@@ -197,7 +204,8 @@ Accel::Accel(const Scene& scene, uint32_t threads) : impl_(std::make_unique<Impl
     impl_->scene = impl_->new_scene();
     for (uint32_t i = 0; i < impl_->instance_count; ++i) impl_->add_instance(scene, i);
     for (uint32_t i = 0; i < scene.lights.size(); ++i)
-        if (scene.lights[i].has_surface()) impl_->add_light(scene.lights[i], impl_->instance_count + i);
+        if (scene.lights[i].has_surface())
+            impl_->add_light(scene.lights[i], impl_->instance_count + i);
     rtcCommitScene(impl_->scene);
     impl_->check("building the scene's tree");
 }

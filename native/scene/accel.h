@@ -23,14 +23,16 @@ struct Hit {
 
 class Accel {
 public:
-    // Builds over the meshes, instances and lamps of a scene whose world positions are set. `threads` 0 = all.
-    // The accel refers to the scene's vertex buffers: they must stay where they are.
+    // Builds over the meshes, instances and lamps of a scene whose world positions are set.
+    // `threads` 0 = all. The accel refers to the scene's vertex buffers: they must stay where they
+    // are.
     Accel(const Scene& scene, uint32_t threads);
     ~Accel();
     Accel(const Accel&) = delete;
     Accel& operator=(const Accel&) = delete;
 
-    // Nearest hit of anything that shows itself to `kind`, a bit of Visibility. Lamps are hit by their surface.
+    // Nearest hit of anything that shows itself to `kind`, a bit of Visibility. Lamps are hit by
+    // their surface.
     std::optional<Hit> intersect(const Ray& ray, uint32_t kind) const;
     // Whether anything that shows itself to `kind` is in the way. Lamps never are.
     bool occluded(const Ray& ray, uint32_t kind) const;

@@ -9,14 +9,17 @@ namespace spc {
 
 namespace {
 
-[[noreturn]] void invalid(const std::string& message) { throw Error(ErrorKind::invalid_argument, message); }
+[[noreturn]] void invalid(const std::string& message) {
+    throw Error(ErrorKind::invalid_argument, message);
+}
 
 void require_finite(const std::vector<Vec3>& values, const std::string& owner, const char* what) {
     for (size_t i = 0; i < values.size(); ++i)
         if (!is_finite(values[i])) invalid(fmt::format("{}: {} {} is not finite", owner, what, i));
 }
 
-// Twice the area, relative to the longest edge squared, below which a triangle has no direction in single precision.
+// Twice the area, relative to the longest edge squared, below which a triangle has no direction in
+// single precision.
 constexpr double kRelativeZeroArea = 1e-12;
 
 bool has_area(const Vec3& a, const Vec3& b, const Vec3& c) {
@@ -64,19 +67,23 @@ void normalize_corner_normals(Mesh& mesh) {
         const auto& [a, b, c] = mesh.triangles[t];
         const Vec3 face = normalize(
             cross(mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a]));
-        for (size_t k = 0; k < 3; ++k) mesh.normals[3 * t + k] = safe_normalize(mesh.normals[3 * t + k], face);
+        for (size_t k = 0; k < 3; ++k)
+            mesh.normals[3 * t + k] = safe_normalize(mesh.normals[3 * t + k], face);
     }
 }
 
 Transform checked_inverse(const Transform& transform, const std::string& name) {
     for (const Vec3& row : transform.row)
         if (!is_finite(row)) invalid(fmt::format("{}: the transform is not finite", name));
-    if (!is_finite(transform.translation)) invalid(fmt::format("{}: the transform is not finite", name));
+    if (!is_finite(transform.translation))
+        invalid(fmt::format("{}: the transform is not finite", name));
     const Transform inverse = transform.inverse();
     // An infinite determinant would leave an inverse of zeros.
-    if (!std::isfinite(transform.determinant())) invalid(fmt::format("{}: the transform cannot be inverted", name));
+    if (!std::isfinite(transform.determinant()))
+        invalid(fmt::format("{}: the transform cannot be inverted", name));
     for (const Vec3& row : inverse.row)
-        if (!is_finite(row)) invalid(fmt::format("{}: the transform cannot be inverted (a scale of 0?)", name));
+        if (!is_finite(row))
+            invalid(fmt::format("{}: the transform cannot be inverted (a scale of 0?)", name));
     return inverse;
 }
 
@@ -86,13 +93,15 @@ SceneBuilder::SceneBuilder() : scene_(std::make_unique<Scene>()) {}
 
 const Material& SceneBuilder::material(uint32_t index) const {
     if (index >= scene_->materials.size())
-        invalid(fmt::format("material index {} is out of range ({} materials)", index, scene_->materials.size()));
+        invalid(fmt::format("material index {} is out of range ({} materials)", index,
+                            scene_->materials.size()));
     return scene_->materials[index];
 }
 
 const Mesh& SceneBuilder::mesh(uint32_t index) const {
     if (index >= scene_->meshes.size())
-        invalid(fmt::format("mesh index {} is out of range ({} meshes)", index, scene_->meshes.size()));
+        invalid(
+            fmt::format("mesh index {} is out of range ({} meshes)", index, scene_->meshes.size()));
     return scene_->meshes[index];
 }
 
@@ -113,18 +122,22 @@ uint32_t SceneBuilder::add_mesh(Mesh mesh) {
     for (size_t t = 0; t < mesh.triangles.size(); ++t)
         for (const uint32_t index : mesh.triangles[t])
             if (index >= mesh.positions.size())
-                invalid(fmt::format("{}: triangle {} names vertex {} of {}", name, t, index, mesh.positions.size()));
+                invalid(fmt::format("{}: triangle {} names vertex {} of {}", name, t, index,
+                                    mesh.positions.size()));
     for (size_t t = 0; t < mesh.slots.size(); ++t)
         if (mesh.slots[t] >= mesh.slot_count)
-            invalid(fmt::format("{}: triangle {} names material slot {} of {}", name, t, mesh.slots[t], mesh.slot_count));
+            invalid(fmt::format("{}: triangle {} names material slot {} of {}", name, t,
+                                mesh.slots[t], mesh.slot_count));
     for (const UvLayer& layer : mesh.uv_layers) {
         for (size_t i = 0; i < layer.uv.size(); ++i)
             if (!std::isfinite(layer.uv[i].x) || !std::isfinite(layer.uv[i].y))
-                invalid(fmt::format("{}: UV layer {}: coordinate {} is not finite", name, layer.name, i));
+                invalid(fmt::format("{}: UV layer {}: coordinate {} is not finite", name,
+                                    layer.name, i));
         require_finite(layer.tangents, fmt::format("{}: UV layer {}", name, layer.name), "tangent");
     }
     if (!mesh.uv_layers.empty() && mesh.active_uv_layer >= mesh.uv_layers.size())
-        invalid(fmt::format("{}: active UV layer {} of {}", name, mesh.active_uv_layer, mesh.uv_layers.size()));
+        invalid(fmt::format("{}: active UV layer {} of {}", name, mesh.active_uv_layer,
+                            mesh.uv_layers.size()));
     if (mesh.slot_count == 1) mesh.slots.clear();
     drop_degenerate_triangles(mesh);
     normalize_corner_normals(mesh);
@@ -151,10 +164,12 @@ uint32_t SceneBuilder::add_instance(Instance instance) {
         invalid(fmt::format("{}: mesh index {} of {}", name, instance.mesh, scene_->meshes.size()));
     const uint32_t slots = scene_->meshes[instance.mesh].slot_count;
     if (instance.materials.size() != slots)
-        invalid(fmt::format("{}: {} materials for {} slots of its mesh", name, instance.materials.size(), slots));
+        invalid(fmt::format("{}: {} materials for {} slots of its mesh", name,
+                            instance.materials.size(), slots));
     for (const uint32_t material : instance.materials)
         if (material != kNone && material >= scene_->materials.size())
-            invalid(fmt::format("{}: material index {} of {}", name, material, scene_->materials.size()));
+            invalid(fmt::format("{}: material index {} of {}", name, material,
+                                scene_->materials.size()));
     instance.world_to_object = checked_inverse(instance.object_to_world, name);
     instance.mirrored = instance.object_to_world.determinant() < 0.0f;
     for (uint32_t& material : instance.materials)
@@ -169,17 +184,23 @@ uint32_t SceneBuilder::add_light(LightDesc light) {
         if (!holds) invalid(fmt::format("{}: {}", name, what));
     };
     checked_inverse(light.to_world, name);
-    require(is_finite(light.power) && std::min({light.power.x, light.power.y, light.power.z}) >= 0.0f,
-            "the power must be finite and not negative");
-    require(std::isfinite(light.radius) && light.radius >= 0.0f, "the radius must be finite and not negative");
+    require(
+        is_finite(light.power) && std::min({light.power.x, light.power.y, light.power.z}) >= 0.0f,
+        "the power must be finite and not negative");
+    require(std::isfinite(light.radius) && light.radius >= 0.0f,
+            "the radius must be finite and not negative");
     if (light.type == LightType::spot) {
-        require(light.spot_angle > 0.0f && light.spot_angle <= kPi * 1.0001f, "the spot angle must lie in (0, pi]");
-        require(light.spot_blend >= 0.0f && light.spot_blend <= 1.0f, "the spot blend must lie in [0, 1]");
+        require(light.spot_angle > 0.0f && light.spot_angle <= kPi * 1.0001f,
+                "the spot angle must lie in (0, pi]");
+        require(light.spot_blend >= 0.0f && light.spot_blend <= 1.0f,
+                "the spot blend must lie in [0, 1]");
     }
     if (light.type == LightType::sun)
-        require(light.sun_angle >= 0.0f && light.sun_angle <= kPi * 1.0001f, "the sun's angle must lie in [0, pi]");
+        require(light.sun_angle >= 0.0f && light.sun_angle <= kPi * 1.0001f,
+                "the sun's angle must lie in [0, pi]");
     if (light.type == LightType::area)
-        require(std::isfinite(light.size.x) && std::isfinite(light.size.y) && light.size.x > 0.0f && light.size.y > 0.0f,
+        require(std::isfinite(light.size.x) && std::isfinite(light.size.y) && light.size.x > 0.0f &&
+                    light.size.y > 0.0f,
                 "the size of an area light must be finite and positive");
     scene_->lights.push_back(std::move(light));
     return static_cast<uint32_t>(scene_->lights.size() - 1);
@@ -190,12 +211,12 @@ void SceneBuilder::set_camera(const Camera& camera) {
     checked_inverse(camera.to_world, "camera");
     if (camera.width < 1 || camera.height < 1) invalid("camera: the image has no pixels");
     const auto& [x0, y0, width, height] = camera.crop;
-    if (width < 1 || height < 1 || x0 >= camera.width || y0 >= camera.height || width > camera.width - x0 ||
-        height > camera.height - y0)
+    if (width < 1 || height < 1 || x0 >= camera.width || y0 >= camera.height ||
+        width > camera.width - x0 || height > camera.height - y0)
         invalid("camera: the crop is empty or leaves the frame");
     const auto& [left, right, bottom, top] = camera.viewplane;
-    if (!std::isfinite(left) || !std::isfinite(right) || !std::isfinite(bottom) || !std::isfinite(top) ||
-        left == right || bottom == top)
+    if (!std::isfinite(left) || !std::isfinite(right) || !std::isfinite(bottom) ||
+        !std::isfinite(top) || left == right || bottom == top)
         invalid("camera: the viewplane is empty or not finite");
     if (!(camera.clip_near >= 0.0f && camera.clip_near < camera.clip_far))
         invalid("camera: clipping needs 0 <= near < far");
@@ -204,16 +225,19 @@ void SceneBuilder::set_camera(const Camera& camera) {
     const Vec3 x = normalize(camera.to_world.column(0) - z * dot(z, camera.to_world.column(0)));
     Vec3 y = cross(z, x);
     if (dot(y, camera.to_world.column(1)) < 0.0f) y = y * -1.0f;
-    for (int i = 0; i < 3; ++i) checked.to_world.row[static_cast<size_t>(i)] = Vec3(x[i], y[i], z[i]);
+    for (int i = 0; i < 3; ++i)
+        checked.to_world.row[static_cast<size_t>(i)] = Vec3(x[i], y[i], z[i]);
     scene_->camera = checked;
     has_camera_ = true;
 }
 
 void SceneBuilder::set_environment(const Environment& environment) {
     if (environment.material >= scene_->materials.size())
-        invalid(fmt::format("world: material index {} of {}", environment.material, scene_->materials.size()));
+        invalid(fmt::format("world: material index {} of {}", environment.material,
+                            scene_->materials.size()));
     if (!material(environment.material).is_background)
-        invalid(fmt::format("world: {} has no background as its surface", material(environment.material).name));
+        invalid(fmt::format("world: {} has no background as its surface",
+                            material(environment.material).name));
     scene_->environment = environment;
 }
 

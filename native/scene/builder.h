@@ -9,7 +9,8 @@ namespace spc {
 class SceneBuilder {
 public:
     SceneBuilder();
-    // Each returns the index by which others refer. Throw Error naming the object; then nothing has changed.
+    // Each returns the index by which others refer. Throw Error naming the object; then nothing has
+    // changed.
     uint32_t add_image(Image image);
     uint32_t add_material(const Graph& graph);
     uint32_t add_mesh(Mesh mesh);  // drops triangles of zero area
@@ -23,7 +24,8 @@ public:
 
     // Throws Error (wrong_state) if something that every render needs is missing.
     void require_complete() const;
-    // Builds the trees and decides who casts and who receives caustics. The builder is empty afterwards.
+    // Builds the trees and decides who casts and who receives caustics. The builder is empty
+    // afterwards.
     std::unique_ptr<Scene> freeze(uint32_t threads);
 
 private:
@@ -35,8 +37,8 @@ private:
 };
 
 // Steps of freeze(), in this order. Each may append to scene.report.
-void bake_single_users(Scene& scene);          // world-space vertices for meshes with one instance
-void resolve_uv_layers(Scene& scene);          // layer names -> indices, fallback tangents
+void bake_single_users(Scene& scene);  // world-space vertices for meshes with one instance
+void resolve_uv_layers(Scene& scene);  // layer names -> indices, fallback tangents
 void assign_caustics_roles(Scene& scene);
 void bound_scene(Scene& scene);
 

@@ -50,7 +50,8 @@ struct Instance {
     uint32_t visibility = kVisibleAll;
     CausticsRole role = CausticsRole::automatic;
     // Set when the scene is frozen.
-    std::vector<std::vector<uint32_t>> uv_layers;  // [slot][layer of the material] -> layer of the mesh, or kNone
+    std::vector<std::vector<uint32_t>>
+        uv_layers;  // [slot][layer of the material] -> layer of the mesh, or kNone
     std::vector<Vec3> world_positions;  // of every vertex if the mesh has this instance alone, else empty
     bool caster = false, receiver = false;
     bool emits = false;
@@ -80,7 +81,9 @@ struct LightDesc {
     Vec3 half_x() const { return to_world.column(0) * (0.5f * size.x); }
     Vec3 half_y() const { return to_world.column(1) * (0.5f * size.y); }
     // A surface that a ray can hit.
-    bool has_surface() const { return type == LightType::area || (type != LightType::sun && radius > 0.0f); }
+    bool has_surface() const {
+        return type == LightType::area || (type != LightType::sun && radius > 0.0f);
+    }
 };
 
 // Where a ray meets a light's surface: a sphere from outside, an area light from its shining side.
@@ -94,11 +97,12 @@ std::optional<LightSurfaceHit> intersect_light(const LightDesc& light, const Ray
 struct Camera {
     Transform to_world;  // orthonormal
     uint32_t width = 1, height = 1;
-    std::array<uint32_t, 4> crop{0, 0, 1, 1};  // x0, y0, width, height
+    std::array<uint32_t, 4> crop{0, 0, 1, 1};      // x0, y0, width, height
     std::array<float, 4> viewplane{-1, 1, -1, 1};  // left, right, bottom, top at distance 1
     float clip_near = 0.0f, clip_far = kInfinity;
 
-    // Ray through a point of the full frame in pixels, (0, 0) the bottom left corner. t_near, t_far hold the clips.
+    // Ray through a point of the full frame in pixels, (0, 0) the bottom left corner. t_near, t_far
+    // hold the clips.
     Ray ray(float x, float y) const;
     float depth(const Vec3& p) const;  // along the viewing axis, m
 };

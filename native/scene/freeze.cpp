@@ -11,8 +11,10 @@ void bake_single_users(Scene& scene) {
     for (Instance& instance : scene.instances) {
         if (users[instance.mesh] != 1) continue;
         const std::vector<Vec3>& positions = scene.meshes[instance.mesh].positions;
-        instance.world_positions.reserve(positions.size() + 1);  // Embree reads 16 bytes at the last vertex
-        for (const Vec3& p : positions) instance.world_positions.push_back(instance.object_to_world.point(p));
+        instance.world_positions.reserve(positions.size() +
+                                         1);  // Embree reads 16 bytes at the last vertex
+        for (const Vec3& p : positions)
+            instance.world_positions.push_back(instance.object_to_world.point(p));
     }
 }
 
@@ -24,8 +26,10 @@ void derive_tangents(const Mesh& mesh, UvLayer& layer) {
     layer.tangent_signs.resize(layer.uv.size());
     for (size_t t = 0; t < mesh.triangles.size(); ++t) {
         const auto& [a, b, c] = mesh.triangles[t];
-        const Vec3 e1 = mesh.positions[b] - mesh.positions[a], e2 = mesh.positions[c] - mesh.positions[a];
-        const Vec2 d1 = layer.uv[3 * t + 1] - layer.uv[3 * t], d2 = layer.uv[3 * t + 2] - layer.uv[3 * t];
+        const Vec3 e1 = mesh.positions[b] - mesh.positions[a],
+                   e2 = mesh.positions[c] - mesh.positions[a];
+        const Vec2 d1 = layer.uv[3 * t + 1] - layer.uv[3 * t],
+                   d2 = layer.uv[3 * t + 2] - layer.uv[3 * t];
         const float det = d1.x * d2.y - d1.y * d2.x;
         const Vec3 fallback = Frame::around(normalize(cross(e1, e2))).x;
         const Vec3 along_u = (e1 * d2.y - e2 * d1.y) * (det < 0.0f ? -1.0f : 1.0f);
@@ -56,9 +60,11 @@ void resolve_uv_layers(Scene& scene) {
                 const uint32_t layer = find_layer(mesh, name);
                 instance.uv_layers[slot].push_back(layer);
                 if (layer == kNone)
-                    scene.report.push_back(fmt::format("{}: no UV layer \"{}\" for material {}: coordinates are 0",
-                                                       instance.name, name, material.name));
-                else if ((material.reads & kReadsTangent) != 0 && mesh.uv_layers[layer].tangents.empty())
+                    scene.report.push_back(
+                        fmt::format("{}: no UV layer \"{}\" for material {}: coordinates are 0",
+                                    instance.name, name, material.name));
+                else if ((material.reads & kReadsTangent) != 0 &&
+                         mesh.uv_layers[layer].tangents.empty())
                     derive_tangents(mesh, mesh.uv_layers[layer]);
             }
         }
@@ -71,10 +77,11 @@ void assign_caustics_roles(Scene& scene) {
         // Chains stand for paths of scattered rays: what hides from those casts nothing.
         constexpr uint32_t kScattered = kVisibleDiffuse | kVisibleGlossy;
         const bool seen = (instance.visibility & kScattered) == kScattered;
-        const bool asked = role == CausticsRole::automatic || role == CausticsRole::caster || role == CausticsRole::both;
+        const bool asked = role == CausticsRole::automatic || role == CausticsRole::caster ||
+                           role == CausticsRole::both;
         const bool may_cast = asked && seen;
-        const bool may_receive =
-            role == CausticsRole::automatic || role == CausticsRole::receiver || role == CausticsRole::both;
+        const bool may_receive = role == CausticsRole::automatic ||
+                                 role == CausticsRole::receiver || role == CausticsRole::both;
         std::string why, why_not = seen ? "" : "hidden from diffuse or glossy rays";
         for (const uint32_t index : instance.materials) {
             const Material& material = scene.materials[index];
@@ -87,9 +94,11 @@ void assign_caustics_roles(Scene& scene) {
             if (!specular && why_not.empty()) why_not = material.specular.why_not;
         }
         if (instance.caster)
-            scene.report.push_back(fmt::format("{}: caster, single-bounce manifold ({})", instance.name, why));
+            scene.report.push_back(
+                fmt::format("{}: caster, single-bounce manifold ({})", instance.name, why));
         else if (role == CausticsRole::caster || role == CausticsRole::both)
-            scene.report.push_back(fmt::format("{}: marked as caster, but path traced: {}", instance.name, why_not));
+            scene.report.push_back(
+                fmt::format("{}: marked as caster, but path traced: {}", instance.name, why_not));
     }
 }
 
@@ -102,7 +111,8 @@ void bound_scene(Scene& scene) {
         }
     };
     for (const Instance& instance : scene.instances)
-        for (const Vec3& p : scene.meshes[instance.mesh].positions) extend(instance.object_to_world.point(p));
+        for (const Vec3& p : scene.meshes[instance.mesh].positions)
+            extend(instance.object_to_world.point(p));
     for (const LightDesc& light : scene.lights)
         if (light.type != LightType::sun) extend(light.position());
     if (lower.x > upper.x) return;

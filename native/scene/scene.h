@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The frozen scene: geometry, materials and lamps as data, with Embree's trees over them. Immutable and shared
-// by all threads; indices refer, vectors own.
+// The frozen scene: geometry, materials and lamps as data, with Embree's trees over them. Immutable
+// and shared by all threads; indices refer, vectors own.
 #pragma once
 
 #include "scene/accel.h"
@@ -38,7 +38,8 @@ struct Scene {
         const Instance& inst = instances[instance];
         const std::array<uint32_t, 3>& index = meshes[inst.mesh].triangles[triangle];
         if (!inst.world_positions.empty())
-            return {inst.world_positions[index[0]], inst.world_positions[index[1]], inst.world_positions[index[2]]};
+            return {inst.world_positions[index[0]], inst.world_positions[index[1]],
+                    inst.world_positions[index[2]]};
         const std::vector<Vec3>& p = meshes[inst.mesh].positions;
         return {inst.object_to_world.point(p[index[0]]), inst.object_to_world.point(p[index[1]]),
                 inst.object_to_world.point(p[index[2]])};

@@ -14,7 +14,9 @@ constexpr size_t kMaxUvLayers = 8;  // compile() refuses materials that read mor
 // Weighted sum of three corner values at barycentrics that may carry derivatives.
 template <class T>
 Vector3<T> interpolate(const Vec3& a, const Vec3& b, const Vec3& c, const T& u, const T& v) {
-    const auto component = [&](float ca, float cb, float cc) { return T(ca) + T(cb - ca) * u + T(cc - ca) * v; };
+    const auto component = [&](float ca, float cb, float cc) {
+        return T(ca) + T(cb - ca) * u + T(cc - ca) * v;
+    };
     return {component(a.x, b.x, c.x), component(a.y, b.y, c.y), component(a.z, b.z, c.z)};
 }
 
@@ -30,7 +32,8 @@ Vec3 front_normal_of(const std::array<Vec3, 3>& corner, bool mirrored) {
 
 Vec3 object_face_normal(const Mesh& mesh, uint32_t triangle) {
     const auto& [a, b, c] = mesh.triangles[triangle];
-    return normalize(cross(mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a]));
+    return normalize(
+        cross(mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a]));
 }
 
 // A ShadingPoint with the storage for what it points to.
@@ -44,19 +47,21 @@ struct PointAt {
 
 // Fills in what `reads` asks for; ng, wo and backfacing are the caller's.
 template <class T>
-void fill_point(const Scene& scene, const SurfaceHit& hit, const T& u, const T& v, const std::array<Vec3, 3>& corner,
-                const Vec3& front_ng, uint32_t reads, PointAt<T>& at) {
+void fill_point(const Scene& scene, const SurfaceHit& hit, const T& u, const T& v,
+                const std::array<Vec3, 3>& corner, const Vec3& front_ng, uint32_t reads,
+                PointAt<T>& at) {
     const Instance& instance = scene.instances[hit.instance];
     const Mesh& mesh = scene.meshes[instance.mesh];
     const size_t first = 3 * static_cast<size_t>(hit.triangle);
     ShadingPoint<T>& point = at.point;
     point.object_to_world = &instance.object_to_world;
     point.world_to_object = &instance.world_to_object;
-    if ((reads & kReadsPosition) != 0) point.position = interpolate(corner[0], corner[1], corner[2], u, v);
+    if ((reads & kReadsPosition) != 0)
+        point.position = interpolate(corner[0], corner[1], corner[2], u, v);
     if ((reads & kReadsObjectPosition) != 0) {
         const auto& index = mesh.triangles[hit.triangle];
-        point.position_object =
-            interpolate(mesh.positions[index[0]], mesh.positions[index[1]], mesh.positions[index[2]], u, v);
+        point.position_object = interpolate(mesh.positions[index[0]], mesh.positions[index[1]],
+                                            mesh.positions[index[2]], u, v);
     }
     if (mesh.normals.empty()) {
         const Vector3<float> n = to_vector(front_ng);
@@ -67,28 +72,34 @@ void fill_point(const Scene& scene, const SurfaceHit& hit, const T& u, const T& 
             point.normal_object = {T(o.x), T(o.y), T(o.z)};
         }
     } else {
-        point.normal_object =
-            interpolate(mesh.normals[first], mesh.normals[first + 1], mesh.normals[first + 2], u, v);
-        point.normal = normalize(apply_rows(normal_rows(instance.world_to_object), point.normal_object));
+        point.normal_object = interpolate(mesh.normals[first], mesh.normals[first + 1],
+                                          mesh.normals[first + 2], u, v);
+        point.normal =
+            normalize(apply_rows(normal_rows(instance.world_to_object), point.normal_object));
     }
     if ((reads & (kReadsUv | kReadsTangent)) != 0) {
-        const std::vector<uint32_t>& layers = instance.uv_layers[mesh.slots.empty() ? 0 : mesh.slots[hit.triangle]];
+        const std::vector<uint32_t>& layers =
+            instance.uv_layers[mesh.slots.empty() ? 0 : mesh.slots[hit.triangle]];
         for (size_t i = 0; i < layers.size(); ++i) {
             if (layers[i] == kNone) {
                 at.uvs[i] = {T(0.0f), T(0.0f)};
-                // Constant on the triangle: a tangent that turned with the normal would need its derivative.
+                // Constant on the triangle: a tangent that turned with the normal would need its
+                // derivative.
                 const Vec3 x = Frame::around(object_face_normal(mesh, hit.triangle)).x;
                 at.tangents[i] = {T(x.x), T(x.y), T(x.z)};
                 at.signs[i] = 1.0f;
                 continue;
             }
             const UvLayer& layer = mesh.uv_layers[layers[i]];
-            const auto coordinate = [&](float a, float b, float c) { return T(a) + T(b - a) * u + T(c - a) * v; };
-            at.uvs[i] = {coordinate(layer.uv[first].x, layer.uv[first + 1].x, layer.uv[first + 2].x),
-                         coordinate(layer.uv[first].y, layer.uv[first + 1].y, layer.uv[first + 2].y)};
+            const auto coordinate = [&](float a, float b, float c) {
+                return T(a) + T(b - a) * u + T(c - a) * v;
+            };
+            at.uvs[i] = {
+                coordinate(layer.uv[first].x, layer.uv[first + 1].x, layer.uv[first + 2].x),
+                coordinate(layer.uv[first].y, layer.uv[first + 1].y, layer.uv[first + 2].y)};
             if ((reads & kReadsTangent) == 0 || layer.tangents.empty()) continue;
-            at.tangents[i] =
-                interpolate(layer.tangents[first], layer.tangents[first + 1], layer.tangents[first + 2], u, v);
+            at.tangents[i] = interpolate(layer.tangents[first], layer.tangents[first + 1],
+                                         layer.tangents[first + 2], u, v);
             at.signs[i] = layer.tangent_signs[first];
         }
         point.uv = at.uvs.data();
@@ -110,7 +121,8 @@ void point_seen_from(const Scene& scene, const SurfaceHit& hit, const Vec3& wo, 
 }  // namespace
 
 Vec3 front_normal(const Scene& scene, uint32_t instance, uint32_t triangle) {
-    return front_normal_of(scene.triangle_world(instance, triangle), scene.instances[instance].mirrored);
+    return front_normal_of(scene.triangle_world(instance, triangle),
+                           scene.instances[instance].mirrored);
 }
 
 Vec3 surface_position(const Scene& scene, const SurfaceHit& hit) {
@@ -138,7 +150,8 @@ Spectrum surface_emission(const Scene& scene, const SurfaceHit& hit, const Vec3&
     const Material& material = scene.material_of(hit);
     if (!material.emits) return Spectrum(0.0f);
     PointAt<float> at;
-    point_seen_from(scene, hit, wo, material.reads, scene.triangle_world(hit.instance, hit.triangle), at);
+    point_seen_from(scene, hit, wo, material.reads,
+                    scene.triangle_world(hit.instance, hit.triangle), at);
     return evaluate_emission(material, scene.images, at.point);
 }
 
@@ -146,7 +159,8 @@ Spectrum surface_transparency(const Scene& scene, const SurfaceHit& hit, const V
     const Material& material = scene.material_of(hit);
     if (!material.may_be_transparent) return Spectrum(0.0f);
     PointAt<float> at;
-    point_seen_from(scene, hit, wo, material.reads, scene.triangle_world(hit.instance, hit.triangle), at);
+    point_seen_from(scene, hit, wo, material.reads,
+                    scene.triangle_world(hit.instance, hit.triangle), at);
     return evaluate_transparency(material, scene.images, at.point);
 }
 
@@ -160,11 +174,12 @@ CasterPatch evaluate_caster(const Scene& scene, const SurfaceHit& hit, bool smoo
     patch.p = corner[0] + patch.dp_du * hit.u + patch.dp_dv * hit.v;
     const bool mapped = material.specular.mapped_normal && !smooth_base;
     PointAt<Dual2> at;
-    fill_point(scene, hit, Dual2(hit.u, 1, 0), Dual2(hit.v, 0, 1), corner, patch.ng, mapped ? material.normal_reads : 0,
-               at);
+    fill_point(scene, hit, Dual2(hit.u, 1, 0), Dual2(hit.v, 0, 1), corner, patch.ng,
+               mapped ? material.normal_reads : 0, at);
     at.point.ng = at.point.wo = patch.ng;
     at.point.backfacing = false;
-    const Vector3<Dual2> n = mapped ? evaluate_caster_normal(material, scene.images, at.point) : at.point.normal;
+    const Vector3<Dual2> n =
+        mapped ? evaluate_caster_normal(material, scene.images, at.point) : at.point.normal;
     patch.n = value_of(n);
     patch.dn_du = derivative_u(n);
     patch.dn_dv = derivative_v(n);
@@ -172,14 +187,15 @@ CasterPatch evaluate_caster(const Scene& scene, const SurfaceHit& hit, bool smoo
 }
 
 Vec3 offset_origin(const Vec3& p, const Vec3& ng, const Vec3& direction) {
-    constexpr float kOrigin = 1.0f / 32.0f;        // below it, offsets are absolute
+    constexpr float kOrigin = 1.0f / 32.0f;  // below it, offsets are absolute
     constexpr float kFloatScale = 1.0f / 65536.0f;
-    constexpr float kIntScale = 256.0f;            // units in the last place
+    constexpr float kIntScale = 256.0f;  // units in the last place
     const Vec3 n = dot(ng, direction) < 0.0f ? ng * -1.0f : ng;
     Vec3 out;
     for (int i = 0; i < 3; ++i) {
         const auto steps = static_cast<int32_t>(kIntScale * n[i]);
-        const float shifted = std::bit_cast<float>(std::bit_cast<int32_t>(p[i]) + (p[i] < 0.0f ? -steps : steps));
+        const float shifted =
+            std::bit_cast<float>(std::bit_cast<int32_t>(p[i]) + (p[i] < 0.0f ? -steps : steps));
         out[i] = std::abs(p[i]) < kOrigin ? p[i] + kFloatScale * n[i] : shifted;
     }
     return out;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a ray finds where it meets the scene: geometry and closures for transport, and the local shape with
-// derivatives that manifold walks need.
+// What a ray finds where it meets the scene: geometry and closures for transport, and the local
+// shape with derivatives that manifold walks need.
 #pragma once
 
 #include "scene/scene.h"
@@ -10,16 +10,17 @@ namespace spc {
 // A point on a surface as transport sees it.
 struct Surface {
     SurfaceHit hit;
-    Vec3 p;            // world
-    Vec3 ng;           // unit geometric normal on the side of wo
-    Vec3 n;            // unit interpolated normal on the side of wo (before any normal map)
-    Vec3 wo;           // unit, towards where the path came from
-    bool backfacing;   // wo sees the back of the triangle
+    Vec3 p;           // world
+    Vec3 ng;          // unit geometric normal on the side of wo
+    Vec3 n;           // unit interpolated normal on the side of wo (before any normal map)
+    Vec3 wo;          // unit, towards where the path came from
+    bool backfacing;  // wo sees the back of the triangle
     uint32_t material;
     ClosureList closures;
 };
 
-// Fills `surface` with everything, closures included. `wo` = -direction of the ray that made the hit.
+// Fills `surface` with everything, closures included. `wo` = -direction of the ray that made the
+// hit.
 void evaluate_surface(const Scene& scene, const SurfaceHit& hit, const Vec3& wo, Surface& surface);
 // The same for points of view that need one thing alone.
 Spectrum surface_emission(const Scene& scene, const SurfaceHit& hit, const Vec3& wo);
@@ -28,9 +29,10 @@ Vec3 surface_position(const Scene& scene, const SurfaceHit& hit);
 // Unit geometric normal of a triangle on its front side, world; by the instance's handedness.
 Vec3 front_normal(const Scene& scene, uint32_t instance, uint32_t triangle);
 
-// The local shape of a caster at a hit, world space, by the barycentrics (u, v) of SurfaceHit. `n` is the normal
-// of the material's specular interface on the *front* side: the mapped one, or the interpolated mesh normal if
-// `smooth_base` is asked for. Its derivatives are exact inside a texture cell.
+// The local shape of a caster at a hit, world space, by the barycentrics (u, v) of SurfaceHit. `n`
+// is the normal of the material's specular interface on the *front* side: the mapped one, or the
+// interpolated mesh normal if `smooth_base` is asked for. Its derivatives are exact inside a
+// texture cell.
 struct CasterPatch {
     Vec3 p, dp_du, dp_dv;
     Vec3 n, dn_du, dn_dv;
@@ -38,8 +40,8 @@ struct CasterPatch {
 };
 CasterPatch evaluate_caster(const Scene& scene, const SurfaceHit& hit, bool smooth_base);
 
-// Origin for a ray that leaves the surface at p towards the side of `direction`: far enough from the triangle not
-// to hit it again, by the spacing of single precision at p [Waechter19].
+// Origin for a ray that leaves the surface at p towards the side of `direction`: far enough from
+// the triangle not to hit it again, by the spacing of single precision at p [Waechter19].
 Vec3 offset_origin(const Vec3& p, const Vec3& ng, const Vec3& direction);
 
 }  // namespace spc

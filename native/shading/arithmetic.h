@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the arithmetic instructions do, over T = float or Dual2. The interpreter and the folding of constants share
-// it, so that a constant graph and a textured one cannot disagree.
+// What the arithmetic instructions do, over T = float or Dual2. The interpreter and the folding of
+// constants share it, so that a constant graph and a textured one cannot disagree.
 #pragma once
 
 #include "math/dual.h"
@@ -77,7 +77,8 @@ Vector3<T> rotate_euler(const Vector3<T>& a, const Vector3<T>& angles, bool back
     return {dot(r0, a), dot(r1, a), dot(r2, a)};
 }
 
-// Principled's dielectric: Specular IOR Level scales the reflectance at normal incidence, 0.5 leaves it.
+// Principled's dielectric: Specular IOR Level scales the reflectance at normal incidence, 0.5
+// leaves it.
 template <class T>
 T dielectric_ior(const T& ior, const T& level) {
     if (value_of(level) == 0.5f) return ior;
@@ -89,8 +90,8 @@ T dielectric_ior(const T& ior, const T& level) {
     return value_of(ior) < 1.0f ? T(1.0f) / adjusted : adjusted;
 }
 
-// Where a direction falls in an environment image, in Blender's orientation: +X is at the image's centre, u falls
-// from there towards +Y, v rises from -Z to +Z.
+// Where a direction falls in an environment image, in Blender's orientation: +X is at the image's
+// centre, u falls from there towards +Y, v rises from -Z to +Z.
 template <class T>
 Vector3<T> equirectangular(const Vector3<T>& direction) {
     using std::atan2;

@@ -63,7 +63,8 @@ private:
     ExprId owner(ExprId id) const { return expr_[id].op == Op::image_alpha ? expr_[id].in[0] : id; }
     int width(ExprId id) const { return expr_[id].op == Op::image ? 4 : expr_.lanes(id); }
 
-    // Each value right before its first user, so that few live at a time. With a stack of its own: chains may be long.
+    // Each value right before its first user, so that few live at a time. With a stack of its own:
+    // chains may be long.
     std::vector<ExprId> depth_first(const std::vector<ExprId>& roots) const {
         std::vector<ExprId> order, stack;
         std::vector<bool> done;
@@ -127,7 +128,8 @@ private:
                 known->second = static_cast<uint32_t>(append(expr_.matrix(e.index).data(), 12));
             i.index = known->second;
         }
-        // Instructions read all before they write, so that an input read for the last time makes room.
+        // Instructions read all before they write, so that an input read for the last time makes
+        // room.
         for (ExprId in : e.in) {
             if (in == kNoExpr || expr_.is_constant(in) || last_use_.at(owner(in)) != position)
                 continue;

@@ -133,7 +133,8 @@ void Compiler::describe(Material& material) {
 }
 
 Material Compiler::run() {
-    // Values from the leaves up, so that every input is known when it is asked for, however long the chain.
+    // Values from the leaves up, so that every input is known when it is asked for, however long
+    // the chain.
     for (auto index = graph_.order.rbegin(); index != graph_.order.rend(); ++index) {
         const ResolvedNode& node = graph_.nodes[*index];
         for (size_t i = 0; i < node.used_outputs.size(); ++i)

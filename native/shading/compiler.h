@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The state of one compilation: nodes add expressions and closure terms, then the terms become a program. Not seen
-// outside of shading/.
+// The state of one compilation: nodes add expressions and closure terms, then the terms become a
+// program. Not seen outside of shading/.
 #pragma once
 
 #include "shading/program.h"
@@ -29,8 +29,8 @@ public:
     Compiler(const Graph& graph, std::span<const Image> images);
     Material run();
 
-    // Value of an input: its link's, converted to the input's type, or its constant; kNoExpr for one that is
-    // unlinked and has no constant.
+    // Value of an input: its link's, converted to the input's type, or its constant; kNoExpr for
+    // one that is unlinked and has no constant.
     ExprId input(uint32_t node, int index);
     const ResolvedNode& node(uint32_t index) const { return graph_.nodes[index]; }
     const std::string& material_name() const { return graph_.name; }

@@ -86,7 +86,8 @@ ExprId ExprBuilder::fold(const Expr& e) {
 }
 
 Vec3 ExprBuilder::mean_value(ExprId id, std::span<const Image> images) {
-    // Inputs come before what they feed, so descending ids find what is needed and ascending ids evaluate it.
+    // Inputs come before what they feed, so descending ids find what is needed and ascending ids
+    // evaluate it.
     std::vector<bool> needed(static_cast<size_t>(id) + 1);
     needed.back() = true;
     for (size_t i = needed.size(); i-- > 0;)

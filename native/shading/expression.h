@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Values between a graph and its program: an acyclic graph of operations, equal ones shared, constants folded while
-// it is built. Not seen outside of shading/.
+// Values between a graph and its program: an acyclic graph of operations, equal ones shared,
+// constants folded while it is built. Not seen outside of shading/.
 #pragma once
 
 #include <map>
@@ -71,8 +71,8 @@ public:
     }
     const std::array<float, 12>& matrix(uint32_t index) const { return matrices_[index]; }
 
-    // What `id` comes to on average: textures at their means, whatever their coordinates; other things that vary
-    // over a surface at 0.
+    // What `id` comes to on average: textures at their means, whatever their coordinates; other
+    // things that vary over a surface at 0.
     Vec3 mean_value(ExprId id, std::span<const Image> images);
 
 private:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A material as the host describes it: typed nodes, constants, options and links, by name. compile() in
-// program.h validates it.
+// A material as the host describes it: typed nodes, constants, options and links, by name.
+// compile() in program.h validates it.
 #pragma once
 
 #include "math/vec.h"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The compiled form of a material. Values live in a small array of registers; an operand names a register or, if
-// negative, a constant, so that a material of constants has no value instructions at all.
+// The compiled form of a material. Values live in a small array of registers; an operand names a
+// register or, if negative, a constant, so that a material of constants has no value instructions
+// at all.
 #pragma once
 
 #include <cstdint>
@@ -77,7 +78,8 @@ inline bool reads_layer(const Instruction& i) {
            (i.op == Op::normal_map && i.mode == static_cast<uint8_t>(NormalSpace::tangent));
 }
 
-// One term of a surface. Its operands: weight (a scalar), normal (kNoOperand: the interpolated one), then
+// One term of a surface. Its operands: weight (a scalar), normal (kNoOperand: the interpolated
+// one), then
 enum class ClosureOp : uint8_t {
     lambert,      // colour
     transparent,  // colour

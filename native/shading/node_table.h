@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Every kind of node that a graph may use: one row each, from which validation, compilation and the text of
-// spc_node_kinds() follow. Not seen outside of shading/.
+// Every kind of node that a graph may use: one row each, from which validation, compilation and the
+// text of spc_node_kinds() follow. Not seen outside of shading/.
 #pragma once
 
 #include <span>
@@ -44,7 +44,8 @@ struct NodeKind {
     std::span<const OutputSocket> outputs;
     std::span<const NodeOption> options;
     bool reads_image;
-    // One of them: the value of an output, or what a shader adds to the surface under a weight (a scalar).
+    // One of them: the value of an output, or what a shader adds to the surface under a weight (a
+    // scalar).
     ExprId (*value)(NodeContext&, int output);
     void (*surface)(NodeContext&, ExprId weight);
 };

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The functions behind the rows of the node table. Inputs and options are named by their place in the row.
+// The functions behind the rows of the node table. Inputs and options are named by their place in
+// the row.
 #pragma once
 
 #include "shading/compiler.h"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Shader nodes: what each adds to a surface. Semantics are Cycles'; docs/nodes.md lists what differs.
+// Shader nodes: what each adds to a surface. Semantics are Cycles'; docs/nodes.md lists what
+// differs.
 #include "shading/nodes.h"
 
 namespace spc::nodes {
@@ -17,7 +18,8 @@ ClosureTerm term(NodeContext& node, ClosureOp op, const std::string& part, ExprI
     return t;
 }
 
-// Normal maps are unit already; any other vector is made so, and the interpolated normal stands in for zero.
+// Normal maps are unit already; any other vector is made so, and the interpolated normal stands in
+// for zero.
 ExprId normal_input(NodeContext& node, int socket) {
     const ExprId normal = node.input(socket);
     if (normal == kNoExpr || node.e[normal].op == Op::normal_map) return normal;
@@ -118,8 +120,9 @@ void transparent(NodeContext& node, ExprId weight) {
     node.c.add_term(t);
 }
 
-// Layers from the top: Alpha over all, then emission, then a mix of metal, of glass, and of a dielectric's
-// reflection over Lambert. The last pair divides light by the reflection's albedo where it is evaluated.
+// Layers from the top: Alpha over all, then emission, then a mix of metal, of glass, and of a
+// dielectric's reflection over Lambert. The last pair divides light by the reflection's albedo
+// where it is evaluated.
 void principled(NodeContext& node, ExprId weight) {
     enum {
         kBaseColor,

@@ -26,9 +26,10 @@ bool is_zero(const Vector3<T>& a) {
     return v.x == 0.0f && v.y == 0.0f && v.z == 0.0f;
 }
 
-// In tangent space strength scales the slopes, on the interpolated frame N, T, B = sign N x T in object space as it
-// is, not normalised. In the other spaces it blends with the interpolated normal. All is done on the front side and
-// turned to wo's side at the end. Where the map leaves no direction the interpolated normal stands.
+// In tangent space strength scales the slopes, on the interpolated frame N, T, B = sign N x T in
+// object space as it is, not normalised. In the other spaces it blends with the interpolated
+// normal. All is done on the front side and turned to wo's side at the end. Where the map leaves no
+// direction the interpolated normal stands.
 template <class T>
 Vector3<T> map_normal(NormalSpace space, const T& strength, const Vector3<T>& color, uint32_t layer,
                       const ShadingPoint<T>& point) {

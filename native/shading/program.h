@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A material compiled: constants folded, unused nodes gone, and one small program per output that something
-// reads. Evaluation over T = float gives values; over Dual2 also derivatives by the surface parameters.
+// A material compiled: constants folded, unused nodes gone, and one small program per output that
+// something reads. Evaluation over T = float gives values; over Dual2 also derivatives by the
+// surface parameters.
 #pragma once
 
 #include "bsdf/closure.h"
@@ -15,17 +16,17 @@ namespace spc {
 // What a program may read at a point. Only what the program's `reads` names needs to be set.
 template <class T>
 struct ShadingPoint {
-    Vector3<T> position;         // world
+    Vector3<T> position;  // world
     Vector3<T> position_object;
-    Vector3<T> normal;           // interpolated (or face) normal, world, unit, on the front side of the surface
-    Vector3<T> normal_object;    // the same in object space, interpolated but not normalised, front side
+    Vector3<T> normal;  // interpolated (or face) normal, world, unit, on the front side of the surface
+    Vector3<T> normal_object;  // the same in object space, interpolated but not normalised, front side
     const Vector3<T>* tangent_object;  // per UV layer that the program reads, not normalised
     const float* bitangent_sign;       // likewise
     const std::array<T, 2>* uv;        // likewise, (u, v)
     const Transform* object_to_world;
     const Transform* world_to_object;
-    Vec3 ng;        // unit geometric normal, world, on the side of wo
-    Vec3 wo;        // unit, towards where the path came from
+    Vec3 ng;  // unit geometric normal, world, on the side of wo
+    Vec3 wo;  // unit, towards where the path came from
     bool backfacing;  // wo is on the back side: shading normals are turned to the side of wo, eta is inverted
 };
 
@@ -37,13 +38,14 @@ enum ProgramReads : uint32_t {
     kReadsObjectNormal = 16
 };
 
-// What the manifold needs to know of a material, decided when it is compiled: a delta interface whose index is
-// the same everywhere. Closures with another normal, a varying index or roughness above the delta limit are not
-// part of it (path tracing carries them), and `why_not` says so for the log.
+// What the manifold needs to know of a material, decided when it is compiled: a delta interface
+// whose index is the same everywhere. Closures with another normal, a varying index or roughness
+// above the delta limit are not part of it (path tracing carries them), and `why_not` says so for
+// the log.
 struct SpecularInterface {
     bool reflects = false;
     bool refracts = false;
-    float ior = 1.0f;           // of the far side of a front face
+    float ior = 1.0f;            // of the far side of a front face
     bool mapped_normal = false;  // the normal is not simply the mesh's
     std::string why;             // e.g. "Glass BSDF, roughness 0, IOR 1.33, mapped normal"
     std::string why_not;         // empty if reflects or refracts
@@ -60,34 +62,42 @@ struct Material {
     std::vector<std::string> uv_layers;  // names of the layers that are read, "" for the active one; the order
                                          // is that of ShadingPoint::uv
     uint32_t reads = 0;                  // of ProgramReads, whole material
-    uint32_t normal_reads = 0;           // of ProgramReads, caster normal alone
+    uint32_t normal_reads = 0;  // of ProgramReads, caster normal alone
     bool emits = false;
-    Spectrum mean_emission{0.0f};        // for light selection: constant emission, or with the textures' means
-    bool may_be_transparent = false;     // some Transparent closure or alpha < 1 may exist
-    bool has_smooth = false;             // some closure that is not a delta may exist (a possible receiver)
-    bool is_background = false;          // surface is a Background shader
+    Spectrum mean_emission{
+        0.0f};  // for light selection: constant emission, or with the textures' means
+    bool may_be_transparent = false;  // some Transparent closure or alpha < 1 may exist
+    bool has_smooth = false;     // some closure that is not a delta may exist (a possible receiver)
+    bool is_background = false;  // surface is a Background shader
     SpecularInterface specular;
-    std::vector<std::string> warnings;   // what falls back, naming material and node
+    std::vector<std::string> warnings;  // what falls back, naming material and node
 };
 
-// Compiles a graph. `images` are the scene's, needed for their means. Throws Error (invalid_argument) naming
-// material, node and socket: unknown kind, socket or option, missing image, cycle, no or two outputs, too many closures.
+// Compiles a graph. `images` are the scene's, needed for their means. Throws Error
+// (invalid_argument) naming material, node and socket: unknown kind, socket or option, missing
+// image, cycle, no or two outputs, too many closures.
 Material compile(const Graph& graph, std::span<const Image> images);
 
 // All closures, emission and transparency at a point.
-void evaluate_closures(const Material& material, std::span<const Image> images, const ShadingPoint<float>& point,
-                       ClosureList& closures);
+void evaluate_closures(const Material& material, std::span<const Image> images,
+                       const ShadingPoint<float>& point, ClosureList& closures);
 // Emission alone, towards wo.
-Spectrum evaluate_emission(const Material& material, std::span<const Image> images, const ShadingPoint<float>& point);
+Spectrum evaluate_emission(const Material& material, std::span<const Image> images,
+                           const ShadingPoint<float>& point);
 // Weight of straight-through transparency alone (shadow rays).
-Spectrum evaluate_transparency(const Material& material, std::span<const Image> images, const ShadingPoint<float>& point);
+Spectrum evaluate_transparency(const Material& material, std::span<const Image> images,
+                               const ShadingPoint<float>& point);
 // The normal of the specular interface, world, unit, on the side of wo (flipped on back faces).
 template <class T>
-Vector3<T> evaluate_caster_normal(const Material& material, std::span<const Image> images, const ShadingPoint<T>& point);
+Vector3<T> evaluate_caster_normal(const Material& material, std::span<const Image> images,
+                                  const ShadingPoint<T>& point);
 // Radiance of a background from a direction (unit, world, pointing away from the scene).
-Spectrum evaluate_background(const Material& material, std::span<const Image> images, const Vec3& direction);
+Spectrum evaluate_background(const Material& material, std::span<const Image> images,
+                             const Vec3& direction);
 
-extern template Vector3<float> evaluate_caster_normal(const Material&, std::span<const Image>, const ShadingPoint<float>&);
-extern template Vector3<Dual2> evaluate_caster_normal(const Material&, std::span<const Image>, const ShadingPoint<Dual2>&);
+extern template Vector3<float> evaluate_caster_normal(const Material&, std::span<const Image>,
+                                                      const ShadingPoint<float>&);
+extern template Vector3<Dual2> evaluate_caster_normal(const Material&, std::span<const Image>,
+                                                      const ShadingPoint<Dual2>&);
 
 }  // namespace spc

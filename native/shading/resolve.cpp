@@ -142,7 +142,8 @@ private:
         resolved.from_output = output;
     }
 
-    // Removes nodes that nothing reads any more until none is left; what stays lies on a cycle or feeds one.
+    // Removes nodes that nothing reads any more until none is left; what stays lies on a cycle or
+    // feeds one.
     void refuse_cycles() const {
         std::vector<uint32_t> readers(result_.nodes.size()), ready;
         for (const ResolvedNode& node : result_.nodes)

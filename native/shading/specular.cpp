@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the manifold may walk on: the delta closures of a material that share one normal and one index.
+// What the manifold may walk on: the delta closures of a material that share one normal and one
+// index.
 #include <cstdio>
 
 #include "shading/compiler.h"
@@ -66,7 +67,8 @@ private:
         return "";
     }
 
-    // The first that refracts, as only refractions care for the index; else the first that reflects.
+    // The first that refracts, as only refractions care for the index; else the first that
+    // reflects.
     const ClosureTerm* leading_term() {
         const ClosureTerm* leading = nullptr;
         for (const ClosureTerm& term : terms_) {

@@ -48,12 +48,13 @@ typedef struct spc_session spc_session;
 
 typedef enum spc_status {
     SPC_OK = 0,
-    SPC_INVALID_ARGUMENT = 1, /* null pointer, bad struct_size, index or number out of range, not finite */
-    SPC_WRONG_STATE = 2,      /* a call out of order: adding after commit, rendering before it */
+    /* null pointer, bad struct_size, index or number out of range, not finite */
+    SPC_INVALID_ARGUMENT = 1,
+    SPC_WRONG_STATE = 2, /* a call out of order: adding after commit, rendering before it */
     SPC_OUT_OF_MEMORY = 3,
-    SPC_IO_ERROR = 4,         /* a file could not be read */
-    SPC_UNSUPPORTED = 5,      /* well-formed, but this version cannot do it */
-    SPC_INTERNAL_ERROR = 6    /* a bug in Specula */
+    SPC_IO_ERROR = 4,      /* a file could not be read */
+    SPC_UNSUPPORTED = 5,   /* well-formed, but this version cannot do it */
+    SPC_INTERNAL_ERROR = 6 /* a bug in Specula */
 } spc_status;
 
 /* SPC_API_VERSION of the library that was loaded; callers compare it with the one they were written for. */
@@ -71,21 +72,22 @@ SPC_API void spc_scene_destroy(spc_scene* scene);
 /* ---- images */
 
 typedef enum spc_pixel_type {
-    SPC_PIXEL_U8 = 0,   /* uint8_t[height][width][channels] */
-    SPC_PIXEL_F32 = 1   /* float[height][width][channels], finite */
+    SPC_PIXEL_U8 = 0, /* uint8_t[height][width][channels] */
+    SPC_PIXEL_F32 = 1 /* float[height][width][channels], finite */
 } spc_pixel_type;
 
 typedef enum spc_color_space {
-    SPC_COLOR_LINEAR = 0,  /* linear Rec.709: nothing to convert */
-    SPC_COLOR_SRGB = 1,    /* sRGB transfer function on the colour channels, not on alpha */
-    SPC_COLOR_DATA = 2     /* not a colour (normal maps, masks): nothing to convert, alpha not associated */
+    SPC_COLOR_LINEAR = 0, /* linear Rec.709: nothing to convert */
+    SPC_COLOR_SRGB = 1,   /* sRGB transfer function on the colour channels, not on alpha */
+    /* not a colour (normal maps, masks): nothing to convert, alpha not associated */
+    SPC_COLOR_DATA = 2
 } spc_color_space;
 
 typedef enum spc_alpha_mode {
     SPC_ALPHA_STRAIGHT = 0,
     SPC_ALPHA_PREMULTIPLIED = 1,
-    SPC_ALPHA_NONE = 2,          /* alpha is read as 1 */
-    SPC_ALPHA_PACKED = 3         /* alpha is a fourth value with no bearing on the colour */
+    SPC_ALPHA_NONE = 2,  /* alpha is read as 1 */
+    SPC_ALPHA_PACKED = 3 /* alpha is a fourth value with no bearing on the colour */
 } spc_alpha_mode;
 
 /* Exactly one source: `pixels` (with width, height, channels and pixel_type), `encoded` (the bytes of an
@@ -93,27 +95,28 @@ typedef enum spc_alpha_mode {
 typedef struct spc_image_desc {
     size_t struct_size;
     const char* name;
-    const void* pixels;       /* bottom row first, or NULL */
-    uint32_t width, height;   /* pixels, >= 1; only with `pixels` */
-    uint32_t channels;        /* 1, 3 or 4; only with `pixels` */
-    uint32_t pixel_type;      /* spc_pixel_type; only with `pixels` */
-    const void* encoded;      /* bytes of a file, or NULL */
+    const void* pixels;     /* bottom row first, or NULL */
+    uint32_t width, height; /* pixels, >= 1; only with `pixels` */
+    uint32_t channels;      /* 1, 3 or 4; only with `pixels` */
+    uint32_t pixel_type;    /* spc_pixel_type; only with `pixels` */
+    const void* encoded;    /* bytes of a file, or NULL */
     size_t encoded_size;
-    const char* path;         /* a file, or NULL */
-    uint32_t color_space;     /* spc_color_space */
-    uint32_t alpha_mode;      /* spc_alpha_mode */
+    const char* path;     /* a file, or NULL */
+    uint32_t color_space; /* spc_color_space */
+    uint32_t alpha_mode;  /* spc_alpha_mode */
 } spc_image_desc;
 
 /* Adds an image. Errors: SPC_INVALID_ARGUMENT, SPC_IO_ERROR (unreadable or not an image), SPC_WRONG_STATE. */
-SPC_API spc_status spc_scene_add_image(spc_scene* scene, const spc_image_desc* desc, uint32_t* image_index);
+SPC_API spc_status spc_scene_add_image(spc_scene* scene, const spc_image_desc* desc,
+                                       uint32_t* image_index);
 
 /* ---- materials: a graph of typed nodes. The kinds, sockets and options are listed in docs/nodes.md, and
  * spc_node_kinds() lists them at run time. */
 
 typedef struct spc_node {
-    const char* name;  /* as the artist sees it; for messages */
-    const char* kind;  /* "bsdf_diffuse", "mix_shader", "image_texture", ... */
-    uint32_t image;    /* index of an image for kinds that read one, else SPC_NONE */
+    const char* name; /* as the artist sees it; for messages */
+    const char* kind; /* "bsdf_diffuse", "mix_shader", "image_texture", ... */
+    uint32_t image;   /* index of an image for kinds that read one, else SPC_NONE */
 } spc_node;
 
 /* Constant of an input socket. Sockets without constant and without link keep the default of their kind. */
@@ -152,7 +155,8 @@ typedef struct spc_material_desc {
     uint32_t link_count;
 } spc_material_desc;
 
-SPC_API spc_status spc_scene_add_material(spc_scene* scene, const spc_material_desc* desc, uint32_t* material_index);
+SPC_API spc_status spc_scene_add_material(spc_scene* scene, const spc_material_desc* desc,
+                                          uint32_t* material_index);
 
 /* What a committed surface of this material would read from its mesh. */
 typedef struct spc_material_needs {
@@ -160,7 +164,8 @@ typedef struct spc_material_needs {
     uint32_t uv;       /* 1 if a texture coordinate is read */
     uint32_t tangents; /* 1 if a tangent-space normal map is read */
 } spc_material_needs;
-SPC_API spc_status spc_scene_material_needs(const spc_scene* scene, uint32_t material_index, spc_material_needs* needs);
+SPC_API spc_status spc_scene_material_needs(const spc_scene* scene, uint32_t material_index,
+                                            spc_material_needs* needs);
 
 /* One line per node kind: `kind: in Socket:type ... out Socket:type ... option name=A|B ...`; static storage. */
 SPC_API const char* spc_node_kinds(void);
@@ -170,30 +175,32 @@ SPC_API const char* spc_node_kinds(void);
 /* A UV layer. */
 typedef struct spc_uv_layer {
     const char* name;
-    const float* uv;        /* float[triangle_count][3][2] */
-    const float* tangents;  /* float[triangle_count][3][4] MikkTSpace tangent xyz and bitangent sign, or NULL */
+    const float* uv; /* float[triangle_count][3][2] */
+    const float* tangents; /* float[triangle_count][3][4] MikkTSpace tangent xyz and bitangent sign, or NULL */
 } spc_uv_layer;
 
 typedef struct spc_mesh_desc {
     size_t struct_size;
     const char* name;
-    const float* positions;         /* float[vertex_count][3], object space, finite */
+    const float* positions; /* float[vertex_count][3], object space, finite */
     uint32_t vertex_count;
-    const uint32_t* triangles;      /* uint32_t[triangle_count][3], each < vertex_count, counter-clockwise outside */
+    /* uint32_t[triangle_count][3], each < vertex_count, counter-clockwise outside */
+    const uint32_t* triangles;
     uint32_t triangle_count;
-    const float* normals;           /* float[triangle_count][3][3] corner normals, object space; NULL = flat */
+    const float* normals; /* float[triangle_count][3][3] corner normals, object space; NULL = flat */
     const uint32_t* material_slots; /* uint32_t[triangle_count], each < slot_count; NULL = slot 0 */
     uint32_t slot_count;            /* >= 1 */
     const spc_uv_layer* uv_layers;
     uint32_t uv_layer_count;
-    uint32_t active_uv_layer;       /* used where a node names no layer; ignored without layers */
+    uint32_t active_uv_layer; /* used where a node names no layer; ignored without layers */
 } spc_mesh_desc;
 
 /* Adds a triangle mesh; instances refer to it by the returned index. Triangles of zero area are dropped and
  * counted in spc_scene_stats.dropped_triangles. A mesh of nothing else is accepted and
  * draws nothing. Corner normals are normalised; one of zero length takes the face's normal.
  * Errors: SPC_INVALID_ARGUMENT, SPC_WRONG_STATE (after commit), SPC_OUT_OF_MEMORY. */
-SPC_API spc_status spc_scene_add_mesh(spc_scene* scene, const spc_mesh_desc* desc, uint32_t* mesh_index);
+SPC_API spc_status spc_scene_add_mesh(spc_scene* scene, const spc_mesh_desc* desc,
+                                      uint32_t* mesh_index);
 
 /* Rays that see an object; as Blender's ray visibility. */
 typedef enum spc_visibility {
@@ -221,20 +228,21 @@ typedef struct spc_instance_desc {
     uint32_t mesh;
     float transform[12];       /* object to world; invertible; may mirror and scale unevenly */
     const uint32_t* materials; /* uint32_t[slot_count of the mesh]; SPC_NONE = nothing is drawn there */
-    uint32_t material_count;   /* must equal the mesh's slot_count */
-    uint32_t visibility;       /* of spc_visibility */
-    uint32_t caustics_role;    /* spc_caustics_role */
+    uint32_t material_count; /* must equal the mesh's slot_count */
+    uint32_t visibility;     /* of spc_visibility */
+    uint32_t caustics_role;  /* spc_caustics_role */
 } spc_instance_desc;
 
-SPC_API spc_status spc_scene_add_instance(spc_scene* scene, const spc_instance_desc* desc, uint32_t* instance_index);
+SPC_API spc_status spc_scene_add_instance(spc_scene* scene, const spc_instance_desc* desc,
+                                          uint32_t* instance_index);
 
 /* ---- lights */
 
 typedef enum spc_light_type {
-    SPC_LIGHT_POINT = 0,  /* sphere of `radius`, or a point */
-    SPC_LIGHT_SPOT = 1,   /* the same, shining along -Z within a cone */
-    SPC_LIGHT_SUN = 2,    /* from infinity along -Z */
-    SPC_LIGHT_AREA = 3    /* rectangle or ellipse in XY, shining along -Z from one side */
+    SPC_LIGHT_POINT = 0, /* sphere of `radius`, or a point */
+    SPC_LIGHT_SPOT = 1,  /* the same, shining along -Z within a cone */
+    SPC_LIGHT_SUN = 2,   /* from infinity along -Z */
+    SPC_LIGHT_AREA = 3   /* rectangle or ellipse in XY, shining along -Z from one side */
 } spc_light_type;
 
 typedef enum spc_area_shape { SPC_AREA_RECTANGLE = 0, SPC_AREA_ELLIPSE = 1 } spc_area_shape;
@@ -242,29 +250,30 @@ typedef enum spc_area_shape { SPC_AREA_RECTANGLE = 0, SPC_AREA_ELLIPSE = 1 } spc
 typedef struct spc_light_desc {
     size_t struct_size;
     const char* name;
-    uint32_t type;         /* spc_light_type */
-    float transform[12];   /* light to world; scale matters only to area lights */
-    float power[3];        /* Blender's power times colour: W; sun: irradiance at normal incidence, W/m^2; >= 0 */
-    float radius;          /* point, spot: m, >= 0 */
-    float spot_angle;      /* spot: full opening angle, rad, (0, pi] */
-    float spot_blend;      /* spot: share of the cone that is soft, [0, 1] */
-    float sun_angle;       /* sun: full angular diameter, rad, [0, pi] */
-    uint32_t shape;        /* area: spc_area_shape */
-    float size[2];         /* area: full extents in x and y before the transform, m, > 0 */
-    uint32_t visibility;   /* of spc_visibility; SHADOW set: occluders cast shadows of this light */
+    uint32_t type;       /* spc_light_type */
+    float transform[12]; /* light to world; scale matters only to area lights */
+    float power[3]; /* Blender's power times colour: W; sun: irradiance at normal incidence, W/m^2; >= 0 */
+    float radius;        /* point, spot: m, >= 0 */
+    float spot_angle;    /* spot: full opening angle, rad, (0, pi] */
+    float spot_blend;    /* spot: share of the cone that is soft, [0, 1] */
+    float sun_angle;     /* sun: full angular diameter, rad, [0, pi] */
+    uint32_t shape;      /* area: spc_area_shape */
+    float size[2];       /* area: full extents in x and y before the transform, m, > 0 */
+    uint32_t visibility; /* of spc_visibility; SHADOW set: occluders cast shadows of this light */
     uint32_t feeds_caustics; /* 0: no manifold connections to this light; path tracing still finds it */
 } spc_light_desc;
 
-SPC_API spc_status spc_scene_add_light(spc_scene* scene, const spc_light_desc* desc, uint32_t* light_index);
+SPC_API spc_status spc_scene_add_light(spc_scene* scene, const spc_light_desc* desc,
+                                       uint32_t* light_index);
 
 /* ---- camera and world */
 
 typedef struct spc_camera_desc {
     size_t struct_size;
-    float transform[12];     /* camera to world; looks along -Z, +Y is up; scale is ignored */
-    uint32_t width, height;  /* pixels of the full frame, >= 1 */
-    uint32_t crop[4];        /* x0, y0, width, height of the rendered part, from the bottom left */
-    float viewplane[4];      /* left, right, bottom, top of the full frame on the plane at distance 1 */
+    float transform[12];    /* camera to world; looks along -Z, +Y is up; scale is ignored */
+    uint32_t width, height; /* pixels of the full frame, >= 1 */
+    uint32_t crop[4];       /* x0, y0, width, height of the rendered part, from the bottom left */
+    float viewplane[4]; /* left, right, bottom, top of the full frame on the plane at distance 1 */
     float clip_near, clip_far; /* along the viewing axis, m; 0 <= near < far */
 } spc_camera_desc;
 
@@ -274,7 +283,7 @@ SPC_API spc_status spc_scene_set_camera(spc_scene* scene, const spc_camera_desc*
 typedef struct spc_environment_desc {
     size_t struct_size;
     uint32_t material;
-    uint32_t visibility;       /* of spc_visibility; SHADOW is ignored */
+    uint32_t visibility; /* of spc_visibility; SHADOW is ignored */
     uint32_t feeds_caustics;
 } spc_environment_desc;
 SPC_API spc_status spc_scene_set_environment(spc_scene* scene, const spc_environment_desc* desc);
@@ -287,9 +296,9 @@ SPC_API spc_status spc_scene_commit(spc_scene* scene, uint32_t threads);
 
 typedef struct spc_scene_stats {
     size_t struct_size;
-    uint64_t triangles;         /* unique ones */
+    uint64_t triangles; /* unique ones */
     uint64_t instances;
-    uint64_t lights;            /* lights, emissive instances and the world together */
+    uint64_t lights; /* lights, emissive instances and the world together */
     uint64_t casters;
     uint64_t receivers;
     uint64_t dropped_triangles; /* of zero area */
@@ -307,7 +316,8 @@ SPC_API const char* spc_scene_report(const spc_scene* scene);
 typedef enum spc_method {
     SPC_METHOD_PT = 0,           /* path tracing alone */
     SPC_METHOD_SMS_UNBIASED = 1, /* [Zeltner20, Alg. 2] */
-    SPC_METHOD_SMS_BIASED = 2    /* [Zeltner20, Alg. 3]: loses the solutions that `set_size` walks miss */
+    /* [Zeltner20, Alg. 3]: loses the solutions that `set_size` walks miss */
+    SPC_METHOD_SMS_BIASED = 2
 } spc_method;
 
 typedef enum spc_constraint {
@@ -323,20 +333,22 @@ typedef enum spc_pixel_filter {
 
 typedef struct spc_render_settings {
     size_t struct_size;
-    uint32_t method;        /* spc_method */
-    uint32_t constraint;    /* spc_constraint */
-    uint32_t two_stage;     /* 1: walk on the smooth surface first where a caster has a normal map */
-    uint32_t set_size;      /* walks per estimate of SPC_METHOD_SMS_BIASED, [1, 4096] */
-    uint32_t first_sample;  /* absolute index; [0,8) and [8,16) together are [0,16) */
-    uint32_t samples;       /* per pixel, >= 1 */
-    float time_limit;       /* seconds of rendering, 0 = none; a render that reaches it is complete */
+    uint32_t method;       /* spc_method */
+    uint32_t constraint;   /* spc_constraint */
+    uint32_t two_stage;    /* 1: walk on the smooth surface first where a caster has a normal map */
+    uint32_t set_size;     /* walks per estimate of SPC_METHOD_SMS_BIASED, [1, 4096] */
+    uint32_t first_sample; /* absolute index; [0,8) and [8,16) together are [0,16) */
+    uint32_t samples;      /* per pixel, >= 1 */
+    float time_limit; /* seconds of rendering, 0 = none; a render that reaches it is complete */
     uint32_t seed;
-    uint32_t threads;       /* 0 = all, <= 1024 */
-    uint32_t max_bounces;   /* all kinds together; as Cycles: 0 is direct light only */
-    uint32_t max_diffuse_bounces, max_glossy_bounces, max_transmission_bounces, max_transparent_bounces;
-    uint32_t caustics_reflective, caustics_refractive; /* 0: no such light after a diffuse bounce, by any method */
-    uint32_t pixel_filter;  /* spc_pixel_filter */
-    float filter_width;     /* pixels, full width; (0, 1000]; ignored by the box */
+    uint32_t threads;     /* 0 = all, <= 1024 */
+    uint32_t max_bounces; /* all kinds together; as Cycles: 0 is direct light only */
+    uint32_t max_diffuse_bounces, max_glossy_bounces, max_transmission_bounces,
+        max_transparent_bounces;
+    uint32_t caustics_reflective,
+        caustics_refractive;   /* 0: no such light after a diffuse bounce, by any method */
+    uint32_t pixel_filter;     /* spc_pixel_filter */
+    float filter_width;        /* pixels, full width; (0, 1000]; ignored by the box */
     uint32_t transparent_film; /* 1: the world is seen as alpha 0 by the camera */
 } spc_render_settings;
 
@@ -344,43 +356,45 @@ typedef struct spc_render_settings {
 SPC_API void spc_render_settings_init(spc_render_settings* settings);
 
 /* Starts worker threads and returns at once. The scene must be committed and outlive the session. */
-SPC_API spc_status spc_render_start(const spc_scene* scene, const spc_render_settings* settings, spc_session** session);
+SPC_API spc_status spc_render_start(const spc_scene* scene, const spc_render_settings* settings,
+                                    spc_session** session);
 
 typedef enum spc_render_state {
     SPC_RENDER_RUNNING = 0,
-    SPC_RENDER_DONE = 1,      /* all samples, or the time limit */
+    SPC_RENDER_DONE = 1, /* all samples, or the time limit */
     SPC_RENDER_CANCELLED = 2,
-    SPC_RENDER_FAILED = 3     /* spc_last_error() of the thread that asks says why */
+    SPC_RENDER_FAILED = 3 /* spc_last_error() of the thread that asks says why */
 } spc_render_state;
 
 typedef struct spc_render_progress {
     size_t struct_size;
-    uint32_t state;            /* spc_render_state */
-    uint32_t samples_done;     /* complete for every pixel */
-    float fraction;            /* of samples or of the time limit, whichever is further, [0, 1] */
-    double seconds;            /* of rendering so far */
+    uint32_t state;        /* spc_render_state */
+    uint32_t samples_done; /* complete for every pixel */
+    float fraction;        /* of samples or of the time limit, whichever is further, [0, 1] */
+    double seconds;        /* of rendering so far */
 } spc_render_progress;
 
 /* Waits until the render ends or `milliseconds` have passed. `progress` may be NULL. */
-SPC_API spc_status spc_render_wait(spc_session* session, uint32_t milliseconds, spc_render_progress* progress);
+SPC_API spc_status spc_render_wait(spc_session* session, uint32_t milliseconds,
+                                   spc_render_progress* progress);
 /* Asks the workers to stop; they do within 200 ms. Samples already taken are kept. */
 SPC_API spc_status spc_render_cancel(spc_session* session);
 
 typedef struct spc_render_stats {
     size_t struct_size;
-    uint64_t samples;             /* camera paths */
-    uint64_t rays;                /* ray casts, shadow rays and walks included */
-    uint64_t estimates;           /* manifold estimates begun */
-    uint64_t walks;               /* Newton walks, trials included */
+    uint64_t samples;   /* camera paths */
+    uint64_t rays;      /* ray casts, shadow rays and walks included */
+    uint64_t estimates; /* manifold estimates begun */
+    uint64_t walks;     /* Newton walks, trials included */
     uint64_t walks_converged;
-    uint64_t iterations;          /* Newton iterations of all walks */
-    uint64_t trial_estimates;     /* estimates that ran Bernoulli trials */
-    uint64_t trials;              /* sum over those estimates */
+    uint64_t iterations;      /* Newton iterations of all walks */
+    uint64_t trial_estimates; /* estimates that ran Bernoulli trials */
+    uint64_t trials;          /* sum over those estimates */
     uint64_t max_trials;
-    uint64_t capped_estimates;    /* gave up at the trial cap */
-    double capped_energy;         /* what those estimates added as far as they counted, luminance, sum over samples */
-    double manifold_energy;       /* radiance added by the manifold, luminance, sum over samples */
-    uint64_t nan_samples;         /* path samples dropped for not being finite */
+    uint64_t capped_estimates; /* gave up at the trial cap */
+    double capped_energy; /* what those estimates added as far as they counted, luminance, sum over samples */
+    double manifold_energy; /* radiance added by the manifold, luminance, sum over samples */
+    uint64_t nan_samples;   /* path samples dropped for not being finite */
 } spc_render_stats;
 SPC_API spc_status spc_render_get_stats(spc_session* session, spc_render_stats* stats);
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One interaction against closed forms: plane and sphere, reflection and refraction; derivatives against differences.
+// One interaction against closed forms: plane and sphere, reflection and refraction; derivatives
+// against differences.
 #include "manifold/chain.h"
 
 #include "manifold/walk.h"
@@ -32,7 +33,8 @@ struct Found {
     std::optional<ChainRoot> root;
     int converged = 0, others = 0;
 };
-Found find_root(const RenderScene& world, const ManifoldSettings& settings, const Vec3& x, const ChainEnd& end) {
+Found find_root(const RenderScene& world, const ManifoldSettings& settings, const Vec3& x,
+                const ChainEnd& end) {
     Found found;
     Pcg pcg(7);
     ManifoldStats stats;
@@ -66,25 +68,29 @@ TEST_P(BothConstraints, PlaneMirrorIsItsMirrorImage) {
     const Vec3d image(y.x, y.y, -y.z), along = image - Vec3d(x);
     const Vec3d expected = Vec3d(x) + along * (1.0 / 3.0);
     EXPECT_LT(length(Vec3d(found.root->patch.p) - expected), kRelative * length(along));
-    expect_relative(*geometry_term(Interaction::reflection, 1.0f, x, found.root->patch, end), 1.0 / dot(along, along), "G");
+    expect_relative(*geometry_term(Interaction::reflection, 1.0f, x, found.root->patch, end),
+                    1.0 / dot(along, along), "G");
     // A sun: the angle at x is the angle at the light.
     const ChainEnd sun{true, {}, normalize(Vec3(1, 0, 2))};
     const Found sunlit = find_root(world, settings_with(GetParam()), x, sun);
     ASSERT_TRUE(sunlit.root);
     EXPECT_LT(length(sunlit.root->patch.p - Vec3(-0.5f, 0.3f, 0.0f)), 1e-4f);
-    expect_relative(*geometry_term(Interaction::reflection, 1.0f, x, sunlit.root->patch, sun), 1.0, "G of a sun");
+    expect_relative(*geometry_term(Interaction::reflection, 1.0f, x, sunlit.root->patch, sun), 1.0,
+                    "G of a sun");
 }
 
 // A cap of the unit sphere around a direction, finer than single precision can tell from a sphere.
 Mesh sphere_cap(const Vec3d& axis, double half_angle) {
     const Frame frame = Frame::around(Vec3(axis));
     const auto point = [=](double u, double v) {
-        return normalize(axis + Vec3d(frame.x) * (half_angle * (2 * u - 1)) + Vec3d(frame.y) * (half_angle * (2 * v - 1)));
+        return normalize(axis + Vec3d(frame.x) * (half_angle * (2 * u - 1)) +
+                         Vec3d(frame.y) * (half_angle * (2 * v - 1)));
     };
     return test::grid(400, point, point);
 }
 
-// Point of the unit circle in the xz plane where light from x reaches y by reflection (Alhazen's problem), by bisection.
+// Point of the unit circle in the xz plane where light from x reaches y by reflection (Alhazen's
+// problem), by bisection.
 double alhazen_angle(const Vec3d& x, const Vec3d& y, double low, double high) {
     const auto imbalance = [&](double a) {
         const Vec3d n(std::sin(a), 0, std::cos(a)), t(std::cos(a), 0, -std::sin(a));
@@ -110,12 +116,17 @@ TEST_P(BothConstraints, MirrorSphereIsAlhazensPointWithCoddingtonsTerm) {
     EXPECT_EQ(found.others, 0);
     EXPECT_LT(length(Vec3d(found.root->patch.p) - p), kRelative);
     const double d1 = length(x - p), d2 = length(y - p), cosine = dot(normalize(x - p), p);
-    const double tangential = d1 + d2 + 2 * d1 * d2 / cosine, sagittal = d1 + d2 + 2 * d1 * d2 * cosine;
-    // The term needs the sphere itself: corner normals 5e-5 apart hold its curvature to some 1e-3 in single precision.
+    const double tangential = d1 + d2 + 2 * d1 * d2 / cosine,
+                 sagittal = d1 + d2 + 2 * d1 * d2 * cosine;
+    // The term needs the sphere itself: corner normals 5e-5 apart hold its curvature to some 1e-3
+    // in single precision.
     const Frame frame = Frame::around(Vec3(p));
     const CasterPatch exact{Vec3(p), frame.x, frame.y, Vec3(p), frame.x, frame.y, Vec3(p)};
-    expect_relative(*geometry_term(Interaction::reflection, 1.0f, Vec3(x), exact, end), 1.0 / (tangential * sagittal), "G");
-    EXPECT_NEAR(*geometry_term(Interaction::reflection, 1.0f, Vec3(x), found.root->patch, end) * tangential * sagittal, 1.0, 1e-2);
+    expect_relative(*geometry_term(Interaction::reflection, 1.0f, Vec3(x), exact, end),
+                    1.0 / (tangential * sagittal), "G");
+    EXPECT_NEAR(*geometry_term(Interaction::reflection, 1.0f, Vec3(x), found.root->patch, end) *
+                    tangential * sagittal,
+                1.0, 1e-2);
 }
 
 TEST_P(BothConstraints, FlatRefractionIsSnellsPoint) {
@@ -127,7 +138,8 @@ TEST_P(BothConstraints, FlatRefractionIsSnellsPoint) {
     double low = 0.0, high = across;  // sin(theta in water) ior = sin(theta in air)
     for (int i = 0; i < 100; ++i) {
         const double s = 0.5 * (low + high);
-        const double inside = s / std::hypot(s, depth), outside = (across - s) / std::hypot(across - s, height);
+        const double inside = s / std::hypot(s, depth),
+                     outside = (across - s) / std::hypot(across - s, height);
         (inside * ior < outside ? low : high) = s;
     }
     const ChainEnd end{false, y, {}};
@@ -140,8 +152,9 @@ TEST_P(BothConstraints, FlatRefractionIsSnellsPoint) {
     const double sin1 = low / std::hypot(low, depth), cos1 = std::sqrt(1 - sin1 * sin1);
     const double sin2 = ior * sin1, cos2 = std::sqrt(1 - sin2 * sin2);
     const double dx_dtheta = depth / (cos1 * cos1) + height / (cos2 * cos2) * (ior * cos1 / cos2);
-    expect_relative(*geometry_term(Interaction::refraction, found.root->eta, x, found.root->patch, end),
-                    1.0 / (across / sin1 * cos2 * dx_dtheta), "G");
+    expect_relative(
+        *geometry_term(Interaction::refraction, found.root->eta, x, found.root->patch, end),
+        1.0 / (across / sin1 * cos2 * dx_dtheta), "G");
 }
 
 TEST_P(BothConstraints, NoChainWhereTotalReflectionForbidsIt) {
@@ -172,8 +185,8 @@ CasterPatch curved_patch(double u, double v, const std::array<double, 12>& k) {
     return patch;
 }
 
-// The constraints' Jacobian is that of Newton's local equation: exact up to terms that vanish with C, so it is
-// checked at a root: x, u and v random, the light placed where the scattered ray goes.
+// The constraints' Jacobian is that of Newton's local equation: exact up to terms that vanish with
+// C, so it is checked at a root: x, u and v random, the light placed where the scattered ray goes.
 TEST_P(BothConstraints, DerivativesMatchCentralDifferencesAtRoots) {
     Pcg pcg(3);
     const auto uniform = [&](double a, double b) { return a + (b - a) * double(pcg.one()); };
@@ -186,13 +199,15 @@ TEST_P(BothConstraints, DerivativesMatchCentralDifferencesAtRoots) {
         const Vec3d n(patch.n), p(patch.p);
         const Vec3d wi = normalize(n + Vec3d(uniform(-0.6, 0.6), uniform(-0.6, 0.6), 0.0));
         const double c = dot(wi, n);
-        const Vec3d wo = refracts ? wi * (-1 / ior) + n * (c / ior - std::sqrt(1 - (1 - c * c) / (ior * ior)))
-                                  : n * (2 * c) - wi;
+        const Vec3d wo =
+            refracts ? wi * (-1 / ior) + n * (c / ior - std::sqrt(1 - (1 - c * c) / (ior * ior)))
+                     : n * (2 * c) - wi;
         const Vec3 x(p + wi * uniform(1, 3));
         const bool distant = trial % 3 == 0;
         const ChainEnd end{distant, Vec3(p + wo * uniform(1, 3)), Vec3(wo)};
         const auto at = [&](double du, double dv) {
-            return evaluate_constraint(GetParam(), refracts ? Interaction::refraction : Interaction::reflection,
+            return evaluate_constraint(GetParam(),
+                                       refracts ? Interaction::refraction : Interaction::reflection,
                                        float(ior), x, curved_patch(u + du, v + dv, k), end);
         };
         const auto value = at(0, 0);
@@ -201,7 +216,8 @@ TEST_P(BothConstraints, DerivativesMatchCentralDifferencesAtRoots) {
         constexpr double h = 2e-3;
         const auto pu = at(h, 0), mu = at(-h, 0), pv = at(0, h), mv = at(0, -h);
         ASSERT_TRUE(pu && mu && pv && mv);
-        // The half-vector's frame and the angle's equator move with the point, by rotations that only second order sees.
+        // The half-vector's frame and the angle's equator move with the point, by rotations that
+        // only second order sees.
         const auto sized = [](const Vec2& a) { return std::hypot(a.x, a.y); };
         const double scale = std::max({1.0f, sized(value->dc_du), sized(value->dc_dv)});
         const auto quotient = [&](const Vec2& a, const Vec2& b) { return (a - b) * float(0.5 / h); };
@@ -210,11 +226,13 @@ TEST_P(BothConstraints, DerivativesMatchCentralDifferencesAtRoots) {
         // Their determinant is what Newton needs besides; it does not see the rotations either.
         const Vec2 du = quotient(pu->c, mu->c), dv = quotient(pv->c, mv->c);
         EXPECT_NEAR(du.x * dv.y - du.y * dv.x,
-                    value->dc_du.x * value->dc_dv.y - value->dc_du.y * value->dc_dv.x, 1e-2 * scale * scale);
+                    value->dc_du.x * value->dc_dv.y - value->dc_du.y * value->dc_dv.x,
+                    1e-2 * scale * scale);
     }
 }
 
-// geometry_term against differences of the traced map itself: from a direction at x through the patch to the light.
+// geometry_term against differences of the traced map itself: from a direction at x through the
+// patch to the light.
 TEST(GeometryTerm, MatchesDifferencesOfTheTracedMap) {
     constexpr double ior = 1.45;
     const std::array<double, 12> k{0.1, -0.2, 0.3, 0.1, 0.0, 0.2, 0.1, -0.3, 0.15, 0.1, 0, 0};
@@ -226,11 +244,15 @@ TEST(GeometryTerm, MatchesDifferencesOfTheTracedMap) {
         const auto scatter = [&](const Vec3d& d, Vec3d& hit) {
             hit = x + d * (dot(p0 - x, ng) / dot(d, ng));
             const Vec3d r = hit - p0;
-            const double uu = dot(pu, pu), uv = dot(pu, pv), vv = dot(pv, pv), det = uu * vv - uv * uv;
-            const double du = (dot(r, pu) * vv - dot(r, pv) * uv) / det, dv = (dot(r, pv) * uu - dot(r, pu) * uv) / det;
-            const Vec3d n = normalize(Vec3d(patch.n) + Vec3d(patch.dn_du) * du + Vec3d(patch.dn_dv) * dv);
+            const double uu = dot(pu, pu), uv = dot(pu, pv), vv = dot(pv, pv),
+                         det = uu * vv - uv * uv;
+            const double du = (dot(r, pu) * vv - dot(r, pv) * uv) / det,
+                         dv = (dot(r, pv) * uu - dot(r, pu) * uv) / det;
+            const Vec3d n =
+                normalize(Vec3d(patch.n) + Vec3d(patch.dn_du) * du + Vec3d(patch.dn_dv) * dv);
             const double c = -dot(d, n);
-            return refracts ? d / ior + n * (c / ior - std::sqrt(1 - (1 - c * c) / (ior * ior))) : d + n * (2 * c);
+            return refracts ? d / ior + n * (c / ior - std::sqrt(1 - (1 - c * c) / (ior * ior)))
+                            : d + n * (2 * c);
         };
         const Vec3d d0 = normalize(p0 - x);
         Vec3d hit;
@@ -247,8 +269,8 @@ TEST(GeometryTerm, MatchesDifferencesOfTheTracedMap) {
         const Vec2 a = (landing(Vec3d(frame.x) * h) - landing(Vec3d(frame.x) * -h)) * float(0.5 / h);
         const Vec2 b = (landing(Vec3d(frame.y) * h) - landing(Vec3d(frame.y) * -h)) * float(0.5 / h);
         const std::optional<double> g =
-            geometry_term(refracts ? Interaction::refraction : Interaction::reflection, float(ior), Vec3(x), patch,
-                          {false, Vec3(y), {}});
+            geometry_term(refracts ? Interaction::refraction : Interaction::reflection, float(ior),
+                          Vec3(x), patch, {false, Vec3(y), {}});
         ASSERT_TRUE(g);
         EXPECT_NEAR(*g * std::abs(double(a.x * b.y - a.y * b.x)), 1.0, 2e-4);
     }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The manifold's estimate against brute-force path tracing, for every kind of light, with one caster and with many.
+// The manifold's estimate against brute-force path tracing, for every kind of light, with one
+// caster and with many.
 #include "manifold/estimator.h"
 
 #include "support/radiance.h"
@@ -45,11 +46,15 @@ std::vector<LightCase> finite_lights() {
     rectangle.size = Vec2(0.7f, 0.4f);
     LightDesc ellipse = rectangle;
     ellipse.shape = AreaShape::ellipse;
-    return {lamp_case("sphere", point), lamp_case("spot", spot), lamp_case("sun", sun),
-            lamp_case("rectangle", rectangle), lamp_case("ellipse", ellipse),
+    return {lamp_case("sphere", point),
+            lamp_case("spot", spot),
+            lamp_case("sun", sun),
+            lamp_case("rectangle", rectangle),
+            lamp_case("ellipse", ellipse),
             {"emissive mesh",
              [](SceneMaker& maker) {
-                 maker.add(test::flat(test::square(0.3f)), test::emission(20.0f), test::translation({0.9f, 0.2f, 2.5f}));
+                 maker.add(test::flat(test::square(0.3f)), test::emission(20.0f),
+                           test::translation({0.9f, 0.2f, 2.5f}));
              }},
             {"world", [](SceneMaker& maker) { test::set_world(maker, 1.0f); }}};
 }
@@ -58,7 +63,8 @@ std::vector<LightCase> finite_lights() {
 void add_floor_and_casters(SceneMaker& maker) {
     maker.add(test::square(4.0f), test::diffuse(0.8f), {}, CausticsRole::receiver);
     maker.add(test::sphere(24, 0.4), test::mirror(), test::translation(Vec3(-0.6f, 0.1f, 0.5f)));
-    maker.add(test::square(0.6f), test::refraction(1.4f), test::rotation_x(0.3f, Vec3(0.4f, 0.0f, 0.6f)));
+    maker.add(test::square(0.6f), test::refraction(1.4f),
+              test::rotation_x(0.3f, Vec3(0.4f, 0.0f, 0.6f)));
 }
 
 Ray camera_ray(uint32_t i) {
@@ -75,12 +81,16 @@ TEST(ManifoldEstimatorSlow, AgreesWithPathTracingForEveryLight) {
         add_floor_and_casters(maker);
         light.add(maker);
         const RenderScene world = maker.finish();
-        const test::RadianceEstimate expected = test::estimate(world, test::unlimited(), kSamples, camera_ray);
+        const test::RadianceEstimate expected =
+            test::estimate(world, test::unlimited(), kSamples, camera_ray);
         for (const Constraint constraint : {Constraint::half_vector, Constraint::angle_difference}) {
             const test::RadianceEstimate actual =
-                test::estimate(world, test::unlimited(test::unbiased_manifold(constraint)), kSamples / 3, camera_ray, 2);
-            EXPECT_TRUE(test::same_mean(actual.radiance, expected.radiance, significance)) << light.name;
-            EXPECT_GT(actual.caustics.mean(), 1e-3 * actual.radiance.mean()) << light.name << " feeds no caustics";
+                test::estimate(world, test::unlimited(test::unbiased_manifold(constraint)),
+                               kSamples / 3, camera_ray, 2);
+            EXPECT_TRUE(test::same_mean(actual.radiance, expected.radiance, significance))
+                << light.name;
+            EXPECT_GT(actual.caustics.mean(), 1e-3 * actual.radiance.mean())
+                << light.name << " feeds no caustics";
         }
     }
 }
@@ -100,7 +110,8 @@ TEST(ManifoldEstimatorSlow, ComparisonNoticesAWrongShare) {
     const test::RadianceEstimate actual =
         test::estimate(world, test::unlimited(test::unbiased_manifold()), 400000, below, 2);
     EXPECT_TRUE(test::same_mean(actual.radiance, expected.radiance, kFamily));
-    const double deviation = std::hypot(expected.radiance.standard_error(), actual.radiance.standard_error());
+    const double deviation =
+        std::hypot(expected.radiance.standard_error(), actual.radiance.standard_error());
     EXPECT_GT(0.05 * actual.caustics.mean(), 5.0 * deviation);
 }
 
@@ -117,8 +128,9 @@ TEST(ManifoldEstimator, DeltaLightsAreTheLimitOfSmallOnes) {
             add_floor_and_casters(maker);
             maker.builder.add_light(light);
             const RenderScene world = maker.finish();
-            means[delta] =
-                test::estimate(world, test::unlimited(test::unbiased_manifold()), 40000, camera_ray, delta ? 1 : 2).caustics;
+            means[delta] = test::estimate(world, test::unlimited(test::unbiased_manifold()), 40000,
+                                          camera_ray, delta ? 1 : 2)
+                               .caustics;
         }
         EXPECT_GT(means[1].mean(), 0.0);
         EXPECT_TRUE(test::same_mean(means[0], means[1], test::sidak(kFamily, 3))) << int(type);
@@ -156,12 +168,14 @@ TEST(CasterChoice, FollowsItsProbabilities) {
         std::vector<int> counts(100, 0);
         constexpr int kDraws = 200000;
         for (int k = 0; k < kDraws; ++k) {
-            const CasterChoice choice = choose_caster(world.casters, x, ng, end, (float(k) + 0.5f) / kDraws);
+            const CasterChoice choice =
+                choose_caster(world.casters, x, ng, end, (float(k) + 0.5f) / kDraws);
             ASSERT_NE(choice.index, kNone);
             EXPECT_FLOAT_EQ(choice.probability, float(expected[choice.index]));
             ++counts[choice.index];
         }
-        for (uint32_t i = 0; i < 100; ++i) EXPECT_NEAR(counts[i], expected[i] * kDraws, 3.0 + 1e-3 * kDraws * expected[i]);
+        for (uint32_t i = 0; i < 100; ++i)
+            EXPECT_NEAR(counts[i], expected[i] * kDraws, 3.0 + 1e-3 * kDraws * expected[i]);
     }
 }
 
@@ -171,15 +185,16 @@ TEST(ManifoldEstimatorSlow, ManyCastersAgreeWithPathTracing) {
     add_many_mirrors(maker, 60);
     finite_lights()[0].add(maker);
     const RenderScene world = maker.finish();
-    const test::RadianceEstimate expected = test::estimate(world, test::unlimited(), 400000, camera_ray);
+    const test::RadianceEstimate expected =
+        test::estimate(world, test::unlimited(), 400000, camera_ray);
     const test::RadianceEstimate actual =
         test::estimate(world, test::unlimited(test::unbiased_manifold()), 200000, camera_ray, 2);
     EXPECT_TRUE(test::same_mean(actual.radiance, expected.radiance, kFamily));
     EXPECT_GT(actual.caustics.mean(), 1e-3 * actual.radiance.mean());
 }
 
-// A sheet that is both transparent and a mirror, between a floor and a mirror: what is seen through it belongs to path
-// tracing alone.
+// A sheet that is both transparent and a mirror, between a floor and a mirror: what is seen through
+// it belongs to path tracing alone.
 TEST(ManifoldEstimatorSlow, TransparentCastersInTheWayAreCountedOnce) {
     SceneMaker maker;
     maker.add(test::square(1.0f), test::diffuse(0.8f), {}, CausticsRole::receiver);
@@ -197,15 +212,21 @@ TEST(ManifoldEstimatorSlow, TransparentCastersInTheWayAreCountedOnce) {
     EXPECT_GT(actual.caustics.mean(), 0.0);
 }
 
-// Several delta closures on one normal share a chain; so do chains of a surface that lost some to a switch.
+// Several delta closures on one normal share a chain; so do chains of a surface that lost some to a
+// switch.
 TEST(ManifoldEstimatorSlow, SharesOfSeveralLobesSumToOne) {
-    const Graph two = test::combined(test::mirror(), test::single_shader("bsdf_glossy", {{1, "Color", {0.9f, 0.6f, 0.3f, 1}}, {1, "Roughness", {0, 0, 0, 0}}}), 0.5f);
+    const Graph two = test::combined(
+        test::mirror(),
+        test::single_shader("bsdf_glossy",
+                            {{1, "Color", {0.9f, 0.6f, 0.3f, 1}}, {1, "Roughness", {0, 0, 0, 0}}}),
+        0.5f);
     struct Case {
         const char* name;
         Graph graph;
         bool refractions;
     };
-    for (const Case& c : {Case{"two mirrors", two, true}, Case{"glass without refraction", test::glass(2.0f), false}}) {
+    for (const Case& c : {Case{"two mirrors", two, true},
+                          Case{"glass without refraction", test::glass(2.0f), false}}) {
         SceneMaker maker;
         maker.add(test::square(4.0f), test::diffuse(0.8f), {}, CausticsRole::receiver);
         maker.add(test::square(0.5f), c.graph, test::rotation_x(-0.9f, Vec3(0.0f, 0.7f, 0.5f)));
@@ -226,7 +247,8 @@ TEST(ManifoldEstimatorSlow, SharesOfSeveralLobesSumToOne) {
     }
 }
 
-// [Zeltner20 Alg. 3] loses what its walks miss, and nothing else: less than all, more with more walks.
+// [Zeltner20 Alg. 3] loses what its walks miss, and nothing else: less than all, more with more
+// walks.
 TEST(ManifoldEstimatorSlow, BiasedComesFromBelow) {
     SceneMaker maker;
     add_floor_and_casters(maker);

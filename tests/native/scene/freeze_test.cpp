@@ -73,8 +73,7 @@ TEST(Builder, EveryTriangleThatStaysHasANormal) {
             const Mesh& added = maker.builder.mesh(maker.builder.add_mesh(mesh));
             for (const Vec3& n : added.normals) {
                 EXPECT_TRUE(is_finite(n));
-                EXPECT_NEAR(length(n), 1.0f, 1e-4f)
-                    << "size " << size << ", flatness " << flatness;
+                EXPECT_NEAR(length(n), 1.0f, 1e-4f) << "size " << size << ", flatness " << flatness;
             }
             ++(added.dropped_triangles == 0 ? kept : dropped);
             if (added.dropped_triangles > 0) {
@@ -103,7 +102,8 @@ TEST(Freeze, SlotsWithoutMaterialDrawNothing) {
 
 // A flattened object is no reason to lose a frame.
 TEST(Freeze, MeshOfNothingButNeedlesDrawsNothing) {
-    for (const Graph& graph : {test::mirror(), test::diffuse(0.5f), test::single_shader("emission", {})}) {
+    for (const Graph& graph :
+         {test::mirror(), test::diffuse(0.5f), test::single_shader("emission", {})}) {
         Mesh needles;
         needles.name = "needles";
         needles.positions = {{0, 0, 0}, {1, 1, 1}, {2, 2, 2}};
@@ -113,7 +113,8 @@ TEST(Freeze, MeshOfNothingButNeedlesDrawsNothing) {
         maker.add(test::square(1.0f), test::diffuse(0.5f), test::translation(Vec3(0, 0, -1)));
         const RenderScene world = maker.finish();
         EXPECT_EQ(world.scene->meshes[0].dropped_triangles, 2u);
-        const std::optional<Hit> hit = world.scene->accel->intersect({{0.1f, 0.1f, 5}, {0, 0, -1}}, kVisibleCamera);
+        const std::optional<Hit> hit =
+            world.scene->accel->intersect({{0.1f, 0.1f, 5}, {0, 0, -1}}, kVisibleCamera);
         ASSERT_TRUE(hit);
         EXPECT_EQ(hit->surface.instance, 1u);
     }

@@ -116,7 +116,8 @@ TEST(CompileErrors, TooManyClosures) {
                 AllOf(names("bsdf_transparent.2"), HasSubstr("13 closures; at most 12")));
 }
 
-// No depth of graph may exhaust the stack of the thread, no number of values the registers one at a time.
+// No depth of graph may exhaust the stack of the thread, no number of values the registers one at a
+// time.
 TEST(Compile, LongChainsAndManyTextures) {
     TestPoint at;
     GraphBuilder b;

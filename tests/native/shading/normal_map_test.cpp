@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Normal maps: values by hand, and the derivatives that manifold walks rest on by central differences.
+// Normal maps: values by hand, and the derivatives that manifold walks rest on by central
+// differences.
 #include "shading/graphs.h"
 
 namespace spc::test {
@@ -110,8 +111,8 @@ TEST(NormalMap, AnyVectorWillDoAsANormal) {
         {0, 0, 1}, 0.0f);
 }
 
-// A patch of surface over (u, v), everything a smooth function of them in double, with derivatives by differences
-// in double: what a triangle with interpolated corners offers, and more.
+// A patch of surface over (u, v), everything a smooth function of them in double, with derivatives
+// by differences in double: what a triangle with interpolated corners offers, and more.
 struct Patch {
     Vec3d normal[3], tangent[3], world[3];  // value at 0, slope by u, slope by v
     double uv0[2], uv_u[2], uv_v[2];
@@ -221,7 +222,8 @@ TEST(NormalMap, DerivativesMatchCentralDifferences) {
                         return value_of(evaluate_caster_normal(material, image,
                                                                patch.float_point(u, v, storage)));
                     };
-                    // Richardson's combination of two steps: fourth order, rounding about 1e-7 / step.
+                    // Richardson's combination of two steps: fourth order, rounding about 1e-7 /
+                    // step.
                     const auto difference = [&](double u, double v) {
                         constexpr double kStep = 2e-3;
                         const auto over = [&](double h) {

@@ -271,7 +271,8 @@ TEST(Principled, GivesBackNoMoreThanItGets) {
         const float z = 0.02f + 0.98f * random();
         at.point.wo = Vec3(std::sqrt(1 - z * z), 0, z);
         ClosureList list = closures_of(m, at.point);
-        // Energy compensation is inside the weights; the albedo counts it again unless it is switched off.
+        // Energy compensation is inside the weights; the albedo counts it again unless it is
+        // switched off.
         Spectrum sum(0.0f);
         for (int i = 0; i < list.count; ++i) {
             ClosureKind kind = list.closures[static_cast<size_t>(i)].kind;

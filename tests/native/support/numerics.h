@@ -198,8 +198,8 @@ inline ::testing::AssertionResult same_mean(const MeanEstimate& a, const MeanEst
     const double p = std::erfc(difference / deviation / std::numbers::sqrt2);
     if (p > significance) return ::testing::AssertionSuccess();
     return ::testing::AssertionFailure()
-           << "means " << a.mean() << " and " << b.mean() << " differ by "
-           << difference / deviation << " standard deviations, p = " << p;
+           << "means " << a.mean() << " and " << b.mean() << " differ by " << difference / deviation
+           << " standard deviations, p = " << p;
 }
 
 // Whether a mean differs from what it should be by chance only: two-sided z-test.

@@ -19,19 +19,28 @@ inline Graph single_shader(const std::string& kind, std::vector<GraphInput> inpu
     for (GraphOption& option : options) option.node = 1;
     graph.inputs = std::move(inputs);
     graph.options = std::move(options);
-    const std::string socket = kind == "emission" ? "Emission" : kind == "background" ? "Background" : "BSDF";
+    const std::string socket = kind == "emission"     ? "Emission"
+                               : kind == "background" ? "Background"
+                                                      : "BSDF";
     graph.links = {{1, socket, 0, "Surface"}};
     return graph;
 }
-inline Graph diffuse(float albedo) { return single_shader("bsdf_diffuse", {{1, "Color", {albedo, albedo, albedo, 1}}}); }
+inline Graph diffuse(float albedo) {
+    return single_shader("bsdf_diffuse", {{1, "Color", {albedo, albedo, albedo, 1}}});
+}
 inline Graph mirror() {
-    return single_shader("bsdf_glossy", {{1, "Color", {1, 1, 1, 1}}, {1, "Roughness", {0, 0, 0, 0}}});
+    return single_shader("bsdf_glossy",
+                         {{1, "Color", {1, 1, 1, 1}}, {1, "Roughness", {0, 0, 0, 0}}});
 }
 inline Graph refraction(float ior) {
-    return single_shader("bsdf_refraction", {{1, "Color", {1, 1, 1, 1}}, {1, "Roughness", {0, 0, 0, 0}}, {1, "IOR", {ior, 0, 0, 0}}});
+    return single_shader(
+        "bsdf_refraction",
+        {{1, "Color", {1, 1, 1, 1}}, {1, "Roughness", {0, 0, 0, 0}}, {1, "IOR", {ior, 0, 0, 0}}});
 }
 inline Graph glass(float ior) {
-    return single_shader("bsdf_glass", {{1, "Color", {1, 1, 1, 1}}, {1, "Roughness", {0, 0, 0, 0}}, {1, "IOR", {ior, 0, 0, 0}}});
+    return single_shader(
+        "bsdf_glass",
+        {{1, "Color", {1, 1, 1, 1}}, {1, "Roughness", {0, 0, 0, 0}}, {1, "IOR", {ior, 0, 0, 0}}});
 }
 inline Graph background(float r, float g, float b) {
     return single_shader("background", {{1, "Color", {r, g, b, 1}}, {1, "Strength", {1, 0, 0, 0}}});
@@ -78,9 +87,11 @@ inline Mesh grid(uint32_t n, const std::function<Vec3d(double, double)>& positio
 inline Mesh sphere(uint32_t n, double radius) {
     const auto point = [](double u, double v) {
         const double phi = 2.0 * std::numbers::pi * u, theta = std::numbers::pi * (1.0 - v);
-        return Vec3d(std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta));
+        return Vec3d(std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi),
+                     std::cos(theta));
     };
-    return grid(n, [&](double u, double v) { return point(u, v) * radius; }, point);
+    return grid(
+        n, [&](double u, double v) { return point(u, v) * radius; }, point);
 }
 
 inline Transform translation(const Vec3& t) {
@@ -109,7 +120,8 @@ public:
         instance.name = mesh.name + " of " + graph.name;
         instance.mesh = builder.add_mesh(mesh);
         instance.object_to_world = transform;
-        instance.materials.assign(builder.mesh(instance.mesh).slot_count, builder.add_material(graph));
+        instance.materials.assign(builder.mesh(instance.mesh).slot_count,
+                                  builder.add_material(graph));
         instance.role = role;
         return builder.add_instance(instance);
     }

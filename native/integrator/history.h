@@ -77,10 +77,8 @@ struct PathHistory {
         interaction = turn;
         return owned;
     }
-    void append_transparent(const SurfaceHit& hit, const CasterSet& casters) {
-        if (!casters.empty() && stage == Stage::scattered &&
-            casters.of_instance[hit.instance] != kNone)
-            through_caster = true;
+    void append_transparent(const Instance& instance) {
+        if (stage == Stage::scattered && instance.caster) through_caster = true;
     }
 };
 

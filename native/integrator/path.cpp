@@ -227,7 +227,7 @@ PathSample path_radiance(const RenderScene& world, const IntegratorSettings& set
             path.bounces.add(BounceKind::transparent);
             if (is_black(throughput) || path.bounces.transparent > settings.limits.transparent)
                 break;
-            path.history.append_transparent(hit->surface, world.casters);
+            path.history.append_transparent(scene.instances[hit->surface.instance]);
             ray.t_near = past(hit->t);
             continue;
         }
@@ -261,7 +261,7 @@ PathSample path_radiance(const RenderScene& world, const IntegratorSettings& set
         path.bounces.add(next->kind);
         if (!survive_roulette(throughput, here)) break;
         if (transparent) {
-            path.history.append_transparent(hit->surface, world.casters);
+            path.history.append_transparent(scene.instances[hit->surface.instance]);
             ray.t_near = past(hit->t);
             continue;
         }

@@ -6,26 +6,11 @@
 #include "light/light.h"
 #include "manifold/settings.h"
 #include "scene/surface.h"
+#include "scene/transmittance.h"
 
 namespace spc {
 
 enum class Interaction : uint8_t { reflection, refraction };
-
-// The light's end of a chain: a point, or a direction if distant.
-struct ChainEnd {
-    bool distant;
-    Vec3 p;          // if not distant
-    Vec3 direction;  // if distant: unit, towards the light
-    Vec3 from(const Vec3& vertex, float& distance) const {
-        if (distant) {
-            distance = kInfinity;
-            return direction;
-        }
-        const Vec3 to = p - vertex;
-        distance = length(to);
-        return to * (1.0f / distance);
-    }
-};
 
 // Index ratio for light that passes the interface: behind the surface over in front of it, as seen
 // by the side on which `ng` points at the receiver. `ior` is that of the back of a front face.

@@ -19,9 +19,9 @@ std::optional<double> solid_angle_per_light_measure(const Vec3& x, const ChainRo
     return *g * static_cast<double>(two_sided ? std::abs(cosine) : std::max(cosine, 0.0f));
 }
 
-bool chain_is_clear(const Scene& scene, const LightSet& lights, const CasterSet& casters,
-                    const Receiver& receiver, const ChainRoot& root, const LightPoint& y,
-                    Spectrum& through, ManifoldStats& stats) {
+bool chain_is_clear(const Scene& scene, const LightSet& lights, const Receiver& receiver,
+                    const ChainRoot& root, const LightPoint& y, Spectrum& through,
+                    ManifoldStats& stats) {
     const uint32_t kind =
         root.interaction == Interaction::reflection ? kVisibleGlossy : kVisibleTransmission;
     const uint32_t visibility = light_visibility(lights, y.light);
@@ -30,7 +30,7 @@ bool chain_is_clear(const Scene& scene, const LightSet& lights, const CasterSet&
     uint32_t transparent_left = receiver.transparent_left;
     // Chains that look through a caster first are path tracing's: see ChainClass::through_caster.
     through = transmittance(scene, receiver.p, receiver.ng, vertex, kVisibleDiffuse,
-                            transparent_left, stats.rays, &casters);
+                            transparent_left, stats.rays, Opaque::casters_too);
     if (is_black(through)) return false;
     if ((visibility & kVisibleShadow) == 0) return true;
     through *= transmittance(scene, root.patch.p, root.patch.ng, end_of(y), kind, transparent_left,
@@ -39,9 +39,9 @@ bool chain_is_clear(const Scene& scene, const LightSet& lights, const CasterSet&
 }
 
 // What one solution contributes to an estimate that has drawn y and the caster; zero if blocked.
-Spectrum contribution(const Scene& scene, const LightSet& lights, const CasterSet& casters,
-                      const Receiver& receiver, const LightPoint& y, float caster_probability,
-                      const ChainRoot& root, ManifoldStats& stats) {
+Spectrum contribution(const Scene& scene, const LightSet& lights, const Receiver& receiver,
+                      const LightPoint& y, float caster_probability, const ChainRoot& root,
+                      ManifoldStats& stats) {
     const Vec3 to_root = root.patch.p - receiver.p;
     const Vec3 wi = normalize(to_root);
     const ClosureEval at_x = eval(*receiver.closures, receiver.ng, receiver.wo, wi);
@@ -61,8 +61,7 @@ Spectrum contribution(const Scene& scene, const LightSet& lights, const CasterSe
     const Spectrum radiance = radiance_at(lights, scene, y, away);
     if (is_black(radiance)) return Spectrum(0.0f);
     Spectrum through;
-    if (!chain_is_clear(scene, lights, casters, receiver, root, y, through, stats))
-        return Spectrum(0.0f);
+    if (!chain_is_clear(scene, lights, receiver, root, y, through, stats)) return Spectrum(0.0f);
 
     const double manifold_density =
         static_cast<double>(y.pdf) * static_cast<double>(caster_probability);
@@ -131,7 +130,7 @@ Spectrum manifold_radiance(const Scene& scene, const LightSet& lights, const Cas
     const ChainQuery query{receiver.p, end_of(*y), &casters.casters[choice.index]};
     Pcg pcg(sampler[Domain::manifold_seeds].stream_seed());
     const auto value_of_root = [&](const ChainRoot& root) {
-        return contribution(scene, lights, casters, receiver, *y, choice.probability, root, stats);
+        return contribution(scene, lights, receiver, *y, choice.probability, root, stats);
     };
 
     if (!settings.biased) {
@@ -159,36 +158,6 @@ Spectrum manifold_radiance(const Scene& scene, const LightSet& lights, const Cas
         sum += value_of_root(*root);
     }
     return sum;
-}
-
-Spectrum transmittance(const Scene& scene, const Vec3& a, const Vec3& ng_a, const ChainEnd& end,
-                       uint32_t kind, uint32_t& transparent_left, uint64_t& rays,
-                       const CasterSet* opaque) {
-    constexpr float kFarMargin =
-        1e-4f;  // relative: the surface at the far end does not block itself
-    float distance;
-    Vec3 direction = end.from(a, distance);
-    // Aimed anew from where the ray starts: a parallel ray would meet the far surface off its mark.
-    const Vec3 origin = offset_origin(a, ng_a, direction);
-    direction = end.from(origin, distance);
-    Ray ray{origin, direction, 0.0f, distance * (1.0f - kFarMargin)};
-    Spectrum through(1.0f);
-    for (;;) {
-        ++rays;
-        if (!scene.any_transparency)
-            return Spectrum(scene.accel->occluded(ray, kind) ? 0.0f : 1.0f);
-        const std::optional<Hit> hit = scene.accel->intersect(ray, kind);
-        if (!hit) return through;
-        if (hit->light == kNone) {
-            if (transparent_left == 0) return Spectrum(0.0f);
-            if (opaque != nullptr && opaque->of_instance[hit->surface.instance] != kNone)
-                return Spectrum(0.0f);
-            --transparent_left;
-            through *= surface_transparency(scene, hit->surface, direction * -1.0f);
-            if (is_black(through)) return through;
-        }
-        ray.t_near = past(hit->t);
-    }
 }
 
 }  // namespace spc

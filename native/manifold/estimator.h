@@ -60,11 +60,4 @@ Spectrum manifold_radiance(const Scene& scene, const LightSet& lights, const Cas
                            const ManifoldSettings& settings, const Receiver& receiver,
                            const Sampler& sampler, ManifoldStats& stats);
 
-// Fraction of light that passes from the surface point a to `end` (both excluded) through
-// transparent surfaces, as a ray of `kind` sees them. Takes those surfaces off `transparent_left`;
-// one more blocks. Where `opaque` is given, the casters of that set block, however transparent.
-Spectrum transmittance(const Scene& scene, const Vec3& a, const Vec3& ng_a, const ChainEnd& end,
-                       uint32_t kind, uint32_t& transparent_left, uint64_t& rays,
-                       const CasterSet* opaque = nullptr);
-
 }  // namespace spc

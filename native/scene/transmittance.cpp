@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scene/transmittance.h"
+
+#include "scene/surface.h"
+
+namespace spc {
+
+Spectrum transmittance(const Scene& scene, const Vec3& a, const Vec3& ng_a, const ChainEnd& end,
+                       uint32_t kind, uint32_t& transparent_left, uint64_t& rays, Opaque opaque) {
+    constexpr float kFarMargin =
+        1e-4f;  // relative: the surface at the far end does not block itself
+    float distance;
+    Vec3 direction = end.from(a, distance);
+    // Aimed anew from where the ray starts: a parallel ray would meet the far surface off its mark.
+    const Vec3 origin = offset_origin(a, ng_a, direction);
+    direction = end.from(origin, distance);
+    Ray ray{origin, direction, 0.0f, distance * (1.0f - kFarMargin)};
+    Spectrum through(1.0f);
+    for (;;) {
+        ++rays;
+        if (!scene.any_transparency)
+            return Spectrum(scene.accel->occluded(ray, kind) ? 0.0f : 1.0f);
+        const std::optional<Hit> hit = scene.accel->intersect(ray, kind);
+        if (!hit) return through;
+        if (hit->light == kNone) {
+            if (transparent_left == 0) return Spectrum(0.0f);
+            if (opaque == Opaque::casters_too && scene.instances[hit->surface.instance].caster)
+                return Spectrum(0.0f);
+            --transparent_left;
+            through *= surface_transparency(scene, hit->surface, direction * -1.0f);
+            if (is_black(through)) return through;
+        }
+        ray.t_near = past(hit->t);
+    }
+}
+
+}  // namespace spc

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What lies between a surface and the light, or the next vertex, that a path connects it to.
+#pragma once
+
+#include "scene/scene.h"
+
+namespace spc {
+
+// The far end of a connection: a point, or a direction if distant.
+struct ChainEnd {
+    bool distant;
+    Vec3 p;          // if not distant
+    Vec3 direction;  // if distant: unit, towards the light
+    Vec3 from(const Vec3& vertex, float& distance) const {
+        if (distant) {
+            distance = kInfinity;
+            return direction;
+        }
+        const Vec3 to = p - vertex;
+        distance = length(to);
+        return to * (1.0f / distance);
+    }
+};
+
+// What a connection cannot be looked through.
+enum class Opaque : uint8_t {
+    by_material,  // what its material says
+    casters_too   // and every caster, however transparent
+};
+
+// Fraction of light that passes from the surface point a to `end` (both excluded) through
+// transparent surfaces, as a ray of `kind` sees them. Takes those surfaces off `transparent_left`;
+// one more blocks. Counts the rays that it casts in `rays`.
+Spectrum transmittance(const Scene& scene, const Vec3& a, const Vec3& ng_a, const ChainEnd& end,
+                       uint32_t kind, uint32_t& transparent_left, uint64_t& rays,
+                       Opaque opaque = Opaque::by_material);
+
+}  // namespace spc

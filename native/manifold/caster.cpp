@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "manifold/caster.h"
 
-#include "core/random.h"
+#include "math/warp.h"
 
 namespace spc {
 
@@ -30,8 +30,6 @@ void tabulate_triangles(const Scene& scene, Caster& caster) {
         const Material& material = scene.materials[scene.material_index(caster.instance, t)];
         const SpecularInterface& specular = material.specular;
         if (!specular.reflects && !specular.refracts) continue;
-        caster.reflects = caster.reflects || specular.reflects;
-        caster.refracts = caster.refracts || specular.refracts;
         caster.mapped_normal = caster.mapped_normal || specular.mapped_normal;
         const std::array<Vec3, 3> p = scene.triangle_world(caster.instance, t);
         area[t] = 0.5f * length(cross(p[1] - p[0], p[2] - p[0]));
@@ -47,9 +45,7 @@ void measure_slopes(const Scene& scene, Caster& caster) {
     double sum[2] = {0, 0}, squares[2] = {0, 0};
     int used = 0;
     for (int i = 0; i < kPoints; ++i) {
-        const uint32_t triangle = caster.triangles.sample(pcg.one()).index;
-        const float root = std::sqrt(pcg.one()), v = pcg.one();
-        const SurfaceHit hit{caster.instance, triangle, root * (1.0f - v), root * v};
+        const SurfaceHit hit = sample_on(caster, pcg);
         const Vec3 local = Frame::around(evaluate_caster(scene, hit, true).n)
                                .to_local(evaluate_caster(scene, hit, false).n);
         if (!(local.z > 0.05f)) continue;
@@ -131,6 +127,12 @@ CasterSet build_casters(const Scene& scene) {
         set.casters.push_back(std::move(caster));
     }
     return set;
+}
+
+SurfaceHit sample_on(const Caster& caster, Pcg& pcg) {
+    const uint32_t triangle = caster.triangles.sample(pcg.one()).index;
+    const Vec2 b = uniform_triangle(pcg.two());
+    return {caster.instance, triangle, b.x, b.y};
 }
 
 CasterChoice choose_caster(const CasterSet& set, const Vec3& x, const Vec3& ng, const ChainEnd& end,

@@ -2,6 +2,7 @@
 // The casters of a scene as the manifold sees them, and the choice of one for an estimate.
 #pragma once
 
+#include "core/random.h"
 #include "manifold/chain.h"
 
 #include <span>
@@ -13,7 +14,6 @@ struct Caster {
     Vec3 center;  // of bounding box and sphere, world, m
     Vec3 half_extent;
     float radius;
-    bool reflects, refracts;  // some material of it does
     bool mapped_normal;
     DiscreteDistribution triangles;  // by area, those of specular materials alone: where seeds start
     // Slopes of the mapped normal over the smooth one, in Frame::around(smooth normal): mean and
@@ -27,6 +27,9 @@ struct CasterSet {
     bool empty() const { return casters.empty(); }
 };
 CasterSet build_casters(const Scene& scene);
+
+// A point uniform over the caster's specular area.
+SurfaceHit sample_on(const Caster& caster, Pcg& pcg);
 
 // Chance that an estimate at x (on the side of `ng`) towards `end` walks on each caster: in
 // proportion to a bound of the light that the caster can throw at x, with a floor so that no caster

@@ -106,6 +106,13 @@ float eta_seen_from(const Vec3& front_ng, const Vec3& towards, float ior) {
     return dot(front_ng, towards) >= 0.0f ? ior : 1.0f / ior;
 }
 
+Constraint constraint_for(Constraint preferred, Interaction interaction, float eta) {
+    constexpr float kNoHalfVector = 1e-3f;  // |eta - 1| below which few of its digits are left
+    const bool no_half_vector =
+        interaction == Interaction::refraction && std::abs(eta - 1.0f) < kNoHalfVector;
+    return no_half_vector ? Constraint::angle_difference : preferred;
+}
+
 std::optional<ConstraintValue> evaluate_constraint(Constraint constraint, Interaction interaction,
                                                    float eta, const Vec3& x,
                                                    const CasterPatch& vertex, const ChainEnd& end) {

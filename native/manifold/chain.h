@@ -16,6 +16,10 @@ enum class Interaction : uint8_t { reflection, refraction };
 // by the side on which `ng` points at the receiver. `ior` is that of the back of a front face.
 float eta_seen_from(const Vec3& front_ng, const Vec3& towards, float ior);
 
+// The constraint to use where `preferred` is asked for. A refraction at an index ratio of 1 has no
+// half-vector: wi + eta wo vanishes at every solution.
+Constraint constraint_for(Constraint preferred, Interaction interaction, float eta);
+
 // Value and derivative by (u, v) of the constraint at a vertex. `C` is an angle in radians
 // (half-vector: the sine of the angle between generalised half-vector and normal; angle-difference:
 // between scattered and wanted direction), zero exactly where the chain is admissible. The unit
@@ -27,15 +31,14 @@ struct ConstraintValue {
     float noise;  // what rounding of positions in single precision leaves of C at an exact solution
     float size() const { return std::sqrt(c.x * c.x + c.y * c.y); }
 };
-// [Zeltner20 Eq. 2 and Sec. 4.2]. Empty at total internal reflection (angle-difference) or a
+// [Zeltner20]. Empty at total internal reflection (angle-difference) or a
 // degenerate half-vector.
 std::optional<ConstraintValue> evaluate_constraint(Constraint constraint, Interaction interaction,
                                                    float eta, const Vec3& x,
                                                    const CasterPatch& vertex, const ChainEnd& end);
 
 // |d solid angle at x / d area at y|, 1/m^2, without the cosine at y; distant ends: d solid angle
-// at x / d solid angle at the light. By ray differentials from x through the vertex [Jakob12 Eq. 27
-// in another form]. Empty for a refraction that cannot be (total internal reflection) or a vertex
+// at x / d solid angle at the light. By ray differentials from x through the vertex [Jakob12, in another form]. Empty for a refraction that cannot be (total internal reflection) or a vertex
 // seen edge-on.
 std::optional<double> geometry_term(Interaction interaction, float eta, const Vec3& x,
                                     const CasterPatch& patch, const ChainEnd& end);

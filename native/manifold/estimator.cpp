@@ -19,74 +19,125 @@ std::optional<double> solid_angle_per_light_measure(const Vec3& x, const ChainRo
     return *g * static_cast<double>(two_sided ? std::abs(cosine) : std::max(cosine, 0.0f));
 }
 
-bool chain_is_clear(const Scene& scene, const LightSet& lights, const Receiver& receiver,
-                    const ChainRoot& root, const LightPoint& y, Spectrum& through,
-                    ManifoldStats& stats) {
-    const uint32_t kind =
-        root.interaction == Interaction::reflection ? kVisibleGlossy : kVisibleTransmission;
-    const uint32_t visibility = light_visibility(lights, y.light);
-    if ((visibility & kind) == 0) return false;
-    const ChainEnd vertex{false, root.patch.p, Vec3(0.0f)};
-    uint32_t transparent_left = receiver.transparent_left;
-    // Chains that look through a caster first are path tracing's: see ChainClass::through_caster.
-    through = transmittance(scene, receiver.p, receiver.ng, vertex, kVisibleDiffuse,
-                            transparent_left, stats.rays, Opaque::casters_too);
-    if (is_black(through)) return false;
-    if ((visibility & kVisibleShadow) == 0) return true;
-    through *= transmittance(scene, root.patch.p, root.patch.ng, end_of(y), kind, transparent_left,
-                             stats.rays);
-    return !is_black(through);
-}
+// One estimate: a receiver, a light point and a caster, and walks between them.
+class Estimate {
+public:
+    Estimate(const Scene& scene, const LightSet& lights, const ManifoldSettings& settings,
+             const Receiver& receiver, const LightPoint& y, ManifoldStats& stats)
+        : scene_(scene),
+          lights_(lights),
+          settings_(settings),
+          receiver_(receiver),
+          y_(y),
+          stats_(stats) {}
 
-// What one solution contributes to an estimate that has drawn y and the caster; zero if blocked.
-Spectrum contribution(const Scene& scene, const LightSet& lights, const Receiver& receiver,
-                      const LightPoint& y, float caster_probability, const ChainRoot& root,
-                      ManifoldStats& stats) {
-    const Vec3 to_root = root.patch.p - receiver.p;
-    const Vec3 wi = normalize(to_root);
-    const ClosureEval at_x = eval(*receiver.closures, receiver.ng, receiver.wo, wi);
-    if (is_black(at_x.f_cos)) return Spectrum(0.0f);
-
-    float distance_y;
-    const Vec3 to_light = end_of(y).from(root.patch.p, distance_y);
-    const Vec3 away = to_light * -1.0f;
-    const std::optional<double> jacobian = solid_angle_per_light_measure(receiver.p, root, y, away);
-    if (!jacobian || !(*jacobian > 0.0)) return Spectrum(0.0f);
-
-    Surface surface;
-    evaluate_surface(scene, root.hit, wi * -1.0f, surface);
-    const DeltaLobe lobe = delta_lobe(surface.closures, surface.ng, surface.wo, to_light,
-                                      root.interaction == Interaction::refraction);
-    if (is_black(lobe.throughput)) return Spectrum(0.0f);
-    const Spectrum radiance = radiance_at(lights, scene, y, away);
-    if (is_black(radiance)) return Spectrum(0.0f);
-    Spectrum through;
-    if (!chain_is_clear(scene, lights, receiver, root, y, through, stats)) return Spectrum(0.0f);
-
-    const double manifold_density =
-        static_cast<double>(y.pdf) * static_cast<double>(caster_probability);
-    const double path_density = y.delta ? 0.0
-                                        : static_cast<double>(at_x.pdf_omega) *
-                                              static_cast<double>(lobe.probability) * *jacobian;
-    // J / p_m times the share p_m / (p_m + p_pt), in a form that stays finite on a fold.
-    const auto weight = static_cast<float>(*jacobian / (manifold_density + path_density));
-    return at_x.f_cos * lobe.throughput * radiance * through * weight;
-}
-
-// E[number of walks until the root comes again] = 1 / p_k: a geometric distribution, counted
-// [Zeltner20 Eq. 7].
-uint32_t count_trials(const Scene& scene, const ManifoldSettings& settings, const ChainQuery& query,
-                      const ChainRoot& root, Pcg& pcg, ManifoldStats& stats) {
-    uint32_t trials = 1;
-    for (; trials < settings.trial_cap; ++trials) {
-        const std::optional<ChainRoot> again = random_walk(scene, settings, query, pcg, stats);
-        if (again && same_root(settings, root, *again)) break;
+    // One walk, weighted by how many more it takes to find the same solution again.
+    Spectrum unbiased(const Caster& caster, float caster_probability, Pcg& pcg) {
+        const ChainQuery query{receiver_.p, end_of(y_), &caster};
+        const std::optional<ChainRoot> root = random_walk(scene_, settings_, query, pcg, stats_);
+        if (!root) return Spectrum(0.0f);
+        const Spectrum value = contribution(*root, caster_probability);
+        if (is_black(value)) return value;
+        const uint32_t trials = count_trials(query, *root, pcg);
+        const Spectrum estimate = value * static_cast<float>(trials);
+        if (trials >= settings_.trial_cap) {
+            ++stats_.capped;
+            stats_.capped_energy += static_cast<double>(luminance(estimate));
+        }
+        return estimate;
     }
-    ++stats.trial_estimates;
-    stats.trials += trials;
-    stats.max_trials = std::max<uint64_t>(stats.max_trials, trials);
-    return trials;
-}
+
+    // The sum over the different solutions of a fixed number of walks.
+    Spectrum biased(const Caster& caster, float caster_probability, Pcg& pcg) {
+        const ChainQuery query{receiver_.p, end_of(y_), &caster};
+        std::vector<ChainRoot> found;
+        Spectrum sum(0.0f);
+        for (uint32_t walk = 0; walk < settings_.set_size; ++walk) {
+            const std::optional<ChainRoot> root = random_walk(scene_, settings_, query, pcg, stats_);
+            if (!root) continue;
+            const auto known = [&](const ChainRoot& other) {
+                return same_root(settings_, *root, other);
+            };
+            if (std::any_of(found.begin(), found.end(), known)) continue;
+            found.push_back(*root);
+            sum += contribution(*root, caster_probability);
+        }
+        return sum;
+    }
+
+private:
+    // What one solution contributes; zero if something stands in its way.
+    Spectrum contribution(const ChainRoot& root, float caster_probability) {
+        const Vec3 wi = normalize(root.patch.p - receiver_.p);
+        const ClosureEval at_x = eval(*receiver_.closures, receiver_.ng, receiver_.wo, wi);
+        if (is_black(at_x.f_cos)) return Spectrum(0.0f);
+
+        float distance_y;
+        const Vec3 to_light = end_of(y_).from(root.patch.p, distance_y);
+        const Vec3 away = to_light * -1.0f;
+        const std::optional<double> jacobian =
+            solid_angle_per_light_measure(receiver_.p, root, y_, away);
+        if (!jacobian || !(*jacobian > 0.0)) return Spectrum(0.0f);
+
+        Surface surface;
+        evaluate_surface(scene_, root.hit, wi * -1.0f, surface);
+        const DeltaLobe lobe = delta_lobe(surface.closures, surface.ng, surface.wo, to_light,
+                                          root.interaction == Interaction::refraction);
+        if (is_black(lobe.throughput)) return Spectrum(0.0f);
+        const Spectrum radiance = radiance_at(lights_, scene_, y_, away);
+        if (is_black(radiance)) return Spectrum(0.0f);
+        const Spectrum through = passes(root);
+        if (is_black(through)) return Spectrum(0.0f);
+
+        const double manifold_density =
+            static_cast<double>(y_.pdf) * static_cast<double>(caster_probability);
+        const double path_density = y_.delta ? 0.0
+                                             : static_cast<double>(at_x.pdf_omega) *
+                                                   static_cast<double>(lobe.probability) * *jacobian;
+        // J / p_m times the share p_m / (p_m + p_pt), in a form that stays finite on a fold.
+        const auto weight = static_cast<float>(*jacobian / (manifold_density + path_density));
+        return at_x.f_cos * lobe.throughput * radiance * through * weight;
+    }
+
+    // Fraction of light that passes along both segments of a chain.
+    Spectrum passes(const ChainRoot& root) {
+        const uint32_t kind =
+            root.interaction == Interaction::reflection ? kVisibleGlossy : kVisibleTransmission;
+        const uint32_t visibility = light_visibility(lights_, y_.light);
+        if ((visibility & kind) == 0) return Spectrum(0.0f);
+        const ChainEnd vertex{false, root.patch.p, Vec3(0.0f)};
+        uint32_t transparent_left = receiver_.transparent_left;
+        // Chains that look through a caster first are path tracing's: see
+        // ChainClass::through_caster.
+        const Spectrum to_vertex =
+            transmittance(scene_, receiver_.p, receiver_.ng, vertex, kVisibleDiffuse,
+                          transparent_left, stats_.rays, Opaque::casters_too);
+        if (is_black(to_vertex) || (visibility & kVisibleShadow) == 0) return to_vertex;
+        return to_vertex * transmittance(scene_, root.patch.p, root.patch.ng, end_of(y_), kind,
+                                         transparent_left, stats_.rays);
+    }
+
+    // E[number of walks until the root comes again] = 1 / p_k: a geometric distribution, counted.
+    uint32_t count_trials(const ChainQuery& query, const ChainRoot& root, Pcg& pcg) {
+        uint32_t trials = 1;
+        for (; trials < settings_.trial_cap; ++trials) {
+            const std::optional<ChainRoot> again =
+                random_walk(scene_, settings_, query, pcg, stats_);
+            if (again && same_root(settings_, root, *again)) break;
+        }
+        ++stats_.trial_estimates;
+        stats_.trials += trials;
+        stats_.max_trials = std::max<uint64_t>(stats_.max_trials, trials);
+        return trials;
+    }
+
+    const Scene& scene_;
+    const LightSet& lights_;
+    const ManifoldSettings& settings_;
+    const Receiver& receiver_;
+    const LightPoint& y_;
+    ManifoldStats& stats_;
+};
 
 }  // namespace
 
@@ -127,37 +178,11 @@ Spectrum manifold_radiance(const Scene& scene, const LightSet& lights, const Cas
     if (choice.index == kNone) return Spectrum(0.0f);
 
     ++stats.estimates;
-    const ChainQuery query{receiver.p, end_of(*y), &casters.casters[choice.index]};
     Pcg pcg(sampler[Domain::manifold_seeds].stream_seed());
-    const auto value_of_root = [&](const ChainRoot& root) {
-        return contribution(scene, lights, receiver, *y, choice.probability, root, stats);
-    };
-
-    if (!settings.biased) {
-        const std::optional<ChainRoot> root = random_walk(scene, settings, query, pcg, stats);
-        if (!root) return Spectrum(0.0f);
-        const Spectrum value = value_of_root(*root);
-        if (is_black(value)) return value;
-        const uint32_t trials = count_trials(scene, settings, query, *root, pcg, stats);
-        const Spectrum estimate = value * static_cast<float>(trials);
-        if (trials >= settings.trial_cap) {
-            ++stats.capped;
-            stats.capped_energy += static_cast<double>(luminance(estimate));
-        }
-        return estimate;
-    }
-
-    std::vector<ChainRoot> found;
-    Spectrum sum(0.0f);
-    for (uint32_t walk = 0; walk < settings.set_size; ++walk) {
-        const std::optional<ChainRoot> root = random_walk(scene, settings, query, pcg, stats);
-        if (!root) continue;
-        const auto known = [&](const ChainRoot& other) { return same_root(settings, *root, other); };
-        if (std::any_of(found.begin(), found.end(), known)) continue;
-        found.push_back(*root);
-        sum += value_of_root(*root);
-    }
-    return sum;
+    Estimate estimate(scene, lights, settings, receiver, *y, stats);
+    const Caster& caster = casters.casters[choice.index];
+    return settings.biased ? estimate.biased(caster, choice.probability, pcg)
+                           : estimate.unbiased(caster, choice.probability, pcg);
 }
 
 }  // namespace spc

@@ -21,14 +21,16 @@ struct ManifoldSettings {
     // A walk has converged when the constraint, an angle, is below this (radians). Single precision
     // of directions leaves 3e-7; solutions at folds move by the root of it.
     float tolerance = 1e-5f;
-    float seeds_by_area =
-        0.5f;  // share of the seeds that are uniform over the caster; the rest is what x sees of it
     int max_iterations = 20;  // walks that need more nearly always diverge
     int max_halvings = 6;     // of one step, before the walk gives up
-    // Two solutions closer than this many position tolerances (|dp/dC| tolerance) are one.
-    float identity_factor = 8.0f;
-    uint32_t trial_cap =
-        4096;  // Bernoulli trials; beyond, the estimate keeps what it counted and reports the rest
+    // Share of the seeds that are uniform over the caster; the rest is what x sees of it.
+    float seeds_by_area = 0.5f;
+    // Points from which the best becomes a seed. More find small basins, and cost time elsewhere.
+    uint32_t seed_candidates = 4;
+    // Two solutions closer than this many of their resolutions are one.
+    float identity_factor = 4.0f;
+    // Bernoulli trials; beyond, the estimate keeps what it counted and reports it.
+    uint32_t trial_cap = 1u << 16;
 };
 
 struct ManifoldStats {

@@ -3,16 +3,9 @@
 // light passes from the light point to the receiver.
 #pragma once
 
-#include "core/random.h"
-#include "manifold/caster.h"
+#include "manifold/seed.h"
 
 namespace spc {
-
-struct ChainQuery {
-    Vec3 x;
-    ChainEnd end;
-    const Caster* caster;
-};
 
 // A solution: the point on the caster and how light turns there.
 struct ChainRoot {
@@ -20,18 +13,15 @@ struct ChainRoot {
     CasterPatch patch;
     Interaction interaction;
     float eta;         // behind over in front, as seen from x
-    float resolution;  // m: how far the tolerance of the constraint lets the point move
+    float resolution;  // m: how far the point may lie from the solution
 };
 
-// One walk: empty when it diverged, left the caster, met total internal reflection or ended on the
-// wrong side of the surface. The seed's own geometry says whether light is to be reflected or
-// refracted there. With two stages and a mapped normal, `pcg` gives the first stage's normal. A
-// walk does not ask whether something stands in the way.
+// One walk: empty when it diverged, left the caster, met total internal reflection, ended on the
+// wrong side of the surface or on a fold, where solutions cannot be told apart. A walk does not ask
+// whether something stands in the way.
 std::optional<ChainRoot> walk_from(const Scene& scene, const ManifoldSettings& settings,
-                                   const ChainQuery& query, const SurfaceHit& seed, Pcg& pcg,
-                                   ManifoldStats& stats);
-// From a random seed: half of them uniform over the caster's specular area, half over what x sees
-// of it.
+                                   const ChainQuery& query, const Seed& seed, ManifoldStats& stats);
+// From a random seed.
 std::optional<ChainRoot> random_walk(const Scene& scene, const ManifoldSettings& settings,
                                      const ChainQuery& query, Pcg& pcg, ManifoldStats& stats);
 

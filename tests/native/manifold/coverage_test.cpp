@@ -53,8 +53,10 @@ Coverage measure(const RenderScene& world, const ManifoldSettings& settings, Rec
         const ChainEnd end{distant, patch.p + out * (caster.radius * lerp(0.3f, 3.0f, pcg.one())),
                            out};
         ++coverage.chains;
+        const ChainQuery query{x, end, &caster};
+        const std::optional<Seed> seed = seed_at(*world.scene, settings, query, hit->surface);
         const std::optional<ChainRoot> found =
-            walk_from(*world.scene, settings, {x, end, &caster}, hit->surface, pcg, stats);
+            seed ? walk_from(*world.scene, settings, query, *seed, stats) : std::nullopt;
         if (!found)
             ++coverage.missed;
         else if (length(found->patch.p - patch.p) > 1e-3f * caster.radius)

@@ -127,10 +127,13 @@ std::optional<ConstraintValue> evaluate_constraint(Constraint constraint, Intera
         constraint == Constraint::half_vector
             ? half_vector(interaction, eta, wi_dual, wo_dual, vertex)
             : angle_difference(interaction, eta, wi_dual, wo_dual, vertex);
-    // The two see directions of this error; so far `noise` holds how much each magnifies it.
-    if (value)
+    if (value) {
+        // The two see directions of this error; so far `noise` holds how much each magnifies it.
         value->noise *= kUnitRoundoff *
                         (2.0f + largest_coordinate(x, vertex.p) / std::min(distance_x, distance_y));
+        // Barycentrics have a spacing of their own, which a detailed normal map magnifies.
+        value->noise += 0x1p-24f * (value->dc_du.length() + value->dc_dv.length());
+    }
     return value;
 }
 

@@ -28,7 +28,7 @@ Constraint constraint_for(Constraint preferred, Interaction interaction, float e
 struct ConstraintValue {
     Vec2 c;
     Vec2 dc_du, dc_dv;
-    float noise;  // what rounding of positions in single precision leaves of C at an exact solution
+    float noise;  // what rounding to single precision leaves of C at an exact solution
     float size() const { return std::sqrt(c.x * c.x + c.y * c.y); }
 };
 // [Zeltner20]. Empty at total internal reflection (angle-difference) or a

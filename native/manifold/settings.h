@@ -18,9 +18,6 @@ struct ManifoldSettings {
     // all.
     bool reflections = true, refractions = true;
 
-    // A walk has converged when the constraint, an angle, is below this (radians). Single precision
-    // of directions leaves 3e-7; solutions at folds move by the root of it.
-    float tolerance = 1e-5f;
     int max_iterations = 20;  // walks that need more nearly always diverge
     int max_halvings = 6;     // of one step, before the walk gives up
     // Share of the seeds that are uniform over the caster; the rest is what x sees of it.

@@ -31,28 +31,21 @@ public:
           eta_(seed.eta),
           stats_(stats) {}
 
-    // Runs from a hit to convergence.
+    // Runs from a hit to convergence: until rounding alone could be what is left of the constraint.
+    // A looser end would let points pass that lie just beyond a fold, where there is no solution
+    // but a very bright geometry term.
     std::optional<Iterate> run(const SurfaceHit& start, const NormalTarget& target) {
         std::optional<Iterate> current = evaluate(start, target);
-        bool polished = false;
         for (int i = 0; current && i < settings_.max_iterations; ++i) {
-            const bool converged = has_converged(*current);
-            if (converged && polished) return current;
+            if (has_converged(*current)) return current;
             ++stats_.iterations;
-            std::optional<Iterate> next = step(*current, target);
-            if (!next)
-                return converged ? current
-                                 : std::nullopt;  // at the limit of precision nothing improves
-            polished = converged;
-            current = next;
+            current = step(*current, target);
         }
         return current && has_converged(*current) ? current : std::nullopt;
     }
 
 private:
-    bool has_converged(const Iterate& at) const {
-        return at.value.size() < std::max(settings_.tolerance, at.value.noise);
-    }
+    static bool has_converged(const Iterate& at) { return at.value.size() < at.value.noise; }
 
     std::optional<Iterate> evaluate(const SurfaceHit& hit, const NormalTarget& target) const {
         const CasterPatch patch = aimed_patch(scene_, hit, target);
@@ -107,8 +100,8 @@ private:
     ManifoldStats& stats_;
 };
 
-// How far an iterate may lie from the solution that it stands for, m: its residual, or what
-// rounding leaves of it, through dp = p_uv (dC)^-1; and the spacing of positions. Empty on a fold.
+// How far a converged iterate may lie from the solution that it stands for, m: the noise of the
+// constraint, through dp = p_uv (dC)^-1, and the spacing of positions. Empty on a fold.
 std::optional<float> resolution_of(const Iterate& at) {
     const ConstraintValue& value = at.value;
     const std::optional<Vec2> a =
@@ -119,7 +112,7 @@ std::optional<float> resolution_of(const Iterate& at) {
     const Vec3 &p = at.patch.p, &pu = at.patch.dp_du, &pv = at.patch.dp_dv;
     const float reach = std::max(length(pu * a->x + pv * a->y), length(pu * b->x + pv * b->y));
     const float spacing = 0x1p-23f * std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
-    return reach * std::max(value.size(), value.noise) + spacing;
+    return reach * value.noise + spacing;
 }
 
 }  // namespace

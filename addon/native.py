@@ -26,6 +26,12 @@ LEVELS = {
 }
 
 
+# Official Blenders hold an Embree 4 whose functions bear the names of our Embree 3's and, as the
+# program's own libraries are, come first: DEEPBIND makes the core find those that it was linked
+# with. Without it nothing fails, but rays hit nothing.
+LOAD_MODE = os.RTLD_LOCAL | os.RTLD_NOW | os.RTLD_DEEPBIND
+
+
 class NativeError(Exception):
     """A call into the core failed, or the core cannot be loaded."""
 
@@ -67,7 +73,7 @@ def library_path(flags: set[str], directories: list[Path]) -> Path:
 def load(path: Path) -> ctypes.CDLL:
     """The library at `path` with typed functions, if it speaks this addon's API version."""
     try:
-        library = ctypes.CDLL(str(path), mode=os.RTLD_LOCAL | os.RTLD_NOW)
+        library = ctypes.CDLL(str(path), mode=LOAD_MODE)
         for name, (result, arguments) in abi.PROTOTYPES.items():
             function = getattr(library, name)
             function.restype, function.argtypes = result, arguments

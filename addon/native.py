@@ -9,6 +9,7 @@ from __future__ import annotations
 import ctypes
 import functools
 import os
+import struct
 from ctypes import byref, c_float, c_uint32, c_void_p
 from dataclasses import fields
 from pathlib import Path
@@ -30,6 +31,10 @@ LEVELS = {
 # program's own libraries are, come first: DEEPBIND makes the core find those that it was linked
 # with. Without it nothing fails, but rays hit nothing.
 LOAD_MODE = os.RTLD_LOCAL | os.RTLD_NOW | os.RTLD_DEEPBIND
+
+
+# A bitmap of one black pixel: headers of 14 and 40 bytes, a row of 4.
+PROBE_IMAGE = b"BM" + struct.pack("<IIIIiiHHIIiiIII", 58, 0, 54, 40, 1, 1, 1, 24, *[0] * 6, 0)
 
 
 class NativeError(Exception):
@@ -111,6 +116,18 @@ def node_kinds() -> dict[str, str]:
     """Node kinds that the core knows: kind -> its sockets and options, as the core lists them."""
     lines = library().spc_node_kinds().decode().splitlines()
     return {kind.strip(): sockets.strip() for kind, _, sockets in (s.partition(":") for s in lines)}
+
+
+def reads_image_files() -> bool:
+    """Whether the core decodes image files. A packaged one does not: Blender does it instead."""
+    image = abi.ImageDesc(name=b"probe", encoded_size=len(PROBE_IMAGE))
+    image.encoded = ctypes.cast(PROBE_IMAGE, c_void_p)
+    with Scene() as scene:
+        try:
+            scene.add("image", image)
+        except NativeError:
+            return False
+    return True
 
 
 def struct_values(struct: abi.SizedStructure) -> dict[str, int | float]:

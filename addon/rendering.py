@@ -30,7 +30,7 @@ def render_view_layer(engine, depsgraph) -> statistics.Statistics | None:
     engine.update_stats("", "Specula: exporting")
     start = time.perf_counter()
     log = ExportLog()
-    scene_desc = export_scene(depsgraph, log)
+    scene_desc = export_scene(depsgraph, log, images_as_pixels=not native.reads_image_files())
     camera = scene_desc.camera
     with upload(scene_desc) as native_scene:
         stats.export_seconds = time.perf_counter() - start

@@ -11,6 +11,8 @@ VIEWPORT_NOTE = "Specula renders with F12; the rendered viewport is not there ye
 
 
 class SpeculaRenderEngine(bpy.types.RenderEngine):
+    """What Blender calls; the work is done in `rendering` and `viewport`."""
+
     bl_idname = "SPECULA"
     bl_label = "Specula"
     bl_use_preview = True
@@ -61,7 +63,7 @@ class SpeculaRenderEngine(bpy.types.RenderEngine):
     # ------------------------------------------------------------------------------ viewport
 
     def view_update(self, context, depsgraph):
-        pass
+        """Blender insists on it; the note does not change."""
 
     def view_draw(self, context, depsgraph):
         """A line of text on grey: the viewport is never black and says why it is empty."""
@@ -71,9 +73,17 @@ class SpeculaRenderEngine(bpy.types.RenderEngine):
             draw_note(context.region, VIEWPORT_NOTE)
 
 
+@bpy.app.handlers.persistent
+def forget_statistics(*_) -> None:
+    """After a load: scenes of another file may have the same names."""
+    statistics.last.clear()
+
+
 def register() -> None:
     bpy.utils.register_class(SpeculaRenderEngine)
+    bpy.app.handlers.load_post.append(forget_statistics)
 
 
 def unregister() -> None:
+    bpy.app.handlers.load_post.remove(forget_statistics)
     bpy.utils.unregister_class(SpeculaRenderEngine)

@@ -109,6 +109,7 @@ def _check(status: int) -> None:
 
 
 def version() -> str:
+    """Versions of the core and of Embree, and the instruction level."""
     return library().spc_version_string().decode()
 
 
@@ -155,14 +156,17 @@ class Scene:
         _check(getattr(library(), f"spc_scene_set_{kind}")(self.handle, byref(struct)))
 
     def material_needs(self, material: int) -> dict[str, int]:
+        """Whether the material at that index reads UVs and tangents, 0 or 1 each."""
         needs = abi.MaterialNeeds()
         _check(library().spc_scene_material_needs(self.handle, material, byref(needs)))
         return struct_values(needs)
 
     def commit(self, threads: int = 0) -> None:
+        """Ends the changes and builds what rendering needs, with `threads` threads (0: all)."""
         _check(library().spc_scene_commit(self.handle, threads))
 
     def stats(self) -> dict[str, int | float]:
+        """spc_scene_stats of a committed scene."""
         stats = abi.SceneStats()
         _check(library().spc_scene_get_stats(self.handle, byref(stats)))
         return struct_values(stats)
@@ -210,6 +214,7 @@ class Session:
         return progress
 
     def cancel(self) -> None:
+        """Asks the workers to stop; `wait` tells when they have."""
         _check(library().spc_render_cancel(self.handle))
 
     def read(self, render_pass: int, width: int, height: int):
@@ -223,6 +228,7 @@ class Session:
         return pixels
 
     def stats(self) -> dict[str, int | float]:
+        """spc_render_stats of what is done so far."""
         stats = abi.RenderStats()
         _check(library().spc_render_get_stats(self.handle, byref(stats)))
         return struct_values(stats)

@@ -23,6 +23,7 @@ _WORLD_FLAGS = {
 
 
 def object_visibility(obj) -> Visibility:
+    """Of an object by itself."""
     visible = Visibility.NONE
     for name, flag in _OBJECT_FLAGS.items():
         if getattr(obj, name):
@@ -39,6 +40,7 @@ def instance_visibility(instance) -> Visibility:
 
 
 def world_visibility(world) -> Visibility:
+    """Cycles' flags of a world, which has none for shadows."""
     flags = getattr(world, "cycles_visibility", None)
     visible = Visibility.ALL
     for name, flag in _WORLD_FLAGS.items():

@@ -195,6 +195,13 @@ def test_statistics_are_printed_as_one_block(glowing_quad, tmp_path, capfd):
         assert output.count(label) == 1
 
 
+def test_statistics_do_not_outlive_their_file(glowing_quad):
+    bpy.ops.render.render()
+    assert statistics.last
+    bpy.ops.wm.read_homefile(use_empty=True)
+    assert not statistics.last
+
+
 def test_progress_tells_samples_time_and_what_is_left(glowing_quad, monkeypatch):
     texts = []
     monkeypatch.setattr(rendering, "SHOW_SECONDS", 0.05)

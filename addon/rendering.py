@@ -48,6 +48,7 @@ def render_view_layer(engine, depsgraph) -> statistics.Statistics | None:
             completed = _poll(engine, session, settings, film)
             film.write(session)
             stats.samples_done = completed.samples_done
+            stats.pixels = film.pixel_count
             stats.render_seconds = completed.seconds
             stats.render_stats = session.stats()
     return None if completed.state == native.RENDER_CANCELLED else stats

@@ -17,7 +17,8 @@ class Statistics:
     version: str = ""
     method: str = ""  # identifier of the method that rendered, never AUTO
     method_label: str = ""  # what the user chose, as the interface calls it
-    samples_done: int = 0
+    samples_done: int = 0  # of the pixel that has the fewest
+    pixels: int = 1
     export_seconds: float = 0.0
     render_seconds: float = 0.0
     scene_stats: dict = field(default_factory=dict)  # spc_scene_stats
@@ -31,7 +32,7 @@ class Statistics:
         rows = [
             ("Version", self.version),
             ("Method", self.method_label),
-            ("Samples per pixel", str(self.samples_done)),
+            ("Samples per pixel", self._samples()),
             ("Time", self._times()),
             (
                 "Scene",
@@ -72,6 +73,13 @@ class Statistics:
             f"{share:.3%} of the caustics' light, "
             f"{_count(render['capped_estimates'], 'estimate')} stopped at the limit of trials"
         )
+
+    def _samples(self) -> str:
+        """Of all pixels; a time limit may leave some with fewer than others."""
+        mean = self.render_stats["samples"] / self.pixels
+        if mean == self.samples_done:
+            return str(self.samples_done)
+        return f"{mean:.1f} on average, {self.samples_done} at least"
 
     def _times(self) -> str:
         commit = self.scene_stats["commit_seconds"]

@@ -22,13 +22,13 @@ HEADERS_FROM = ("libimath-dev",)
 COPYRIGHT = "/usr/share/doc/{package}/copyright"
 LICENCES = Path("/usr/share/common-licenses")
 
-NOTICE = """Specula is free software under the terms in LICENSE. This package also contains, unchanged from
-Debian 12 (x86-64), in the folder lib, or compiled into the core:
+NOTICE = """Specula is free software under the terms in LICENSE. This package also contains,
+unchanged from Debian 12 (x86-64), in the folder lib, or compiled into the core:
 
 {contents}
 
-Their sources and build instructions are Debian's source packages of these versions. What Debian says
-of their authors and licences follows.
+Their sources and build instructions are Debian's source packages of these versions. What Debian
+says of their authors and licences follows.
 """
 
 

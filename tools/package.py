@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`./dev package`: the addon as artists install it, with all libraries it needs, as one zip file."""
+"""`./dev package`: the addon as artists install it, with all libraries, as one zip file."""
 
 from __future__ import annotations
 

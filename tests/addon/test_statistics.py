@@ -4,7 +4,9 @@ from specula.statistics import Statistics
 
 
 def statistics(**render):
-    stats = Statistics("Scene", "Layer", "1.2.3", "SMS_UNBIASED", "Automatic (SMS Unbiased)", 16)
+    stats = Statistics(
+        "Scene", "Layer", "1.2.3", "SMS_UNBIASED", "Automatic (SMS Unbiased)", 16, 10
+    )
     stats.scene_stats = native.struct_values(abi.SceneStats(casters=1, receivers=2))
     stats.render_stats = native.struct_values(abi.RenderStats(**render))
     stats.render_seconds = 2.0
@@ -44,6 +46,12 @@ def test_wording():
     assert rows["Method"] == "Automatic (SMS Unbiased)"
     assert rows["Caustics"] == "1 caster, 2 receivers"
     assert rows["Dropped"] == "1 sample not finite, 0 triangles of zero area"
+
+
+def test_uneven_samples_are_told():
+    assert dict(statistics(samples=160).rows())["Samples per pixel"] == "16"
+    uneven = dict(statistics(samples=275).rows())["Samples per pixel"]
+    assert uneven == "27.5 on average, 16 at least"
 
 
 def test_lines_on_walks_are_there_if_there_were_walks():

@@ -99,12 +99,12 @@ def draw_overrides(column, scene, names: tuple[str, ...]) -> None:
             draw_note(column, inherited_text(scene, name))
 
 
-def draw_forecast(column, forecast_of, owner) -> None:
-    """The lines on a material's or object's part in caustics; `forecast_of`: see `forecast`."""
+def draw_forecast(column, ask) -> None:
+    """The part in caustics; `ask` gets the module `forecast` and returns what it says."""
     try:
-        from . import forecast
+        from . import forecast  # not above: NumPy may be missing
 
-        found = getattr(forecast, forecast_of)(owner)
+        found = ask(forecast)
     except Exception as error:
         column.label(text=diagnosis.describe(error), icon="ERROR")
         return
@@ -229,7 +229,7 @@ class SPECULA_PT_object_caustics(SpeculaPanel, bpy.types.Panel):
     def draw(self, context):
         obj, column = context.object, self.column()
         column.prop(obj.specula, "caustics")
-        draw_forecast(column, "of_object", obj)
+        draw_forecast(column, lambda forecast: forecast.of_object(obj))
         cycles = getattr(obj, "cycles", None)
         if cycles:
             flags = column.column(heading="Cycles")
@@ -247,7 +247,7 @@ class SPECULA_PT_material_caustics(SpeculaPanel, bpy.types.Panel):
         return bool(context.material) and super().poll(context)
 
     def draw(self, context):
-        draw_forecast(self.column(), "of_material", context.material)
+        draw_forecast(self.column(), lambda forecast: forecast.of_material(context.material))
 
 
 class SPECULA_PT_visibility(SpeculaPanel, bpy.types.Panel):

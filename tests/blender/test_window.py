@@ -12,6 +12,7 @@ from scenes import add_camera, add_light, add_mesh, add_node, new_material, surf
 
 ROOT = Path(__file__).parents[2]
 SECONDS = 120
+DISPLAY = ("xvfb-run", "-a", "-s", "-screen 0 1280x1024x24")
 TABS = ("RENDER", "VIEW_LAYER", "OBJECT", "MATERIAL", "WORLD", "DATA")
 
 # Runs in the window's Blender: renders as F12 does, then shows each tab of the properties.
@@ -71,8 +72,7 @@ def test_a_render_and_the_panels_in_a_window(tmp_path):
     script = tmp_path / "script.py"
     script.write_text(SCRIPT.format(tabs=TABS, image=image))
     result = subprocess.run(
-        ["xvfb-run", "-a", "-s", "-screen 0 1280x1024x24"]
-        + [str(ROOT / "dev"), "blender", blend, "--python", str(script)],
+        [*DISPLAY, str(ROOT / "dev"), "blender", blend, "--python", str(script)],
         cwd=ROOT,
         env=os.environ,
         capture_output=True,

@@ -86,6 +86,15 @@ def draw_note(column, text: str, icon: str = "NONE") -> None:
     row.label(text=text, icon=icon)
 
 
+def draw_row(box, label: str, value: str = "", icon: str = "NONE") -> None:
+    """A line for each part of `value`: a panel is narrow, and cuts long lines in the middle."""
+    row = box.split(factor=LABEL_SHARE)
+    row.label(text=label, icon=icon)
+    column = row.column(align=True)
+    for part in value.split(", "):
+        column.label(text=part)
+
+
 def draw_overrides(column, scene, names: tuple[str, ...]) -> None:
     """Settings that override Cycles', and below those that do not what holds instead."""
     problem = diagnosis.installation_problem()
@@ -109,7 +118,6 @@ def draw_forecast(column, ask) -> None:
         column.label(text=diagnosis.describe(error), icon="ERROR")
         return
     column.label(text=PARTS[found.casts, found.receives], icon="INFO")
-    # A line for each part: a panel is narrow, and cuts long lines in the middle.
     for line in found.reason.split(", ") if found.reason else ():
         draw_note(column, line)
 
@@ -127,9 +135,9 @@ class SPECULA_PT_sampling(SpeculaPanel, bpy.types.Panel):
         column.separator()
         column.prop(scene.specula, "method")
         if scene.specula.method == "AUTO" and not problem:
-            from .export.settings import method_label
+            from .export.settings import resolved_method
 
-            draw_note(column, method_label(scene))
+            draw_note(column, resolved_method(scene))
         if scene.specula.method == "SMS_BIASED":
             column.prop(scene.specula, "set_size")
 
@@ -194,15 +202,11 @@ class SPECULA_PT_statistics(SpeculaPanel, bpy.types.Panel):
             self.layout.label(text=stats.view_layer, icon="RENDERLAYERS")
             box = self.layout.box().column(align=True)
             for label, value in stats.rows():
-                row = box.split(factor=LABEL_SHARE)
-                row.label(text=label)
-                values = row.column(align=True)
-                for part in value.split(", "):
-                    values.label(text=part)
+                draw_row(box, label, value)
             for line in stats.report:
-                box.label(text=line)
+                draw_row(box, *line.split(": ", 1))
             for line in stats.warnings:
-                box.label(text=line, icon="ERROR")
+                draw_row(box, *line.split(": ", 1), icon="ERROR")
 
 
 class SPECULA_PT_passes(SpeculaPanel, bpy.types.Panel):

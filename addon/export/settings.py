@@ -58,10 +58,17 @@ def export_settings(scene, is_preview: bool = False) -> RenderSettings:
 
 def method_label(scene) -> str:
     """The chosen method as the interface names it, and what it stands for if it is automatic."""
-    own = scene.specula
-    names = {item.identifier: item.name for item in own.bl_rna.properties["method"].enum_items}
-    chosen = names[own.method]
-    return f"{chosen} ({names[AUTO_METHOD.name]})" if own.method == "AUTO" else chosen
+    chosen, resolved = _method_name(scene, scene.specula.method), resolved_method(scene)
+    return chosen if chosen == resolved else f"{chosen} ({resolved})"
+
+
+def resolved_method(scene) -> str:
+    """The interface's name of the method that renders."""
+    return _method_name(scene, export_settings(scene).method.name)
+
+
+def _method_name(scene, identifier: str) -> str:
+    return scene.specula.bl_rna.properties["method"].enum_items[identifier].name
 
 
 def is_inherited(scene, name: str) -> bool:

@@ -4,7 +4,7 @@ import pytest
 from scenes import add_mesh, add_node, new_material, surface
 
 import specula
-from specula import native, passes, ui
+from specula import abi, native, passes, statistics, ui
 
 OWNERS = (bpy.types.Scene, bpy.types.Object, bpy.types.Light, bpy.types.World, bpy.types.ViewLayer)
 
@@ -124,7 +124,7 @@ def test_settings_that_are_left_to_cycles_say_what_holds():
     scene.specula.samples, scene.cycles.samples = 0, 77
     layout = draw(ui.SPECULA_PT_sampling, Context())
     assert "0: as Cycles, 77" in layout.texts
-    assert "Automatic (SMS Unbiased)" in layout.texts
+    assert "SMS Unbiased" in layout.texts
     assert layout.shown.index("samples") < layout.shown.index("method")
     scene.specula.samples = 5
     assert "0: as Cycles, 77" not in draw(ui.SPECULA_PT_sampling, Context()).texts
@@ -137,6 +137,19 @@ def test_advanced_settings_are_closed_and_only_there_where_they_matter():
     assert draw(panel, Context()).shown == ["constraint", "two_stage"]
     bpy.context.scene.specula.method = "PT"
     assert not panel.poll.__func__(panel, Context())
+
+
+def test_statistics_show_every_line():
+    stats = statistics.Statistics("Scene", "ViewLayer", "1.2", "PT", "Path Tracing")
+    stats.scene_stats = native.struct_values(abi.SceneStats())
+    stats.render_stats = native.struct_values(abi.RenderStats())
+    stats.report = ["Glass: caster, single-bounce manifold (Glass BSDF, roughness 0)"]
+    stats.warnings = ["light Lamp: textures in a light are not supported, white is used"]
+    statistics.last["Scene", "ViewLayer"] = stats
+    texts = draw(ui.SPECULA_PT_statistics, Context()).texts
+    assert {label for label, _ in stats.rows()} <= set(texts)
+    assert {"Path Tracing", "Glass", "single-bounce manifold (Glass BSDF"} <= set(texts)
+    assert {"light Lamp", "white is used"} <= set(texts)
 
 
 def test_statistics_are_open():

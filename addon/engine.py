@@ -5,7 +5,7 @@ from contextlib import contextmanager
 
 import bpy
 
-from . import diagnosis, passes, statistics
+from . import diagnosis, passes, statistics, ui
 
 VIEWPORT_NOTE = "Specula renders with F12; the rendered viewport is not there yet"
 
@@ -45,6 +45,9 @@ class SpeculaRenderEngine(bpy.types.RenderEngine):
         for key, value in stats.stamp(prefix).items():
             result.stamp_data_add_field(key, value)
         statistics.last[stats.scene, stats.view_layer] = stats
+        if not bpy.app.background:
+            # Not here: this thread renders, windows belong to the main one, which runs timers.
+            bpy.app.timers.register(ui.redraw_properties)
 
     @contextmanager
     def failures_reported(self):

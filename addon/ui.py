@@ -311,6 +311,14 @@ class SPECULA_PT_world_caustics(SpeculaPanel, bpy.types.Panel):
         self.column().prop(context.world.specula, "caustics")
 
 
+def redraw_properties() -> None:
+    """Lets the panels show new statistics; Blender redraws them only where the mouse is."""
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "PROPERTIES":
+                area.tag_redraw()
+
+
 PANELS = (
     SPECULA_PT_sampling,
     SPECULA_PT_advanced,

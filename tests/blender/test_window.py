@@ -19,14 +19,16 @@ TABS = ("RENDER", "VIEW_LAYER", "OBJECT", "MATERIAL", "WORLD", "DATA")
 SCRIPT = """
 import os
 import bpy
-from specula import ui
+from specula import statistics, ui
 
 TABS = {tabs!r}
+bpy.context.preferences.view.render_display_type = "AREA"  # a new window would redraw all others
 window = bpy.context.window_manager.windows[0]
 area = max(window.screen.areas, key=lambda area: area.width * area.height)
+properties = next(area for area in window.screen.areas if area.type == "PROPERTIES")
 drawn = set()
-steps = iter(("render", "wait", "properties", *TABS, "end"))
-column = ui.SpeculaPanel.column
+steps = iter(("before", "render", "after", "properties", *TABS, "end"))
+column, draw_statistics = ui.SpeculaPanel.column, ui.SPECULA_PT_statistics.draw
 
 
 def recorded(panel):
@@ -34,12 +36,20 @@ def recorded(panel):
     return column(panel)
 
 
+def recorded_statistics(panel, context):
+    if statistics.last and area.type != "PROPERTIES":
+        drawn.add("statistics_after_the_render")
+    draw_statistics(panel, context)
+
+
 def advance():
     if bpy.app.is_job_running("RENDER"):
         return 0.2
     step = next(steps)
     with bpy.context.temp_override(window=window, area=area):
-        if step == "render":
+        if step == "before":
+            properties.spaces[0].context = "RENDER"
+        elif step == "render":
             bpy.ops.render.render("INVOKE_DEFAULT")
         elif step == "properties":
             bpy.data.images["Render Result"].save_render({image!r})
@@ -53,6 +63,7 @@ def advance():
 
 
 ui.SpeculaPanel.column = recorded
+ui.SPECULA_PT_statistics.draw = recorded_statistics
 bpy.app.timers.register(advance, first_interval=1.0, persistent=True)
 """
 
@@ -85,6 +96,7 @@ def test_a_render_and_the_panels_in_a_window(tmp_path):
     assert np.array(bpy.data.images.load(image).pixels[:]).reshape(-1, 4)[:, :3].max() > 0.1
     (line,) = [line for line in output.splitlines() if line.startswith("drawn ")]
     assert set(line.split()[1:]) >= {
+        "statistics_after_the_render",  # nobody touched a window meanwhile
         "SPECULA_PT_sampling",
         "SPECULA_PT_passes",
         "SPECULA_PT_object_caustics",

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Specula, a render engine for caustics and glints by Specular Manifold Sampling."""
+"""Specula, a render engine for caustics by Specular Manifold Sampling."""
 
 # For Blenders before extensions; the same facts as in blender_manifest.toml.
 bl_info = {
     "name": "Specula",
-    "description": "Render engine for caustics and glints by Specular Manifold Sampling",
+    "description": "Render engine for caustics by Specular Manifold Sampling",
     "author": "The Specula contributors",
     "version": (0, 1, 0),
     "blender": (3, 4, 0),

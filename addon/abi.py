@@ -16,6 +16,7 @@ from ctypes import (
     c_void_p,
     sizeof,
 )
+from enum import IntEnum
 
 API_VERSION = 1  # SPC_API_VERSION that this file mirrors
 
@@ -28,6 +29,18 @@ STATUS_NAMES = (
     "unsupported",
     "internal error",
 )
+
+
+class Pass(IntEnum):
+    """spc_pass: what can be read from a film."""
+
+    COMBINED = 0
+    DEPTH = 1
+    POSITION = 2
+    NORMAL = 3
+    CAUSTICS = 4
+    VARIANCE = 5
+
 
 RENDER_RUNNING, RENDER_DONE, RENDER_CANCELLED, RENDER_FAILED = range(4)
 

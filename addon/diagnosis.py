@@ -36,5 +36,8 @@ def details(error: Exception) -> str:
 
 
 def _is_expected(error: Exception) -> bool:
-    """Errors that tell what is wrong with the scene or the installation."""
+    """Errors that tell what is wrong with the scene or the installation.
+
+    By name: their modules may be what cannot be imported.
+    """
     return type(error).__name__ in ("ExportError", "NativeError")

@@ -5,12 +5,14 @@ from contextlib import contextmanager
 
 import bpy
 
-from . import diagnosis, passes, statistics
+from . import diagnosis, passes, statistics, ui
 
 VIEWPORT_NOTE = "Specula renders with F12; the rendered viewport is not there yet"
 
 
 class SpeculaRenderEngine(bpy.types.RenderEngine):
+    """What Blender calls; the work is done in `rendering` and `viewport`."""
+
     bl_idname = "SPECULA"
     bl_label = "Specula"
     bl_use_preview = True
@@ -43,6 +45,9 @@ class SpeculaRenderEngine(bpy.types.RenderEngine):
         for key, value in stats.stamp(prefix).items():
             result.stamp_data_add_field(key, value)
         statistics.last[stats.scene, stats.view_layer] = stats
+        if not bpy.app.background:
+            # Not here: this thread renders, windows belong to the main one, which runs timers.
+            bpy.app.timers.register(ui.redraw_properties)
 
     @contextmanager
     def failures_reported(self):
@@ -61,7 +66,7 @@ class SpeculaRenderEngine(bpy.types.RenderEngine):
     # ------------------------------------------------------------------------------ viewport
 
     def view_update(self, context, depsgraph):
-        pass
+        """Blender insists on it; the note does not change."""
 
     def view_draw(self, context, depsgraph):
         """A line of text on grey: the viewport is never black and says why it is empty."""
@@ -71,9 +76,17 @@ class SpeculaRenderEngine(bpy.types.RenderEngine):
             draw_note(context.region, VIEWPORT_NOTE)
 
 
+@bpy.app.handlers.persistent
+def forget_statistics(*_) -> None:
+    """After a load: scenes of another file may have the same names."""
+    statistics.last.clear()
+
+
 def register() -> None:
     bpy.utils.register_class(SpeculaRenderEngine)
+    bpy.app.handlers.load_post.append(forget_statistics)
 
 
 def unregister() -> None:
+    bpy.app.handlers.load_post.remove(forget_statistics)
     bpy.utils.unregister_class(SpeculaRenderEngine)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import ctypes
 import functools
 import os
+import struct
 from ctypes import byref, c_float, c_uint32, c_void_p
 from dataclasses import fields
 from pathlib import Path
@@ -24,6 +25,16 @@ LEVELS = {
     "x86-64-v3": {"avx2", "fma", "bmi1", "bmi2", "f16c", "movbe", "abm"},
     "x86-64-v2": {"cx16", "lahf_lm", "popcnt", "sse4_1", "sse4_2", "ssse3"},
 }
+
+
+# Official Blenders hold an Embree 4 whose functions bear the names of our Embree 3's and, as the
+# program's own libraries are, come first: DEEPBIND makes the core find those that it was linked
+# with. Without it nothing fails, but rays hit nothing.
+LOAD_MODE = os.RTLD_LOCAL | os.RTLD_NOW | os.RTLD_DEEPBIND
+
+
+# A bitmap of one black pixel: headers of 14 and 40 bytes, a row of 4.
+PROBE_IMAGE = b"BM" + struct.pack("<IIIIiiHHIIiiIII", 58, 0, 54, 40, 1, 1, 1, 24, *[0] * 6, 0)
 
 
 class NativeError(Exception):
@@ -67,7 +78,7 @@ def library_path(flags: set[str], directories: list[Path]) -> Path:
 def load(path: Path) -> ctypes.CDLL:
     """The library at `path` with typed functions, if it speaks this addon's API version."""
     try:
-        library = ctypes.CDLL(str(path), mode=os.RTLD_LOCAL | os.RTLD_NOW)
+        library = ctypes.CDLL(str(path), mode=LOAD_MODE)
         for name, (result, arguments) in abi.PROTOTYPES.items():
             function = getattr(library, name)
             function.restype, function.argtypes = result, arguments
@@ -98,6 +109,7 @@ def _check(status: int) -> None:
 
 
 def version() -> str:
+    """Versions of the core and of Embree, and the instruction level."""
     return library().spc_version_string().decode()
 
 
@@ -105,6 +117,18 @@ def node_kinds() -> dict[str, str]:
     """Node kinds that the core knows: kind -> its sockets and options, as the core lists them."""
     lines = library().spc_node_kinds().decode().splitlines()
     return {kind.strip(): sockets.strip() for kind, _, sockets in (s.partition(":") for s in lines)}
+
+
+def reads_image_files() -> bool:
+    """Whether the core decodes image files. A packaged one does not: Blender does it instead."""
+    image = abi.ImageDesc(name=b"probe", encoded_size=len(PROBE_IMAGE))
+    image.encoded = ctypes.cast(PROBE_IMAGE, c_void_p)
+    with Scene() as scene:
+        try:
+            scene.add("image", image)
+        except NativeError:
+            return False
+    return True
 
 
 def struct_values(struct: abi.SizedStructure) -> dict[str, int | float]:
@@ -132,14 +156,17 @@ class Scene:
         _check(getattr(library(), f"spc_scene_set_{kind}")(self.handle, byref(struct)))
 
     def material_needs(self, material: int) -> dict[str, int]:
+        """Whether the material at that index reads UVs and tangents, 0 or 1 each."""
         needs = abi.MaterialNeeds()
         _check(library().spc_scene_material_needs(self.handle, material, byref(needs)))
         return struct_values(needs)
 
     def commit(self, threads: int = 0) -> None:
+        """Ends the changes and builds what rendering needs, with `threads` threads (0: all)."""
         _check(library().spc_scene_commit(self.handle, threads))
 
     def stats(self) -> dict[str, int | float]:
+        """spc_scene_stats of a committed scene."""
         stats = abi.SceneStats()
         _check(library().spc_scene_get_stats(self.handle, byref(stats)))
         return struct_values(stats)
@@ -187,6 +214,7 @@ class Session:
         return progress
 
     def cancel(self) -> None:
+        """Asks the workers to stop; `wait` tells when they have."""
         _check(library().spc_render_cancel(self.handle))
 
     def read(self, render_pass: int, width: int, height: int):
@@ -200,6 +228,7 @@ class Session:
         return pixels
 
     def stats(self) -> dict[str, int | float]:
+        """spc_render_stats of what is done so far."""
         stats = abi.RenderStats()
         _check(library().spc_render_get_stats(self.handle, byref(stats)))
         return struct_values(stats)

@@ -6,32 +6,38 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-COMBINED, DEPTH, POSITION, NORMAL, CAUSTICS = range(5)  # spc_pass
+from .abi import Pass
 
 
 @dataclass(frozen=True)
 class RenderPass:
+    """A pass as Blender and the core know it."""
+
     name: str  # in Blender
-    source: int  # spc_pass
+    source: Pass
     channels: str  # one letter each
     type: str  # VALUE, VECTOR or COLOR; only a colour is exposed
     is_enabled: Callable  # of a view layer
 
 
 PASSES = (
-    RenderPass("Combined", COMBINED, "RGBA", "COLOR", lambda layer: True),
-    RenderPass("Depth", DEPTH, "Z", "VALUE", lambda layer: layer.use_pass_z),
-    RenderPass("Position", POSITION, "XYZ", "VECTOR", lambda layer: layer.use_pass_position),
-    RenderPass("Normal", NORMAL, "XYZ", "VECTOR", lambda layer: layer.use_pass_normal),
-    RenderPass("Caustics", CAUSTICS, "RGB", "COLOR", lambda layer: layer.specula.use_pass_caustics),
+    RenderPass("Combined", Pass.COMBINED, "RGBA", "COLOR", lambda layer: True),
+    RenderPass("Depth", Pass.DEPTH, "Z", "VALUE", lambda layer: layer.use_pass_z),
+    RenderPass("Position", Pass.POSITION, "XYZ", "VECTOR", lambda layer: layer.use_pass_position),
+    RenderPass("Normal", Pass.NORMAL, "XYZ", "VECTOR", lambda layer: layer.use_pass_normal),
+    RenderPass(
+        "Caustics", Pass.CAUSTICS, "RGB", "COLOR", lambda layer: layer.specula.use_pass_caustics
+    ),
 )
 
 
 def enabled(view_layer) -> list[RenderPass]:
+    """The passes that a view layer delivers, Combined first."""
     return [row for row in PASSES if row.is_enabled(view_layer)]
 
 
 def register_passes(engine, scene, view_layer) -> None:
+    """Tells Blender, for the compositor and the file's layers, which passes will come."""
     for row in enabled(view_layer):
         engine.register_pass(scene, view_layer, row.name, len(row.channels), row.channels, row.type)
 

@@ -8,11 +8,12 @@ import time
 from . import native, passes, statistics
 from .export.log import ExportLog
 from .export.scene import export_scene
-from .export.settings import export_settings, film_exposure
+from .export.settings import export_settings, film_exposure, method_label
 from .upload import upload
 
 POLL_MILLISECONDS = 100
 SHOW_SECONDS = 1.0  # between partial results
+MIN_FRACTION = 0.005  # of the render, before which its end is not foretold
 
 
 def render_view_layer(engine, depsgraph) -> statistics.Statistics | None:
@@ -23,13 +24,13 @@ def render_view_layer(engine, depsgraph) -> statistics.Statistics | None:
     scene, view_layer = depsgraph.scene_eval, depsgraph.view_layer_eval
     settings = export_settings(scene, engine.is_preview)
     stats = statistics.Statistics(
-        scene.name, view_layer.name, native.version(), settings.method.name
+        scene.name, view_layer.name, native.version(), settings.method.name, method_label(scene)
     )
 
     engine.update_stats("", "Specula: exporting")
     start = time.perf_counter()
     log = ExportLog()
-    scene_desc = export_scene(depsgraph, log)
+    scene_desc = export_scene(depsgraph, log, images_as_pixels=not native.reads_image_files())
     camera = scene_desc.camera
     with upload(scene_desc) as native_scene:
         stats.export_seconds = time.perf_counter() - start
@@ -47,6 +48,7 @@ def render_view_layer(engine, depsgraph) -> statistics.Statistics | None:
             completed = _poll(engine, session, settings, film)
             film.write(session)
             stats.samples_done = completed.samples_done
+            stats.pixels = film.pixel_count
             stats.render_seconds = completed.seconds
             stats.render_stats = session.stats()
     return None if completed.state == native.RENDER_CANCELLED else stats
@@ -63,9 +65,29 @@ def _poll(engine, session, settings, film: Film):
         if engine.test_break():
             session.cancel()
         if time.monotonic() - shown >= SHOW_SECONDS:
-            engine.update_stats("", f"Specula: sample {progress.samples_done}/{settings.samples}")
+            samples = session.stats()["samples"] / film.pixel_count
+            engine.update_stats("", progress_text(progress, samples, settings.samples))
             film.show(session)
             shown = time.monotonic()
+
+
+def progress_text(progress, samples: float, wanted: int) -> str:
+    """Such as "Specula: sample 12.3/64 | 0:05, 0:21 left".
+
+    `samples` is the mean over the pixels: it moves while all pixels wait for the slowest. What is
+    left is told once enough is done to judge by.
+    """
+    text = f"Specula: sample {samples:.1f}/{wanted} | {_clock(progress.seconds)}"
+    if progress.fraction < MIN_FRACTION:
+        return text
+    return f"{text}, {_clock(progress.seconds * (1.0 / progress.fraction - 1.0))} left"
+
+
+def _clock(seconds: float) -> str:
+    """h:mm:ss, or m:ss below an hour."""
+    minutes, second = divmod(round(seconds), 60)
+    hours, minute = divmod(minutes, 60)
+    return f"{hours}:{minute:02}:{second:02}" if hours else f"{minute}:{second:02}"
 
 
 class Film:
@@ -78,6 +100,7 @@ class Film:
         self._engine = engine
         self._layer_name = view_layer.name
         self._size = crop[2:]
+        self.pixel_count = crop[2] * crop[3]
         self._passes = passes.enabled(view_layer)
         self._exposure = exposure
 

@@ -15,8 +15,10 @@ class Statistics:
     scene: str = ""
     view_layer: str = ""
     version: str = ""
-    method: str = ""
-    samples_done: int = 0
+    method: str = ""  # identifier of the method that rendered, never AUTO
+    method_label: str = ""  # what the user chose, as the interface calls it
+    samples_done: int = 0  # of the pixel that has the fewest
+    pixels: int = 1
     export_seconds: float = 0.0
     render_seconds: float = 0.0
     scene_stats: dict = field(default_factory=dict)  # spc_scene_stats
@@ -25,38 +27,59 @@ class Statistics:
     warnings: list[str] = field(default_factory=list)
 
     def rows(self) -> list[tuple[str, str]]:
-        """Label and value of each line."""
+        """Label and value of each line; without those on walks if there was none."""
         scene, render = self.scene_stats, self.render_stats
-        return [
+        rows = [
             ("Version", self.version),
-            ("Method", self.method),
-            ("Samples per pixel", str(self.samples_done)),
+            ("Method", self.method_label),
+            ("Samples per pixel", self._samples()),
             ("Time", self._times()),
             (
                 "Scene",
-                f"{scene['triangles']} triangles, {scene['instances']} instances, "
-                f"{scene['lights']} lights, {scene['memory_bytes'] / 1e6:.1f} MB",
-            ),
-            ("Caustics", f"{scene['casters']} casters, {scene['receivers']} receivers"),
-            ("Rays", f"{render['rays']} ({_per(render['rays'], self.render_seconds):.3g}/s)"),
-            (
-                "Walks",
-                f"{render['walks']} for {render['estimates']} estimates, "
-                f"{_per(render['walks_converged'], render['walks']):.1%} converged, "
-                f"{_per(render['iterations'], render['walks']):.1f} iterations each",
+                f"{_count(scene['triangles'], 'triangle')}, "
+                f"{_count(scene['instances'], 'instance')}, "
+                f"{_count(scene['lights'], 'light')}, {scene['memory_bytes'] / 1e6:.1f} MB",
             ),
             (
-                "Trials",
-                f"{_per(render['trials'], render['trial_estimates']):.1f} on average, "
-                f"{render['max_trials']} at most, {render['capped_estimates']} estimates capped",
+                "Caustics",
+                f"{_count(scene['casters'], 'caster')}, {_count(scene['receivers'], 'receiver')}",
             ),
-            (
-                "Energy given up",
-                f"{_per(render['capped_energy'], render['manifold_energy']):.3%} "
-                "of the manifold's, at the cap of trials",
-            ),
-            ("Dropped", self._dropped()),
+            ("Rays", f"{render['rays']:,} ({_per(render['rays'], self.render_seconds):.3g}/s)"),
         ]
+        if render["walks"]:
+            rows.append(("Walks", self._walks()))
+        if render["trial_estimates"]:
+            rows += [("Trials", self._trials()), ("Possible loss", self._possible_loss())]
+        return [*rows, ("Dropped", self._dropped())]
+
+    def _walks(self) -> str:
+        render = self.render_stats
+        return (
+            f"{render['walks']:,} for {_count(render['estimates'], 'estimate')}, "
+            f"{_per(render['walks_converged'], render['walks']):.1%} found a path, "
+            f"{_per(render['iterations'], render['walks']):.1f} iterations each"
+        )
+
+    def _trials(self) -> str:
+        render = self.render_stats
+        mean = _per(render["trials"], render["trial_estimates"])
+        return f"{mean:.1f} on average, {render['max_trials']:,} at most"
+
+    def _possible_loss(self) -> str:
+        """Where the unbiased method stopped counting its trials, a caustic may be too dark."""
+        render = self.render_stats
+        share = _per(render["capped_energy"], render["manifold_energy"])
+        return (
+            f"{share:.3%} of the caustics' light, "
+            f"{_count(render['capped_estimates'], 'estimate')} stopped at the limit of trials"
+        )
+
+    def _samples(self) -> str:
+        """Of all pixels; a time limit may leave some with fewer than others."""
+        mean = self.render_stats["samples"] / self.pixels
+        if mean == self.samples_done:
+            return str(self.samples_done)
+        return f"{mean:.1f} on average, {self.samples_done} at least"
 
     def _times(self) -> str:
         commit = self.scene_stats["commit_seconds"]
@@ -67,8 +90,8 @@ class Statistics:
 
     def _dropped(self) -> str:
         return (
-            f"{self.render_stats['nan_samples']} samples that were not finite, "
-            f"{self.scene_stats['dropped_triangles']} triangles of zero area"
+            f"{_count(self.render_stats['nan_samples'], 'sample')} not finite, "
+            f"{_count(self.scene_stats['dropped_triangles'], 'triangle')} of zero area"
         )
 
     def block(self) -> str:
@@ -90,6 +113,10 @@ class Statistics:
             **{f"render.{key}": value for key, value in self.render_stats.items()},
         }
         return {prefix + key: str(value) for key, value in fields.items()}
+
+
+def _count(number: int, noun: str) -> str:
+    return f"{number:,} {noun}{'' if number == 1 else 's'}"
 
 
 def _per(numerator: float, denominator: float) -> float:

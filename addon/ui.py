@@ -6,6 +6,18 @@ import bpy
 from . import diagnosis, statistics
 
 ENGINE = "SPECULA"
+LABEL_SHARE = 0.4  # of a panel's width, as Blender splits properties
+
+# Objects that have, or are turned into, a mesh.
+SURFACE_TYPES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
+
+# (casts, receives) -> what a panel says.
+PARTS = {
+    (False, False): "No part in caustics",
+    (False, True): "Shows caustics, casts none",
+    (True, False): "Casts caustics, shows none",
+    (True, True): "Casts and shows caustics",
+}
 
 # Blender's panels for BLENDER_RENDER are shown, but not those for what Specula does not have.
 EXCLUDED_PANELS = {
@@ -66,28 +78,84 @@ class SpeculaPanel:
         return layout.column()
 
 
+def draw_note(column, text: str, icon: str = "NONE") -> None:
+    """Greyed text, in line with the values of properties."""
+    row = column.split(factor=LABEL_SHARE)
+    row.active = False
+    row.label()
+    row.label(text=text, icon=icon)
+
+
+def draw_row(box, label: str, value: str = "", icon: str = "NONE") -> None:
+    """A line for each part of `value`: a panel is narrow, and cuts long lines in the middle."""
+    row = box.split(factor=LABEL_SHARE)
+    row.label(text=label, icon=icon)
+    column = row.column(align=True)
+    for part in value.split(", "):
+        column.label(text=part)
+
+
+def draw_overrides(column, scene, names: tuple[str, ...]) -> None:
+    """Settings that override Cycles', and below those that do not what holds instead."""
+    problem = diagnosis.installation_problem()
+    for name in names:
+        column.prop(scene.specula, name)
+        if problem:  # NumPy may be missing, which the export needs
+            continue
+        from .export.settings import inherited_text, is_inherited
+
+        if is_inherited(scene, name):
+            draw_note(column, inherited_text(scene, name))
+
+
+def draw_forecast(column, ask) -> None:
+    """The part in caustics; `ask` gets the module `forecast` and returns what it says."""
+    try:
+        from . import forecast  # not above: NumPy may be missing
+
+        found = ask(forecast)
+    except Exception as error:
+        column.label(text=diagnosis.describe(error), icon="ERROR")
+        return
+    column.label(text=PARTS[found.casts, found.receives], icon="INFO")
+    for line in found.reason.split(", ") if found.reason else ():
+        draw_note(column, line)
+
+
 class SPECULA_PT_sampling(SpeculaPanel, bpy.types.Panel):
     bl_label = "Sampling"
     bl_context = "render"
 
     def draw(self, context):
-        settings = context.scene.specula
-        column = self.column()
+        scene, column = context.scene, self.column()
         problem = diagnosis.installation_problem()
         if problem:
             column.label(text=problem, icon="ERROR")
-        column.prop(settings, "method")
-        if settings.method != "PT":
-            column.prop(settings, "constraint")
-            column.prop(settings, "two_stage")
-        if settings.method == "SMS_BIASED":
-            column.prop(settings, "set_size")
-        for name in ("samples", "time_limit", "seed"):
-            column.prop(settings, name)
-        cycles = getattr(context.scene, "cycles", None)
-        if cycles:
-            column.separator()
-            column.prop(cycles, "samples", text="Cycles Samples")
+        draw_overrides(column, scene, ("samples", "time_limit", "seed"))
+        column.separator()
+        column.prop(scene.specula, "method")
+        if scene.specula.method == "AUTO" and not problem:
+            from .export.settings import resolved_method
+
+            draw_note(column, resolved_method(scene))
+        if scene.specula.method == "SMS_BIASED":
+            column.prop(scene.specula, "set_size")
+
+
+class SPECULA_PT_advanced(SpeculaPanel, bpy.types.Panel):
+    bl_label = "Advanced"
+    bl_context = "render"
+    bl_parent_id = "SPECULA_PT_sampling"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context) -> bool:
+        return super().poll(context) and context.scene.specula.method != "PT"
+
+    def draw(self, context):
+        column = self.column()
+        column.prop(context.scene.specula, "constraint")
+        column.prop(context.scene.specula, "two_stage")
 
 
 class SPECULA_PT_light_paths(SpeculaPanel, bpy.types.Panel):
@@ -97,8 +165,8 @@ class SPECULA_PT_light_paths(SpeculaPanel, bpy.types.Panel):
 
     def draw(self, context):
         column = self.column()
-        for kind in ("", "diffuse_", "glossy_", "transmission_", "transparent_"):
-            column.prop(context.scene.specula, f"max_{kind}bounces")
+        kinds = ("", "diffuse_", "glossy_", "transmission_", "transparent_")
+        draw_overrides(column, context.scene, tuple(f"max_{kind}bounces" for kind in kinds))
         cycles = getattr(context.scene, "cycles", None)
         if cycles:
             column.separator()
@@ -123,7 +191,6 @@ class SPECULA_PT_film(SpeculaPanel, bpy.types.Panel):
 class SPECULA_PT_statistics(SpeculaPanel, bpy.types.Panel):
     bl_label = "Statistics"
     bl_context = "render"
-    bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context):
         renders = [
@@ -135,11 +202,11 @@ class SPECULA_PT_statistics(SpeculaPanel, bpy.types.Panel):
             self.layout.label(text=stats.view_layer, icon="RENDERLAYERS")
             box = self.layout.box().column(align=True)
             for label, value in stats.rows():
-                row = box.split(factor=0.3)
-                row.label(text=label)
-                row.label(text=value)
-            for line in stats.report + stats.warnings:
-                box.label(text=line)
+                draw_row(box, label, value)
+            for line in stats.report:
+                draw_row(box, *line.split(": ", 1))
+            for line in stats.warnings:
+                draw_row(box, *line.split(": ", 1), icon="ERROR")
 
 
 class SPECULA_PT_passes(SpeculaPanel, bpy.types.Panel):
@@ -159,8 +226,32 @@ class SPECULA_PT_object_caustics(SpeculaPanel, bpy.types.Panel):
     bl_label = "Caustics"
     bl_context = "object"
 
+    @classmethod
+    def poll(cls, context) -> bool:
+        return super().poll(context) and context.object.type in SURFACE_TYPES
+
     def draw(self, context):
-        self.column().prop(context.object.specula, "caustics")
+        obj, column = context.object, self.column()
+        column.prop(obj.specula, "caustics")
+        draw_forecast(column, lambda forecast: forecast.of_object(obj))
+        cycles = getattr(obj, "cycles", None)
+        if cycles:
+            flags = column.column(heading="Cycles")
+            flags.active = obj.specula.caustics == "AUTO"
+            flags.prop(cycles, "is_caustics_caster")
+            flags.prop(cycles, "is_caustics_receiver")
+
+
+class SPECULA_PT_material_caustics(SpeculaPanel, bpy.types.Panel):
+    bl_label = "Caustics"
+    bl_context = "material"
+
+    @classmethod
+    def poll(cls, context) -> bool:
+        return bool(context.material) and super().poll(context)
+
+    def draw(self, context):
+        draw_forecast(self.column(), lambda forecast: forecast.of_material(context.material))
 
 
 class SPECULA_PT_visibility(SpeculaPanel, bpy.types.Panel):
@@ -220,13 +311,23 @@ class SPECULA_PT_world_caustics(SpeculaPanel, bpy.types.Panel):
         self.column().prop(context.world.specula, "caustics")
 
 
+def redraw_properties() -> None:
+    """Lets the panels show new statistics; Blender redraws them only where the mouse is."""
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "PROPERTIES":
+                area.tag_redraw()
+
+
 PANELS = (
     SPECULA_PT_sampling,
+    SPECULA_PT_advanced,
     SPECULA_PT_light_paths,
     SPECULA_PT_film,
     SPECULA_PT_statistics,
     SPECULA_PT_passes,
     SPECULA_PT_object_caustics,
+    SPECULA_PT_material_caustics,
     SPECULA_PT_visibility,
     SPECULA_PT_light,
     SPECULA_PT_world_caustics,

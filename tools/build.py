@@ -10,7 +10,7 @@ from pathlib import Path
 from tools import setup
 from tools.common import BUILD, ROOT, locked, run, say
 
-PRESETS = ("release", "dev", "asan")
+PRESETS = ("release", "portable", "dev", "asan")
 
 
 def environment() -> dict[str, str]:
@@ -46,6 +46,6 @@ def main(argv: list[str]) -> int:
     parser = argparse.ArgumentParser(prog="./dev build", description="Compile into build/PRESET.")
     parser.add_argument("--preset", choices=PRESETS, default="release")
     preset = parser.parse_args(argv).preset
-    setup.ensure("build" if preset == "release" else "test native")
+    setup.ensure("build" if preset in ("release", "portable") else "test native")
     build(preset)
     return 0

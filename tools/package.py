@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`./dev package`: the addon as artists install it, with its libraries, as one zip file."""
+"""`./dev package`: the addon as artists install it, with all libraries, as one zip file."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import ast
 import zipfile
 from pathlib import Path
 
-from tools import setup
+from tools import bundle, setup
 from tools.build import build
 from tools.common import BUILD, ROOT, DevError
 
@@ -29,20 +29,23 @@ def addon_version() -> str:
     raise DevError(f"no bl_info in {source.relative_to(ROOT)}")
 
 
-def contents(libraries: Path) -> dict[str, Path]:
-    """Name in the zip file -> file."""
+def contents(libraries: Path) -> dict[str, bytes]:
+    """Name in the zip file -> bytes."""
     files = {path.relative_to(ADDON).as_posix(): path for path in ADDON.rglob("*.py")}
-    if (ADDON / MANIFEST).exists():
-        files[MANIFEST] = ADDON / MANIFEST
+    files[MANIFEST] = ADDON / MANIFEST
+    files["LICENSE"] = ROOT / "LICENSE"
     found = sorted(libraries.glob("libspecula-*.so"))
     if not found:
         raise DevError(f"there are no libraries in {libraries}")
+    shared = bundle.shared_libraries(found)
     files |= {f"lib/{path.name}": path for path in found}
-    files["LICENSE"] = ROOT / "LICENSE"
-    return {f"specula/{name}": path for name, path in files.items()}
+    files |= {f"lib/{name}": path for name, path in shared.items()}
+    read = {name: path.read_bytes() for name, path in files.items()}
+    read["NOTICE"] = bundle.notice(shared).encode()
+    return {f"specula/{name}": data for name, data in read.items()}
 
 
-def write_zip(target: Path, files: dict[str, Path]) -> None:
+def write_zip(target: Path, files: dict[str, bytes]) -> None:
     """Write `files` sorted and without anything that differs between two runs."""
     target.parent.mkdir(parents=True, exist_ok=True)
     partial = target.with_suffix(".partial")
@@ -51,8 +54,8 @@ def write_zip(target: Path, files: dict[str, Path]) -> None:
             entry = zipfile.ZipInfo(name, TIMESTAMP)
             entry.compress_type = zipfile.ZIP_DEFLATED
             entry.create_system = 3  # Unix, which the permissions are written for
-            entry.external_attr = (0o755 if name.endswith(".so") else 0o644) << 16
-            archive.writestr(entry, files[name].read_bytes())
+            entry.external_attr = (0o755 if name.startswith("specula/lib/") else 0o644) << 16
+            archive.writestr(entry, files[name])
     partial.replace(target)
 
 
@@ -68,6 +71,7 @@ def main(argv: list[str]) -> int:
     version = addon_version()
     setup.ensure("package")
     target = folder.resolve() / f"specula-{version}.zip"
-    write_zip(target, contents(build("release")))
+    write_zip(target, contents(build("portable")))
+    bundle.check(target)
     print(target)
     return 0

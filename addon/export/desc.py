@@ -13,6 +13,8 @@ from enum import IntEnum, IntFlag
 
 import numpy as np
 
+from ..abi import Pass  # noqa: F401  one of these enumerations, but also needed without NumPy
+
 NONE = 0xFFFFFFFF  # "no index"
 
 
@@ -76,15 +78,6 @@ class PixelFilter(IntEnum):
     BOX = 0
     GAUSSIAN = 1
     BLACKMAN_HARRIS = 2
-
-
-class Pass(IntEnum):
-    COMBINED = 0
-    DEPTH = 1
-    POSITION = 2
-    NORMAL = 3
-    CAUSTICS = 4
-    VARIANCE = 5
 
 
 class ExportError(Exception):

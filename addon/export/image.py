@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender images -> `ImageDesc`: the file where there is one, else the pixels."""
+"""Blender images -> `ImageDesc`: the file where there is one and the core reads it, else pixels."""
 
 from __future__ import annotations
 
@@ -33,9 +33,11 @@ ALPHA_MODES = {
 class Images:
     """The images of a scene, each exported once."""
 
-    def __init__(self, log: ExportLog):
+    def __init__(self, log: ExportLog, as_pixels: bool = False):
+        """`as_pixels`: Blender decodes every image, for a core that reads no files."""
         self.descs: list[ImageDesc] = []
         self._log = log
+        self._as_pixels = as_pixels
         self._indices: dict = {}
 
     def add(self, image, user: str) -> int:
@@ -60,7 +62,7 @@ class Images:
             self._log.warn(
                 f"image {image.name}", f"{image.source.lower()} images are shown as a single image"
             )
-        if image.is_dirty or image.source in ("GENERATED", "VIEWER", "MOVIE"):
+        if self._as_pixels or image.is_dirty or image.source in ("GENERATED", "VIEWER", "MOVIE"):
             desc.pixels = _pixels(image)
             desc.color_space, desc.alpha_mode = _as_in_memory(image, desc)
         elif image.packed_file:
@@ -91,11 +93,11 @@ def _has_data(image) -> bool:
 
 
 def _pixels(image) -> np.ndarray:
-    """(H, W, 4) float32 as Blender holds them, bottom row first."""
+    """(H, W, C) as Blender holds them, bottom row first: uint8, or float32 if it holds floats."""
     width, height = image.size
     pixels = np.empty((height, width, image.channels), np.float32)
     image.pixels.foreach_get(pixels.ravel())
-    return pixels
+    return pixels if image.is_float else np.rint(255.0 * pixels).astype(np.uint8)
 
 
 def _as_in_memory(image, desc: ImageDesc) -> tuple[ColorSpace, AlphaMode]:

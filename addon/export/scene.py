@@ -20,16 +20,21 @@ from .world import export_world
 UNSUPPORTED_TYPES = {"CURVES", "POINTCLOUD", "VOLUME", "GPENCIL", "GREASEPENCIL"}
 
 
-def export_scene(depsgraph, log: ExportLog) -> SceneDesc:
-    """Everything that `depsgraph` renders. Raises ExportError naming what cannot be rendered."""
-    return SceneExport(depsgraph, log).run()
+def export_scene(depsgraph, log: ExportLog, images_as_pixels: bool = False) -> SceneDesc:
+    """Everything that `depsgraph` renders. Raises ExportError naming what cannot be rendered.
+
+    `images_as_pixels`: see `Images`.
+    """
+    return SceneExport(depsgraph, log, images_as_pixels).run()
 
 
 class SceneExport:
-    def __init__(self, depsgraph, log: ExportLog):
+    """The walk under way, and what it has met so far."""
+
+    def __init__(self, depsgraph, log: ExportLog, images_as_pixels: bool):
         self.depsgraph = depsgraph
         self.log = log
-        self.images = Images(log)
+        self.images = Images(log, images_as_pixels)
         self.scene = SceneDesc(images=self.images.descs)
         self._materials: dict = {}  # evaluated material or None -> (index, needs)
         self._meshes: dict = {}  # (evaluated mesh, slots) -> (index or None, needs)

@@ -9,16 +9,16 @@ from .desc import Constraint, Method, PixelFilter, RenderSettings
 AUTO_METHOD = Method.SMS_UNBIASED
 PREVIEW_SAMPLES = 16  # of the little renders of material and world previews
 
-# Field of RenderSettings that Specula overrides -> (its property, Cycles' property, "not set").
+# Field of RenderSettings = Specula's property -> (Cycles' property, "not set").
 OVERRIDES = {
-    "samples": ("samples", "samples", 0),
-    "time_limit": ("time_limit", "time_limit", 0.0),
-    "seed": ("seed", "seed", -1),
-    "max_bounces": ("max_bounces", "max_bounces", -1),
-    "max_diffuse_bounces": ("max_diffuse_bounces", "diffuse_bounces", -1),
-    "max_glossy_bounces": ("max_glossy_bounces", "glossy_bounces", -1),
-    "max_transmission_bounces": ("max_transmission_bounces", "transmission_bounces", -1),
-    "max_transparent_bounces": ("max_transparent_bounces", "transparent_max_bounces", -1),
+    "samples": ("samples", 0),
+    "time_limit": ("time_limit", 0.0),
+    "seed": ("seed", -1),
+    "max_bounces": ("max_bounces", -1),
+    "max_diffuse_bounces": ("diffuse_bounces", -1),
+    "max_glossy_bounces": ("glossy_bounces", -1),
+    "max_transmission_bounces": ("transmission_bounces", -1),
+    "max_transparent_bounces": ("transparent_max_bounces", -1),
 }
 
 # Fields that are Cycles' own.
@@ -40,9 +40,9 @@ def export_settings(scene, is_preview: bool = False) -> RenderSettings:
         threads=scene.render.threads if scene.render.threads_mode == "FIXED" else 0,
         transparent_film=scene.render.film_transparent,
     )
-    for name, (own_name, cycles_name, unset) in OVERRIDES.items():
-        value = getattr(own, own_name)
-        if value == unset:
+    for name, (cycles_name, _) in OVERRIDES.items():
+        value = getattr(own, name)
+        if is_inherited(scene, name):
             value = compat.cycles_value(scene, cycles_name, getattr(settings, name))
         setattr(settings, name, value)
     for name, cycles_name in INHERITED.items():
@@ -54,6 +54,35 @@ def export_settings(scene, is_preview: bool = False) -> RenderSettings:
     if is_preview:
         settings.samples = min(settings.samples, PREVIEW_SAMPLES)
     return settings
+
+
+def method_label(scene) -> str:
+    """The chosen method as the interface names it, and what it stands for if it is automatic."""
+    chosen, resolved = _method_name(scene, scene.specula.method), resolved_method(scene)
+    return chosen if chosen == resolved else f"{chosen} ({resolved})"
+
+
+def resolved_method(scene) -> str:
+    """The interface's name of the method that renders."""
+    return _method_name(scene, export_settings(scene).method.name)
+
+
+def _method_name(scene, identifier: str) -> str:
+    return scene.specula.bl_rna.properties["method"].enum_items[identifier].name
+
+
+def is_inherited(scene, name: str) -> bool:
+    """Whether the artist left a field of OVERRIDES to Cycles."""
+    return getattr(scene.specula, name) == OVERRIDES[name][1]
+
+
+def inherited_text(scene, name: str) -> str:
+    """What holds for such a field, as a line for the interface: "0: as Cycles, 64"."""
+    unset = OVERRIDES[name][1]
+    value = getattr(export_settings(scene), name)
+    if name == "time_limit":
+        value = f"{value:g} s" if value else "none"
+    return f"{unset:g}: as Cycles, {value}"
 
 
 def film_exposure(scene) -> float:

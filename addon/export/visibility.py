@@ -23,6 +23,7 @@ _WORLD_FLAGS = {
 
 
 def object_visibility(obj) -> Visibility:
+    """Of an object by itself."""
     visible = Visibility.NONE
     for name, flag in _OBJECT_FLAGS.items():
         if getattr(obj, name):
@@ -39,6 +40,7 @@ def instance_visibility(instance) -> Visibility:
 
 
 def world_visibility(world) -> Visibility:
+    """Cycles' flags of a world, which has none for shadows."""
     flags = getattr(world, "cycles_visibility", None)
     visible = Visibility.ALL
     for name, flag in _WORLD_FLAGS.items():
@@ -48,12 +50,16 @@ def world_visibility(world) -> Visibility:
 
 
 def caustics_role(instance) -> CausticsRole:
-    """Specula's setting; where it is AUTO, Cycles' caster flag asks for more than AUTO would.
+    """Of a depsgraph instance; read from the object that is instanced.
 
-    Read from the object that is instanced: `instance.object` is then a temporary copy, which leaks
-    the property group that reading one may create.
+    `instance.object` is then a temporary copy, which leaks the property group that reading one may
+    create.
     """
-    obj = instance.instance_object if instance.is_instance else instance.object
+    return object_role(instance.instance_object if instance.is_instance else instance.object)
+
+
+def object_role(obj) -> CausticsRole:
+    """Specula's setting; where it is AUTO, Cycles' caster flag asks for more than AUTO would."""
     role = CausticsRole[obj.specula.caustics]
     if role != CausticsRole.AUTO or not compat.cycles_value(obj, "is_caustics_caster", False):
         return role

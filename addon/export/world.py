@@ -11,6 +11,7 @@ from .material import Converter, plain_material
 
 
 def export_world(world, images: Images, log: ExportLog) -> MaterialDesc:
+    """The world's nodes, or its plain colour, as a material whose surface is a background."""
     if not compat.uses_nodes(world):
         color = (*world.color, 1.0)
         return plain_material(world.name, "background", "Background", color, Strength=1.0)

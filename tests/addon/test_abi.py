@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from specula import abi, passes
+from specula import abi
 from specula.export import desc
 
 INCLUDE = Path(__file__).parents[2] / "native" / "include"
@@ -43,6 +43,7 @@ ENUMS = {
     "SPC_METHOD_": desc.Method,
     "SPC_CONSTRAINT_": desc.Constraint,
     "SPC_FILTER_": desc.PixelFilter,
+    "SPC_PASS_": abi.Pass,
 }
 
 
@@ -95,7 +96,8 @@ def test_api_version():
 
 @pytest.mark.parametrize(("prefix", "enum"), ENUMS.items())
 def test_enumerations(prefix, enum):
-    assert constants(prefix) == {member.name: member.value for member in enum}
+    expected = {member.name: member.value for member in enum}
+    assert constants(prefix) in (expected, expected | {"COUNT": len(enum)})
 
 
 def test_visibility():
@@ -103,15 +105,13 @@ def test_visibility():
     assert constants("SPC_VISIBLE_") == expected
 
 
-def test_states_statuses_and_passes():
+def test_states_and_statuses():
     assert constants("SPC_RENDER_") == {
         "RUNNING": abi.RENDER_RUNNING,
         "DONE": abi.RENDER_DONE,
         "CANCELLED": abi.RENDER_CANCELLED,
         "FAILED": abi.RENDER_FAILED,
     }
-    sources = {row.name.upper(): row.source for row in passes.PASSES}
-    assert sources.items() <= constants("SPC_PASS_").items()
     status_count = len(
         re.findall(r"SPC_\w+ = \d", HEADER.split("typedef enum spc_status")[1].split("}")[0])
     )

@@ -96,6 +96,10 @@ def test_version():
     assert re.match(r"\d+\.\d+\.\d+ ", native.version())
 
 
+def test_a_build_with_openimageio_reads_image_files():
+    assert native.reads_image_files()
+
+
 # ------------------------------------------------------------------------------------------ renders
 
 

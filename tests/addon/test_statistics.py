@@ -4,8 +4,10 @@ from specula.statistics import Statistics
 
 
 def statistics(**render):
-    stats = Statistics("Scene", "Layer", "1.2.3", "SMS_UNBIASED", samples_done=16)
-    stats.scene_stats = native.struct_values(abi.SceneStats())
+    stats = Statistics(
+        "Scene", "Layer", "1.2.3", "SMS_UNBIASED", "Automatic (SMS Unbiased)", 16, 10
+    )
+    stats.scene_stats = native.struct_values(abi.SceneStats(casters=1, receivers=2))
     stats.render_stats = native.struct_values(abi.RenderStats(**render))
     stats.render_seconds = 2.0
     return stats
@@ -33,15 +35,36 @@ def test_rates():
             manifold_energy=50.0,
         ).rows()
     )
-    assert rows["Rays"] == "3000 (1.5e+03/s)"
-    assert "40.0% converged, 6.0 iterations" in rows["Walks"]
+    assert rows["Rays"] == "3,000 (1.5e+03/s)"
+    assert "40.0% found a path, 6.0 iterations" in rows["Walks"]
     assert rows["Trials"].startswith("3.0 on average")
-    assert rows["Energy given up"].startswith("2.000%")
+    assert rows["Possible loss"].startswith("2.000% of the caustics' light, 0 estimates")
+
+
+def test_wording():
+    rows = dict(statistics(nan_samples=1).rows())
+    assert rows["Method"] == "Automatic (SMS Unbiased)"
+    assert rows["Caustics"] == "1 caster, 2 receivers"
+    assert rows["Dropped"] == "1 sample not finite, 0 triangles of zero area"
+
+
+def test_uneven_samples_are_told():
+    assert dict(statistics(samples=160).rows())["Samples per pixel"] == "16"
+    uneven = dict(statistics(samples=275).rows())["Samples per pixel"]
+    assert uneven == "27.5 on average, 16 at least"
+
+
+def test_lines_on_walks_are_there_if_there_were_walks():
+    assert {"Walks", "Trials", "Possible loss"}.isdisjoint(dict(statistics().rows()))
+    labels = set(dict(statistics(walks=3).rows()))  # of the biased method
+    assert "Walks" in labels
+    assert {"Trials", "Possible loss"}.isdisjoint(labels)
 
 
 def test_stamp_holds_every_number_of_the_core():
     stamp = statistics(rays=7).stamp()
     assert stamp["specula.render.rays"] == "7"
     assert stamp["specula.samples_done"] == "16"
+    assert stamp["specula.method"] == "SMS_UNBIASED"
     assert {f"specula.render.{name}" for name, *_ in abi.RenderStats._fields_[1:]} <= set(stamp)
     assert {f"specula.scene.{name}" for name, *_ in abi.SceneStats._fields_[1:]} <= set(stamp)

@@ -364,8 +364,21 @@ def test_painted_image_gives_its_pixels(image_file):
     assert image_file.is_dirty
     desc, _ = added(image_file)
     assert desc.path is None
-    assert desc.pixels[0, 0, 0] == 1.0
+    assert desc.pixels.dtype == np.uint8
+    assert desc.pixels[0, 0, 0] == 255
     assert desc.color_space == ColorSpace.SRGB
+
+
+@pytest.mark.parametrize("packed", [False, True])
+def test_blender_decodes_images_for_a_core_that_does_not(image_file, packed):
+    if packed:
+        image_file.pack()
+    images = Images(ExportLog(), as_pixels=True)
+    images.add(image_file, "user")
+    (desc,) = images.descs
+    assert (desc.path, desc.encoded) == (None, None)
+    assert (desc.pixels.shape, desc.pixels.dtype) == ((4, 4, 4), np.uint8)
+    assert (desc.color_space, desc.alpha_mode) == (ColorSpace.SRGB, AlphaMode.STRAIGHT)
 
 
 def test_packed_image_gives_its_bytes(image_file, tmp_path):

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import bpy
 import pytest
+from scenes import add_mesh, add_node, new_material, surface
 
 import specula
-from specula import passes, ui
+from specula import abi, native, passes, statistics, ui
 
 OWNERS = (bpy.types.Scene, bpy.types.Object, bpy.types.Light, bpy.types.World, bpy.types.ViewLayer)
 
@@ -55,13 +56,14 @@ class Recorder:
 
     def __init__(self):
         self.shown = []
+        self.texts = []
 
     def prop(self, owner, name, **_):
         assert hasattr(owner, name), f"{owner} has no {name}"
         self.shown.append(name)
 
-    def label(self, **_):
-        pass
+    def label(self, text="", **_):
+        self.texts.append(text)
 
     def separator(self):
         pass
@@ -78,12 +80,12 @@ class Context:
     def __init__(self, **members):
         self.scene = bpy.context.scene
         self.view_layer = bpy.context.view_layer
-        self.light = self.object = self.world = None
+        self.light = self.object = self.world = self.material = None
         self.__dict__.update(members)
 
 
 def draw(panel, context):
-    """Calls the panel's own draw with a recording layout; returns the properties it shows."""
+    """Calls the panel's own draw with a recording layout, which it returns."""
 
     class Drawn:
         layout = Recorder()
@@ -93,19 +95,96 @@ def draw(panel, context):
         setattr(Drawn, name, getattr(panel, name, None))
     assert panel.poll.__func__(panel, context)
     panel.draw(Drawn(), context)
-    return Drawn.layout.shown
+    return Drawn.layout
+
+
+def glass(roughness=0.0):
+    material = new_material("Glass")
+    add_node(material, "ShaderNodeBsdfGlass", surface(material)).inputs[
+        "Roughness"
+    ].default_value = roughness
+    return material
 
 
 @pytest.mark.parametrize("light", ["POINT", "SPOT", "SUN", "AREA"])
 def test_every_panel_draws(light):
     members = {
         "light": bpy.data.lights.new("Light", light),
-        "object": bpy.data.objects.new("Object", None),
+        "object": add_mesh(),
         "world": bpy.data.worlds.new("World"),
+        "material": new_material(),
     }
     for panel in ui.PANELS:
-        shown = draw(panel, Context(**members))
-        assert shown or panel is ui.SPECULA_PT_statistics
+        layout = draw(panel, Context(**members))
+        assert layout.shown or layout.texts
+
+
+def test_settings_that_are_left_to_cycles_say_what_holds():
+    scene = bpy.context.scene
+    scene.specula.samples, scene.cycles.samples = 0, 77
+    layout = draw(ui.SPECULA_PT_sampling, Context())
+    assert "0: as Cycles, 77" in layout.texts
+    assert "SMS Unbiased" in layout.texts
+    assert layout.shown.index("samples") < layout.shown.index("method")
+    scene.specula.samples = 5
+    assert "0: as Cycles, 77" not in draw(ui.SPECULA_PT_sampling, Context()).texts
+
+
+def test_advanced_settings_are_closed_and_only_there_where_they_matter():
+    panel = ui.SPECULA_PT_advanced
+    assert panel.bl_parent_id == "SPECULA_PT_sampling"
+    assert panel.bl_options == {"DEFAULT_CLOSED"}
+    assert draw(panel, Context()).shown == ["constraint", "two_stage"]
+    bpy.context.scene.specula.method = "PT"
+    assert not panel.poll.__func__(panel, Context())
+
+
+def test_statistics_show_every_line():
+    stats = statistics.Statistics("Scene", "ViewLayer", "1.2", "PT", "Path Tracing")
+    stats.scene_stats = native.struct_values(abi.SceneStats())
+    stats.render_stats = native.struct_values(abi.RenderStats())
+    stats.report = ["Glass: caster, single-bounce manifold (Glass BSDF, roughness 0)"]
+    stats.warnings = ["light Lamp: textures in a light are not supported, white is used"]
+    statistics.last["Scene", "ViewLayer"] = stats
+    texts = draw(ui.SPECULA_PT_statistics, Context()).texts
+    assert {label for label, _ in stats.rows()} <= set(texts)
+    assert {"Path Tracing", "Glass", "single-bounce manifold (Glass BSDF"} <= set(texts)
+    assert {"light Lamp", "white is used"} <= set(texts)
+
+
+def test_statistics_are_open():
+    assert "DEFAULT_CLOSED" not in getattr(ui.SPECULA_PT_statistics, "bl_options", ())
+
+
+def test_an_object_tells_its_part_in_caustics():
+    obj = add_mesh(material=glass())
+    texts = draw(ui.SPECULA_PT_object_caustics, Context(object=obj)).texts
+    assert "Casts caustics, shows none" in texts
+    assert "roughness 0" in texts
+    obj.specula.caustics = "OFF"
+    texts = draw(ui.SPECULA_PT_object_caustics, Context(object=obj)).texts
+    assert texts == ["No part in caustics"]
+
+
+def test_a_material_tells_why_it_casts_no_caustics():
+    rough = Context(material=glass(roughness=0.5))
+    texts = draw(ui.SPECULA_PT_material_caustics, rough).texts
+    assert "Shows caustics, casts none" in texts
+    assert any("roughness 0.5" in text for text in texts)
+
+
+def test_without_the_core_the_panels_say_so(monkeypatch):
+    def missing():
+        raise native.NativeError("the core library is missing")
+
+    monkeypatch.setattr(native, "library", missing)
+    context = Context(object=add_mesh(), material=new_material())
+    for panel in (
+        ui.SPECULA_PT_sampling,
+        ui.SPECULA_PT_object_caustics,
+        ui.SPECULA_PT_material_caustics,
+    ):
+        assert "the core library is missing" in draw(panel, context).texts
 
 
 def test_panels_stay_away_from_other_engines():

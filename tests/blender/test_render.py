@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Final renders through Blender's own render call and the real core."""
 
+import re
 import subprocess
 import time
+from types import SimpleNamespace
 
 import bpy
 import numpy as np
@@ -189,8 +191,41 @@ def test_statistics_are_printed_as_one_block(glowing_quad, tmp_path, capfd):
     render_layers(tmp_path)
     output = "".join(capfd.readouterr())
     assert last_stats().block() in output
-    for label in ("Version:", "Samples per pixel:", "Rays:", "Walks:", "Energy given up:"):
+    for label in ("Version:", "Samples per pixel:", "Rays:", "Dropped:"):
         assert output.count(label) == 1
+
+
+def test_statistics_do_not_outlive_their_file(glowing_quad):
+    bpy.ops.render.render()
+    assert statistics.last
+    bpy.ops.wm.read_homefile(use_empty=True)
+    assert not statistics.last
+
+
+def test_progress_tells_samples_time_and_what_is_left(glowing_quad, monkeypatch):
+    texts = []
+    monkeypatch.setattr(rendering, "SHOW_SECONDS", 0.05)
+    monkeypatch.setattr(rendering, "POLL_MILLISECONDS", 20)
+    progress_text = rendering.progress_text
+    monkeypatch.setattr(
+        rendering, "progress_text", lambda *args: texts.append(progress_text(*args)) or texts[-1]
+    )
+    glowing_quad.specula.samples = 1 << 20
+    glowing_quad.specula.time_limit = 0.5
+    bpy.ops.render.render()
+    pattern = re.compile(r"Specula: sample ([\d.]+)/1048576 \| 0:0\d, 0:0\d left")
+    samples = [float(pattern.fullmatch(text)[1]) for text in texts]
+    assert samples == sorted(samples)
+    assert 0 < samples[0] < samples[-1] < 1 << 20
+
+
+def test_progress_text():
+    progress = SimpleNamespace(fraction=0.25, seconds=1200.4)
+    assert rendering.progress_text(progress, 16.04, 64) == (
+        "Specula: sample 16.0/64 | 20:00, 1:00:01 left"
+    )
+    progress = SimpleNamespace(fraction=0.0, seconds=0.3)
+    assert rendering.progress_text(progress, 0.0, 64) == "Specula: sample 0.0/64 | 0:00"
 
 
 def test_a_time_limit_is_a_success(glowing_quad, tmp_path):

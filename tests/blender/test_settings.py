@@ -4,7 +4,13 @@ import bpy
 import pytest
 
 from specula.export.desc import Constraint, Method, PixelFilter
-from specula.export.settings import PREVIEW_SAMPLES, export_settings
+from specula.export.settings import (
+    PREVIEW_SAMPLES,
+    export_settings,
+    inherited_text,
+    is_inherited,
+    method_label,
+)
 
 CYCLES = {
     "samples": 77,
@@ -82,6 +88,23 @@ def test_method_and_constraint(scene):
     scene.specula.method, scene.specula.constraint = "PT", "ANGLE_DIFFERENCE"
     settings = export_settings(scene)
     assert (settings.method, settings.constraint) == (Method.PT, Constraint.ANGLE_DIFFERENCE)
+
+
+def test_labels_are_those_of_the_interface(scene):
+    assert method_label(scene) == "Automatic (SMS Unbiased)"
+    scene.specula.method = "SMS_BIASED"
+    assert method_label(scene) == "SMS Biased"
+
+
+def test_what_holds_where_nothing_is_set(scene):
+    assert inherited_text(scene, "samples") == "0: as Cycles, 77"
+    assert inherited_text(scene, "time_limit") == "0: as Cycles, 5 s"
+    assert inherited_text(scene, "max_diffuse_bounces") == "-1: as Cycles, 1"
+    scene.cycles.time_limit = 0.0
+    assert inherited_text(scene, "time_limit") == "0: as Cycles, none"
+    assert is_inherited(scene, "samples")
+    scene.specula.samples = 1
+    assert not is_inherited(scene, "samples")
 
 
 def test_seed_follows_the_frame_only_if_animated(scene):

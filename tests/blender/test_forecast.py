@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the panels foretell is what the render then does."""
+
+import bpy
+import pytest
+from scenes import add_camera, add_light, add_mesh, add_node, new_material, surface
+
+from specula import forecast, statistics
+
+
+def material_of(bl_idname: str, **inputs):
+    material = new_material(bl_idname)
+    node = add_node(material, bl_idname, surface(material))
+    for name, value in inputs.items():
+        node.inputs[name].default_value = value
+    return material
+
+
+def mixed():
+    """Diffuse and mirror: casts and receives; the mirror has a texture."""
+    material = new_material("Mixed")
+    mix = add_node(material, "ShaderNodeMixShader", surface(material))
+    add_node(material, "ShaderNodeBsdfDiffuse", mix.inputs[1])
+    mirror = add_node(material, "ShaderNodeBsdfGlossy", mix.inputs[2])
+    mirror.inputs["Roughness"].default_value = 0.0
+    add_node(material, "ShaderNodeTexImage", mirror.inputs["Color"])
+    return material
+
+
+MATERIALS = {
+    "glass": lambda: material_of("ShaderNodeBsdfGlass", Roughness=0.0),
+    "rough glass": lambda: material_of("ShaderNodeBsdfGlass", Roughness=0.5),
+    "diffuse": lambda: material_of("ShaderNodeBsdfDiffuse"),
+    "mixed": mixed,
+    "none": lambda: None,
+}
+
+
+@pytest.mark.parametrize("role", ["AUTO", "CASTER", "RECEIVER", "BOTH", "OFF"])
+@pytest.mark.parametrize("material", MATERIALS)
+def test_the_forecast_of_an_object_is_what_the_render_counts(material, role):
+    obj = add_mesh("Quad", material=MATERIALS[material]())
+    obj.specula.caustics = role
+    add_camera()
+    add_light()
+    found = forecast.of_object(obj)
+    bpy.ops.render.render()
+    counted = statistics.last["Scene", "ViewLayer"].scene_stats
+    assert (found.casts, found.receives) == (bool(counted["casters"]), bool(counted["receivers"]))
+
+
+def test_slots_count_together():
+    obj = add_mesh(material=MATERIALS["diffuse"]())
+    obj.data.materials.append(MATERIALS["glass"]())
+    found = forecast.of_object(obj)
+    assert found.casts
+    assert found.receives
+
+
+def test_what_hides_from_scattered_rays_casts_nothing():
+    obj = add_mesh(material=MATERIALS["glass"]())
+    obj.visible_diffuse = False
+    assert not forecast.of_object(obj).casts
+
+
+def test_the_flag_of_cycles_counts_where_the_role_is_automatic():
+    obj = add_mesh(material=MATERIALS["mixed"]())
+    assert forecast.of_object(obj).receives
+    obj.cycles.is_caustics_caster = True
+    assert not forecast.of_object(obj).receives
+
+
+@pytest.mark.parametrize(
+    ("material", "casts", "reason"),
+    [
+        ("glass", True, "Glass BSDF, roughness 0, IOR"),
+        ("rough glass", False, "roughness 0.5"),
+        ("diffuse", False, "no specular closure"),
+        ("mixed", True, "Glossy BSDF, roughness 0"),
+    ],
+)
+def test_a_material_says_why(material, casts, reason):
+    found = forecast.of_material(MATERIALS[material]())
+    assert found.casts == casts
+    assert reason in found.reason

@@ -109,8 +109,8 @@ struct PathTracer {
             const ChainEnd end{
                 distant, distant ? Vec3(0.0f) : surface.p + light->wi * light->distance, light->wi};
             uint32_t transparent_left = bounces.transparent_left(settings.limits);
-            through = transmittance(scene(), surface.p, surface.ng, end, kVisibleShadow,
-                                    transparent_left, stats.rays);
+            through = transmittance(scene(), {surface.p, surface.ng, surface.p_error}, end,
+                                    kVisibleShadow, transparent_left, stats.rays);
         }
         const float density = light->delta ? light->pdf_omega : light->pdf_omega + f.pdf_omega;
         return f.f_cos * light->radiance * through *
@@ -238,11 +238,12 @@ PathSample path_radiance(const RenderScene& world, const IntegratorSettings& set
             out.radiance += throughput * path.direct_radiance(surface, here);
             if (receives) {
                 const Spectrum caustic =
-                    throughput *
-                    manifold_radiance(scene, world.lights, world.casters, settings.manifold,
-                                      {surface.p, surface.ng, surface.wo, &surface.closures,
-                                       path.bounces.transparent_left(settings.limits)},
-                                      here, stats.manifold);
+                    throughput * manifold_radiance(scene, world.lights, world.casters,
+                                                   settings.manifold,
+                                                   {surface.p, surface.p_error, surface.ng,
+                                                    surface.wo, &surface.closures,
+                                                    path.bounces.transparent_left(settings.limits)},
+                                                   here, stats.manifold);
                 out.radiance += caustic;
                 out.caustics += caustic;
             }
@@ -266,7 +267,8 @@ PathSample path_radiance(const RenderScene& world, const IntegratorSettings& set
             continue;
         }
         path.append(surface, *next, receives);
-        ray = {offset_origin(surface.p, surface.ng, next->wi), next->wi, 0.0f, kInfinity};
+        ray = {offset_origin({surface.p, surface.ng, surface.p_error}, next->wi), next->wi, 0.0f,
+               kInfinity};
     }
     return out;
 }

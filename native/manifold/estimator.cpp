@@ -29,12 +29,12 @@ bool chain_is_clear(const Scene& scene, const LightSet& lights, const Receiver& 
     const ChainEnd vertex{false, root.patch.p, Vec3(0.0f)};
     uint32_t transparent_left = receiver.transparent_left;
     // Chains that look through a caster first are path tracing's: see ChainClass::through_caster.
-    through = transmittance(scene, receiver.p, receiver.ng, vertex, kVisibleDiffuse,
-                            transparent_left, stats.rays, Opaque::casters_too);
+    through = transmittance(scene, {receiver.p, receiver.ng, receiver.p_error}, vertex,
+                            kVisibleDiffuse, transparent_left, stats.rays, Opaque::casters_too);
     if (is_black(through)) return false;
     if ((visibility & kVisibleShadow) == 0) return true;
-    through *= transmittance(scene, root.patch.p, root.patch.ng, end_of(y), kind, transparent_left,
-                             stats.rays);
+    through *= transmittance(scene, {root.patch.p, root.patch.ng, root.patch.p_error}, end_of(y),
+                             kind, transparent_left, stats.rays);
     return !is_black(through);
 }
 

@@ -2,7 +2,7 @@
 // What lies between a surface and the light, or the next vertex, that a path connects it to.
 #pragma once
 
-#include "scene/scene.h"
+#include "scene/surface.h"
 
 namespace spc {
 
@@ -28,11 +28,11 @@ enum class Opaque : uint8_t {
     casters_too   // and every caster, however transparent
 };
 
-// Fraction of light that passes from the surface point a to `end` (both excluded) through
+// Fraction of light that passes from the surface point `from` to `end` (both excluded) through
 // transparent surfaces, as a ray of `kind` sees them. Takes those surfaces off `transparent_left`;
 // one more blocks. Counts the rays that it casts in `rays`.
-Spectrum transmittance(const Scene& scene, const Vec3& a, const Vec3& ng_a, const ChainEnd& end,
-                       uint32_t kind, uint32_t& transparent_left, uint64_t& rays,
+Spectrum transmittance(const Scene& scene, const RayStart& from, const ChainEnd& end, uint32_t kind,
+                       uint32_t& transparent_left, uint64_t& rays,
                        Opaque opaque = Opaque::by_material);
 
 }  // namespace spc

@@ -16,7 +16,7 @@ namespace {
 constexpr uint64_t kMaxTexels = uint64_t{1} << 29;
 
 [[noreturn]] void fail(ErrorKind kind, const std::string& name, const std::string& what) {
-    throw Error(kind, "image \"" + name + "\": " + what);
+    throw Error(kind, named("image", name) + ": " + what);
 }
 
 void check_size(const std::string& name, uint64_t width, uint64_t height, uint64_t channels) {

@@ -54,7 +54,7 @@ public:
     }
 
 private:
-    std::string material() const { return "material \"" + graph_.name + "\""; }
+    std::string material() const { return named("material", graph_.name); }
     std::string at(uint32_t node, std::string_view socket = {}) const {
         return where(graph_.name, graph_.nodes[node], socket);
     }
@@ -199,8 +199,8 @@ private:
 }  // namespace
 
 std::string where(const std::string& material, const GraphNode& node, std::string_view socket) {
-    std::string text = "material \"" + material + "\", node \"" +
-                       (node.name.empty() ? node.kind : node.name) + "\"";
+    std::string text = named("material", material) + ", " +
+                       named("node", node.name.empty() ? node.kind : node.name);
     if (!socket.empty()) text += ", socket \"" + std::string(socket) + "\"";
     return text;
 }

@@ -250,6 +250,7 @@ std::unique_ptr<Scene> SceneBuilder::freeze(uint32_t threads) {
     require_complete();
     for (const Material& material : scene_->materials)
         for (const std::string& warning : material.warnings) scene_->report.push_back(warning);
+    report_images(*scene_);
     resolve_uv_layers(*scene_);
     assign_caustics_roles(*scene_);
     bake_single_users(*scene_);

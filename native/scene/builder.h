@@ -37,6 +37,7 @@ private:
 };
 
 // Steps of freeze(), in this order. Each may append to scene.report.
+void report_images(Scene& scene);
 void bake_single_users(Scene& scene);  // world-space vertices for meshes with one instance
 void resolve_uv_layers(Scene& scene);  // layer names -> indices, fallback tangents
 void assign_caustics_roles(Scene& scene);

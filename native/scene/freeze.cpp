@@ -71,6 +71,14 @@ void resolve_uv_layers(Scene& scene) {
     }
 }
 
+void report_images(Scene& scene) {
+    for (const Image& image : scene.images)
+        if (image.repaired_texels > 0)
+            scene.report.push_back(
+                fmt::format("image \"{}\": {} texels were not finite and are read as 0", image.name,
+                            image.repaired_texels));
+}
+
 void assign_caustics_roles(Scene& scene) {
     for (Instance& instance : scene.instances) {
         const CausticsRole role = instance.role;

@@ -252,6 +252,7 @@ std::unique_ptr<Scene> SceneBuilder::freeze(uint32_t threads) {
         for (const std::string& warning : material.warnings) scene_->report.push_back(warning);
     report_images(*scene_);
     resolve_uv_layers(*scene_);
+    note_materials(*scene_);
     assign_caustics_roles(*scene_);
     bake_single_users(*scene_);
     bound_scene(*scene_);

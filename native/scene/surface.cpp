@@ -107,8 +107,7 @@ void fill_point(const Scene& scene, const SurfaceHit& hit, const T& u, const T& 
             normalize(apply_rows(normal_rows(instance.world_to_object), point.normal_object));
     }
     if ((reads & (kReadsUv | kReadsTangent)) != 0) {
-        const std::vector<uint32_t>& layers =
-            instance.uv_layers[mesh.slots.empty() ? 0 : mesh.slots[hit.triangle]];
+        const std::vector<uint32_t>& layers = instance.uv_layers[mesh.slot_of(hit.triangle)];
         for (size_t i = 0; i < layers.size(); ++i) {
             if (layers[i] == kNone) {
                 at.uvs[i] = {T(0.0f), T(0.0f)};
@@ -147,6 +146,17 @@ void point_seen_from(const Scene& scene, const SurfaceHit& hit, const Vec3& wo, 
     at.point.wo = wo;
 }
 
+// One thing that a material's program gives at a hit, without closures.
+template <class Evaluate>
+Spectrum evaluate_alone(const Evaluate& evaluate, const Scene& scene, const SurfaceHit& hit,
+                        const Vec3& wo) {
+    const Material& material = scene.material_of(hit);
+    PointAt<float> at;
+    point_seen_from(scene, hit, wo, material.reads,
+                    scene.triangle_world(hit.instance, hit.triangle), at);
+    return evaluate(material, scene.images, at.point);
+}
+
 }  // namespace
 
 Vec3 front_normal(const Scene& scene, uint32_t instance, uint32_t triangle) {
@@ -165,8 +175,7 @@ Vec3 surface_position(const Scene& scene, const SurfaceHit& hit) {
 
 void evaluate_surface(const Scene& scene, const SurfaceHit& hit, const Vec3& wo, Surface& surface) {
     surface.hit = hit;
-    surface.material = scene.material_index(hit.instance, hit.triangle);
-    const Material& material = scene.materials[surface.material];
+    const Material& material = scene.material_of(hit);
     const std::array<Vec3, 3> corner = scene.triangle_world(hit.instance, hit.triangle);
     PointAt<float> at;
     point_seen_from(scene, hit, wo, material.reads, corner, at);
@@ -182,20 +191,13 @@ void evaluate_surface(const Scene& scene, const SurfaceHit& hit, const Vec3& wo,
 
 Spectrum surface_emission(const Scene& scene, const SurfaceHit& hit, const Vec3& wo) {
     const Material& material = scene.material_of(hit);
-    if (!material.emits) return Spectrum(0.0f);
-    PointAt<float> at;
-    point_seen_from(scene, hit, wo, material.reads,
-                    scene.triangle_world(hit.instance, hit.triangle), at);
-    return evaluate_emission(material, scene.images, at.point);
+    return material.emits ? evaluate_alone(evaluate_emission, scene, hit, wo) : Spectrum(0.0f);
 }
 
 Spectrum surface_transparency(const Scene& scene, const SurfaceHit& hit, const Vec3& wo) {
     const Material& material = scene.material_of(hit);
-    if (!material.may_be_transparent) return Spectrum(0.0f);
-    PointAt<float> at;
-    point_seen_from(scene, hit, wo, material.reads,
-                    scene.triangle_world(hit.instance, hit.triangle), at);
-    return evaluate_transparency(material, scene.images, at.point);
+    return material.may_be_transparent ? evaluate_alone(evaluate_transparency, scene, hit, wo)
+                                       : Spectrum(0.0f);
 }
 
 CasterPatch evaluate_caster(const Scene& scene, const SurfaceHit& hit, bool smooth_base) {

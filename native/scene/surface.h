@@ -23,7 +23,6 @@ struct Surface {
     Vec3 n;           // unit interpolated normal on the side of wo (before any normal map)
     Vec3 wo;          // unit, towards where the path came from
     bool backfacing;  // wo sees the back of the triangle
-    uint32_t material;
     ClosureList closures;
 };
 

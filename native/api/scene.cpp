@@ -321,7 +321,7 @@ spc_status spc_scene_commit(spc_scene* scene, uint32_t threads) {
         // From here on only a lack of memory can stop it; then the scene is lost, and says so to
         // every later call.
         const std::unique_ptr<spc::SceneBuilder> taken = std::move(scene->builder);
-        spc::RenderScene world = spc::prepare(taken->freeze(threads));
+        spc::RenderScene world = spc::prepare(taken->freeze(threads), threads);
         for (const std::string& line : world.scene->report) scene->report += line + "\n";
         scene->world = std::move(world);
         scene->commit_seconds =

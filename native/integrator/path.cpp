@@ -178,9 +178,9 @@ bool survive_roulette(Spectrum& throughput, const Sampler& sampler) {
 
 }  // namespace
 
-RenderScene prepare(std::unique_ptr<Scene> scene) {
+RenderScene prepare(std::unique_ptr<Scene> scene, uint32_t threads) {
     RenderScene world;
-    world.lights = build_lights(*scene);
+    world.lights = build_lights(*scene, threads);
     world.casters = build_casters(*scene);
     world.scene = std::move(scene);
     return world;

@@ -62,7 +62,7 @@ uint32_t LightSet::count(const Scene& scene) const {
     return static_cast<uint32_t>(scene.lights.size() + emissive.size()) + (has_world ? 1u : 0u);
 }
 
-LightSet build_lights(const Scene& scene) {
+LightSet build_lights(const Scene& scene, uint32_t threads) {
     LightSet lights;
     std::vector<double> power, caustic_power;
     // Suns and world pour through the disc that the scene's bounding sphere shows them.
@@ -90,7 +90,7 @@ LightSet build_lights(const Scene& scene) {
         power.push_back(built->flux);
         caustic_power.push_back(built->flux);
     }
-    build_world(scene, lights);
+    build_world(scene, lights, threads);
     if (lights.has_world) {
         lights.visibility.push_back(scene.environment.visibility | kVisibleShadow);
         const bool seen = (scene.environment.visibility & kSeenByBounces) != 0;

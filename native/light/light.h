@@ -37,7 +37,8 @@ struct LightSet {
 
     uint32_t count(const Scene& scene) const;
 };
-LightSet build_lights(const Scene& scene);
+// `threads` 0 = all.
+LightSet build_lights(const Scene& scene, uint32_t threads = 0);
 
 // Bits of Visibility: which rays see a light. kVisibleShadow: objects block it; only a lamp can be
 // without.

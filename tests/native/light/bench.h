@@ -71,7 +71,7 @@ struct Lit {
 };
 inline Lit freeze(SceneMaker& maker) {
     Lit lit{maker.builder.freeze(1), {}};
-    lit.lights = build_lights(*lit.scene);
+    lit.lights = build_lights(*lit.scene, 1);
     return lit;
 }
 inline Lit lit_by(const std::vector<LightDesc>& lamps) {

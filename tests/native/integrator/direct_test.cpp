@@ -273,5 +273,34 @@ TEST(TransparentFilm, AlphaIsWhatHidesTheWorld) {
     }
 }
 
+// A lamp without shadow lights the floor as if nothing stood in between, by whichever rays.
+TEST(DirectLight, LampsWithoutShadowShineThroughEverything) {
+    const auto below = [](const LightDesc& light, bool blocked) {
+        SceneMaker maker;
+        maker.add(test::square(10.0f), test::diffuse(kAlbedo));
+        if (blocked)
+            maker.add(test::square(10.0f), test::diffuse(0.0f), test::translation(Vec3(0, 0, 1.2f)));
+        maker.builder.add_light(light);
+        return test::estimate(maker.finish(), direct_only(), 20000, kAtOrigin).radiance;
+    };
+    LightDesc sun = lamp(LightType::sun, {}, 3.0f), bulb = lamp(LightType::point),
+              panel = lamp(LightType::area, test::translation(Vec3(0, 0, 2)));
+    sun.sun_angle = 1.5f;
+    bulb.to_world = test::translation(Vec3(0, 0, 3));
+    bulb.radius = 1.4f;
+    panel.size = Vec2(4.0f, 4.0f);
+    for (const LightDesc& light : {sun, bulb, panel}) {
+        LightDesc without = light;
+        without.visibility = kVisibleAll & ~uint32_t{kVisibleShadow};
+        const test::MeanEstimate free = below(light, false);
+        for (const bool blocked : {false, true}) {
+            const test::MeanEstimate e = below(without, blocked);
+            const double error = std::hypot(e.standard_error(), free.standard_error());
+            EXPECT_NEAR(e.mean(), free.mean(), 5.0 * error + 1e-5) << blocked;
+            EXPECT_LT(5.0 * error, 0.05 * free.mean()) << "too little power";
+        }
+    }
+}
+
 }  // namespace
 }  // namespace spc

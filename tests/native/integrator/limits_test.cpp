@@ -226,6 +226,29 @@ TEST(VisibilitySlow, MixedFloorsSeeEachLightByTheirOwnHalf) {
         }
 }
 
+// The same with a red and a blue half: light that one of them alone sees never has the other's
+// colour, by whichever rays.
+TEST(Visibility, MixedFloorsKeepTheColourOfTheHalfThatSees) {
+    const Graph red = test::single_shader("bsdf_diffuse", {{1, "Color", {0.8f, 0, 0, 1}}});
+    const Graph blue = test::single_shader(
+        "bsdf_glossy", {{1, "Color", {0, 0, 1, 1}}, {1, "Roughness", {0.3f, 0, 0, 0}}});
+    for (const auto add : {glowing_mesh, area_lamp, white_world})
+        for (const bool diffuse : {true, false}) {
+            SceneMaker maker;
+            maker.add(test::square(1.0f), test::combined(red, blue, 0.5f));
+            add(maker, (diffuse ? kVisibleDiffuse : kVisibleGlossy) | kVisibleShadow);
+            const RenderScene world = maker.finish();
+            const Ray ray = test::ray_to({0.2f, 0.0f, 0.5f}, {0.0f, 0.0f, 0.0f});
+            PathStats stats;
+            Spectrum sum(0.0f);
+            for (uint32_t i = 0; i < 2000; ++i)
+                sum +=
+                    path_radiance(world, test::unlimited(), ray, Sampler(1, i, 0), stats).radiance;
+            EXPECT_GT(diffuse ? sum.x : sum.z, 100.0f);
+            EXPECT_EQ(diffuse ? sum.z : sum.x, 0.0f);
+        }
+}
+
 TEST(Visibility, CameraAndTransmission) {
     const auto radiance = [](bool through_glass, uint32_t visibility,
                              void (*add)(SceneMaker&, uint32_t)) {

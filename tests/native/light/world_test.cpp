@@ -84,7 +84,7 @@ TEST(World, PanoramaOfOneColourIsSampledEvenly) {
 
 // Images of any shape and of more texels than the table has cells: one bright texel on an even
 // ground is always found, and the density gives it its share.
-TEST(World, OneBrightTexelOfAnyImageIsNotMissed) {
+TEST(WorldSlow, OneBrightTexelOfAnyImageIsNotMissed) {
     for (const auto& [width, height] :
          {std::pair{3001u, 700u}, std::pair{700u, 1501u}, std::pair{5000u, 2500u}})
         for (const uint32_t place : {3u, 5u}) {

@@ -153,7 +153,7 @@ struct PathTracer {
     Spectrum unblocked(const Surface& surface, const DirectSample& light) {
         const bool distant = std::isinf(light.distance);
         const ChainEnd end{distant, distant ? Vec3(0.0f) : surface.p + light.wi * light.distance,
-                           light.wi};
+                           light.wi, light.margin};
         uint32_t transparent_left = bounces.transparent_left(settings.limits);
         return transmittance(scene(), {surface.p, surface.ng, surface.p_error}, end, kVisibleShadow,
                              transparent_left, stats.rays);

@@ -52,8 +52,10 @@ std::optional<DirectSample> sample_emitter_from(const LightSet& lights, const Sc
     if (!(cos > 0.0f)) return std::nullopt;
     const Spectrum radiance = surface_emission(scene, q.hit, wi * -1.0f);
     if (is_black(radiance)) return std::nullopt;
+    const float margin = position_error(scene, q.hit.instance, q.hit.triangle) / cos;
     return DirectSample{
-        wi, d, radiance, q.pdf_area * d2 / cos, false, light_index_of_emitter(lights, emitter)};
+        wi,    d, radiance, q.pdf_area * d2 / cos, false, light_index_of_emitter(lights, emitter),
+        margin};
 }
 
 }  // namespace

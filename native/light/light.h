@@ -55,6 +55,7 @@ struct DirectSample {
     float density;  // 1/sr; of a delta light the probability of its selection
     bool delta;
     uint32_t light;
+    float margin = 0.0f;  // of a mesh: as ChainEnd has it
 };
 std::optional<DirectSample> sample_direct(const LightSet& lights, const Scene& scene, const Vec3& p,
                                           const Vec3& u);

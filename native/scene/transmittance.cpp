@@ -12,7 +12,7 @@ Spectrum transmittance(const Scene& scene, const RayStart& from, const ChainEnd&
     // Aimed anew from where the ray starts: a parallel ray would meet the far surface off its mark.
     const Vec3 origin = offset_origin(from, direction);
     direction = end.from(origin, distance);
-    Ray ray{origin, direction, 0.0f, distance * (1.0f - kFarMargin)};
+    Ray ray{origin, direction, 0.0f, distance * (1.0f - kFarMargin) - end.margin};
     Spectrum through(1.0f);
     for (;;) {
         ++rays;

@@ -11,6 +11,9 @@ struct ChainEnd {
     bool distant;
     Vec3 p;          // if not distant
     Vec3 direction;  // if distant: unit, towards the light
+    // How far along the ray rounding may put the surface on which p lies, m; 0 if p lies on none
+    // that blocks.
+    float margin = 0.0f;
     Vec3 from(const Vec3& vertex, float& distance) const {
         if (distant) {
             distance = kInfinity;

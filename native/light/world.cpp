@@ -51,8 +51,9 @@ struct Table {
 
 Table tabulate(const Scene& scene, const Material& material, uint32_t threads) {
     const uint32_t wanted = columns_to_look_at(scene, material);
-    const uint32_t width = std::clamp(wanted, kLeastWidth, kMostWidth) & ~1u, height = width / 2;
-    const uint32_t finer = (wanted + width - 1) / width;
+    const uint32_t finer = (wanted + kMostWidth - 1) / kMostWidth;
+    const uint32_t height = (std::max((wanted + finer - 1) / finer, kLeastWidth) + 1) / 2,
+                   width = 2 * height;
     Table table{width, height, std::vector<float>(static_cast<size_t>(width) * height)};
     const auto brightness = [&](uint32_t fine_x, uint32_t fine_y) {
         const Vec2 position(

@@ -5,18 +5,22 @@
 #include "core/error.h"
 #include "specula/specula.h"
 
+#include <initializer_list>
 #include <new>
 
 namespace spc::api {
 
 void set_last_error(const std::string& message);
 
-// Runs `body`, turns whatever it throws into a status and a message.
+// Runs `body`, turns whatever it throws into a status and a message. What is not an Error is not for
+// the user to mend: the message then names the function.
 template <class Body>
 spc_status gate(const char* function, Body&& body) noexcept {
-    const auto fail = [&](spc_status status, const char* what) {
+    const auto fail = [](spc_status status, std::initializer_list<const char*> parts) {
         try {
-            set_last_error(std::string(function) + ": " + what);
+            std::string message;
+            for (const char* part : parts) message += part;
+            set_last_error(message);
         } catch (...) {  // no memory for the message: the status still says what happened
         }
         return status;
@@ -26,20 +30,19 @@ spc_status gate(const char* function, Body&& body) noexcept {
         return SPC_OK;
     } catch (const Error& error) {
         switch (error.kind()) {
-            case ErrorKind::invalid_argument: return fail(SPC_INVALID_ARGUMENT, error.what());
-            case ErrorKind::wrong_state: return fail(SPC_WRONG_STATE, error.what());
-            case ErrorKind::io: return fail(SPC_IO_ERROR, error.what());
-            case ErrorKind::unsupported: return fail(SPC_UNSUPPORTED, error.what());
+            case ErrorKind::invalid_argument: return fail(SPC_INVALID_ARGUMENT, {error.what()});
+            case ErrorKind::wrong_state: return fail(SPC_WRONG_STATE, {error.what()});
+            case ErrorKind::io: return fail(SPC_IO_ERROR, {error.what()});
         }
-        return fail(SPC_INTERNAL_ERROR, error.what());
+        return fail(SPC_INTERNAL_ERROR, {error.what()});
     } catch (const std::bad_alloc&) {
-        return fail(SPC_OUT_OF_MEMORY, "out of memory");
+        return fail(SPC_OUT_OF_MEMORY, {function, ": ", "out of memory"});
     } catch (const std::length_error&) {
-        return fail(SPC_OUT_OF_MEMORY, "out of memory");
+        return fail(SPC_OUT_OF_MEMORY, {function, ": ", "out of memory"});
     } catch (const std::exception& error) {
-        return fail(SPC_INTERNAL_ERROR, error.what());
+        return fail(SPC_INTERNAL_ERROR, {function, ": ", error.what()});
     } catch (...) {
-        return fail(SPC_INTERNAL_ERROR, "unknown failure");
+        return fail(SPC_INTERNAL_ERROR, {function, ": ", "unknown failure"});
     }
 }
 

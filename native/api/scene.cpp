@@ -44,25 +44,25 @@ Transform transform_of(const float (&rows)[12], const std::string& owner) {
 }
 
 Image to_image(const spc_image_desc& desc) {
-    const std::string name = name_or(desc.name, "image");
+    const std::string name = name_or(desc.name, "image"), owner = named("image", name);
     const auto space =
-        checked_enum<ColorSpace>(desc.color_space, SPC_COLOR_DATA, name, "colour space");
+        checked_enum<ColorSpace>(desc.color_space, SPC_COLOR_DATA, owner, "colour space");
     const auto alpha =
-        checked_enum<AlphaMode>(desc.alpha_mode, SPC_ALPHA_PACKED, name, "alpha mode");
+        checked_enum<AlphaMode>(desc.alpha_mode, SPC_ALPHA_PACKED, owner, "alpha mode");
     const int sources =
         (desc.pixels != nullptr) + (desc.encoded != nullptr) + (desc.path != nullptr);
-    require(sources == 1, name + ": an image has exactly one of pixels, encoded and path");
+    require(sources == 1, owner + ": an image has exactly one of pixels, encoded and path");
     if (desc.path != nullptr) return image_from_file(name, desc.path, space, alpha);
     if (desc.encoded != nullptr) {
-        require(desc.encoded_size > 0, name + ": the encoded image is empty");
+        require(desc.encoded_size > 0, owner + ": the encoded image is empty");
         return image_from_memory(
             name, {static_cast<const uint8_t*>(desc.encoded), desc.encoded_size}, space, alpha);
     }
-    require(desc.width > 0 && desc.height > 0, name + ": the image has no pixels");
+    require(desc.width > 0 && desc.height > 0, owner + ": the image has no pixels");
     require(desc.channels == 1 || desc.channels == 3 || desc.channels == 4,
-            name + ": an image has 1, 3 or 4 channels");
+            owner + ": an image has 1, 3 or 4 channels");
     const size_t count = static_cast<size_t>(desc.width) * desc.height * desc.channels;
-    require(desc.pixel_type <= SPC_PIXEL_F32, name + ": unknown pixel type");
+    require(desc.pixel_type <= SPC_PIXEL_F32, owner + ": unknown pixel type");
     if (desc.pixel_type == SPC_PIXEL_U8)
         return image_from_bytes(name, {static_cast<const uint8_t*>(desc.pixels), count}, desc.width,
                                 desc.height, desc.channels, space, alpha);
@@ -73,7 +73,7 @@ Image to_image(const spc_image_desc& desc) {
 Graph to_graph(const spc_material_desc& desc) {
     Graph graph;
     graph.name = name_or(desc.name, "material");
-    const std::string& owner = graph.name;
+    const std::string owner = named("material", graph.name);
     require(desc.nodes != nullptr && desc.node_count > 0, owner + ": the material has no nodes");
     require(desc.inputs != nullptr || desc.input_count == 0, owner + ": inputs is null");
     require(desc.options != nullptr || desc.option_count == 0, owner + ": options is null");
@@ -122,8 +122,9 @@ UvLayer to_uv_layer(const spc_uv_layer& desc, size_t corners, const std::string&
     layer.tangent_signs.resize(corners);
     for (size_t i = 0; i < corners; ++i) {
         const float* t = desc.tangents + 4 * i;
-        require(std::isfinite(t[3]),
-                fmt::format("{}: UV layer {}: tangent sign {} is not finite", owner, layer.name, i));
+        require(
+            std::isfinite(t[3]),
+            fmt::format("{}: UV layer \"{}\": tangent sign {} is not finite", owner, layer.name, i));
         layer.tangents[i] = {t[0], t[1], t[2]};
         layer.tangent_signs[i] = t[3] < 0.0f ? -1.0f : 1.0f;
     }
@@ -133,7 +134,7 @@ UvLayer to_uv_layer(const spc_uv_layer& desc, size_t corners, const std::string&
 Mesh to_mesh(const spc_mesh_desc& desc) {
     Mesh mesh;
     mesh.name = name_or(desc.name, "mesh");
-    const std::string& owner = mesh.name;
+    const std::string owner = named("mesh", mesh.name);
     require(desc.vertex_count > 0 && desc.triangle_count > 0, owner + ": the mesh is empty");
     require(desc.slot_count > 0, owner + ": a mesh has at least one material slot");
     const size_t triangles = desc.triangle_count;
@@ -153,8 +154,8 @@ Mesh to_mesh(const spc_mesh_desc& desc) {
 
 Instance to_instance(const spc_instance_desc& desc) {
     Instance instance;
-    instance.name = name_or(desc.name, "instance");
-    const std::string& owner = instance.name;
+    instance.name = name_or(desc.name, "object");
+    const std::string owner = named("object", instance.name);
     instance.mesh = desc.mesh;
     instance.object_to_world = transform_of(desc.transform, owner);
     instance.materials = copied<uint32_t>(desc.materials, desc.material_count, owner, "materials");
@@ -169,18 +170,19 @@ Instance to_instance(const spc_instance_desc& desc) {
 LightDesc to_light(const spc_light_desc& desc) {
     LightDesc light;
     light.name = name_or(desc.name, "light");
-    light.type = checked_enum<LightType>(desc.type, SPC_LIGHT_AREA, light.name, "light type");
-    light.to_world = transform_of(desc.transform, light.name);
+    const std::string owner = named("light", light.name);
+    light.type = checked_enum<LightType>(desc.type, SPC_LIGHT_AREA, owner, "light type");
+    light.to_world = transform_of(desc.transform, owner);
     light.power = Spectrum(desc.power[0], desc.power[1], desc.power[2]);
     const bool has_radius = light.type == LightType::point || light.type == LightType::spot;
     light.radius = has_radius ? desc.radius : 0.0f;
     light.spot_angle = desc.spot_angle;
     light.spot_blend = desc.spot_blend;
     light.sun_angle = desc.sun_angle;
-    light.shape = checked_enum<AreaShape>(desc.shape, SPC_AREA_ELLIPSE, light.name, "shape");
+    light.shape = checked_enum<AreaShape>(desc.shape, SPC_AREA_ELLIPSE, owner, "shape");
     light.size = Vec2(desc.size[0], desc.size[1]);
     require((desc.visibility & ~static_cast<uint32_t>(SPC_VISIBLE_ALL)) == 0,
-            light.name + ": unknown visibility bits");
+            owner + ": unknown visibility bits");
     light.visibility = desc.visibility;
     light.feeds_caustics = desc.feeds_caustics != 0;
     return light;
@@ -319,7 +321,7 @@ spc_status spc_scene_commit(spc_scene* scene, uint32_t threads) {
         // From here on only a lack of memory can stop it; then the scene is lost, and says so to
         // every later call.
         const std::unique_ptr<spc::SceneBuilder> taken = std::move(scene->builder);
-        spc::RenderScene world = spc::prepare(taken->freeze(threads));
+        spc::RenderScene world = spc::prepare(taken->freeze(threads), threads);
         for (const std::string& line : world.scene->report) scene->report += line + "\n";
         scene->world = std::move(world);
         scene->commit_seconds =

@@ -173,6 +173,12 @@ float total_sample_weight(const ClosureList& list) {
     return total;
 }
 
+// What rays scatter as that a closure sends to one side of the geometry.
+BounceKind kind_of(const Closure& closure, bool crosses) {
+    if (std::holds_alternative<Lambert>(closure.kind)) return BounceKind::diffuse;
+    return crosses ? BounceKind::transmission : BounceKind::glossy;
+}
+
 // Throughput and probability, within the closure, of the delta lobe that reflects or refracts at
 // the normal.
 struct DeltaPart {
@@ -236,37 +242,26 @@ void ClosureList::add(const Spectrum& weight, const ClosureKind& kind, const Vec
     ++count;
 }
 
-ClosureEval eval(const ClosureList& list, const Vec3& ng, const Vec3& wo, const Vec3& wi) {
+ClosureEval eval(const ClosureList& list, const Vec3& ng, const Vec3& wo, const Vec3& wi,
+                 uint32_t kinds) {
     const float side = dot(ng, wi);
     ClosureEval result;
-    if (side == 0.0f) return result;
+    if (side == 0.0f || list.count == 0) return result;
+    const bool crosses = side < 0.0f;
     float total = 0.0f;
     for (int i = 0; i < list.count; ++i) {
         const Closure& closure = list.closures[i];
         total += closure.sample_weight;
-        const LobeEval lobe = std::visit(
-            [&](const auto& c) { return eval_lobe(c, wo, wi, side < 0.0f); }, closure.kind);
+        const LobeEval lobe =
+            std::visit([&](const auto& c) { return eval_lobe(c, wo, wi, crosses); }, closure.kind);
+        const float pdf = closure.sample_weight * lobe.pdf_omega;
+        result.pdf_omega += pdf;
+        if ((kinds & kind_bit(kind_of(closure, crosses))) == 0) continue;
+        result.pdf_of_kinds += pdf;
         result.f_cos += closure.weight * lobe.f_cos;
-        result.pdf_omega += closure.sample_weight * lobe.pdf_omega;
     }
-    if (list.count > 0) result.pdf_omega *= 1.0f / total;
-    return result;
-}
-
-ClosureEval eval(const ClosureList& list, const Vec3& ng, const Vec3& wo, const Vec3& wi,
-                 uint32_t kinds) {
-    ClosureEval result = eval(list, ng, wo, wi);
-    const float side = dot(ng, wi);
-    for (int i = 0; i < list.count; ++i) {
-        const Closure& closure = list.closures[i];
-        const BounceKind kind = std::holds_alternative<Lambert>(closure.kind) ? BounceKind::diffuse
-                                : side < 0.0f ? BounceKind::transmission
-                                              : BounceKind::glossy;
-        if ((kinds >> static_cast<uint32_t>(kind) & 1u) != 0) continue;
-        const LobeEval hidden = std::visit(
-            [&](const auto& c) { return eval_lobe(c, wo, wi, side < 0.0f); }, closure.kind);
-        result.f_cos -= closure.weight * hidden.f_cos;
-    }
+    result.pdf_omega *= 1.0f / total;
+    result.pdf_of_kinds *= 1.0f / total;
     return result;
 }
 
@@ -300,27 +295,31 @@ std::optional<ClosureSample> sample(const ClosureList& list, const Vec3& ng, con
     const std::optional<LobeSample> lobe = std::visit(
         [&](const auto& c) { return sample_lobe(c, wo, u_lobe, Vec2(u.y, u.z)); }, closure.kind);
     if (!lobe) return std::nullopt;
-    ClosureSample result{
-        lobe->wi,    Spectrum(0.0f),           0.0f,
-        lobe->delta, closure.on_caster_normal, lobe->kind == BounceKind::transmission,
-        lobe->kind};
+    ClosureSample result{.wi = lobe->wi,
+                         .weight = Spectrum(0.0f),
+                         .pdf_omega = 0.0f,
+                         .probability = 0.0f,
+                         .delta = lobe->delta,
+                         .on_caster_normal = closure.on_caster_normal,
+                         .refracted = lobe->kind == BounceKind::transmission,
+                         .kind = lobe->kind};
     const float side = dot(ng, lobe->wi);
     if (lobe->delta) {
         const bool crosses = lobe->kind == BounceKind::transmission;
         if (lobe->kind != BounceKind::transparent && !(crosses ? side < 0.0f : side > 0.0f))
             return std::nullopt;
-        result.pdf_omega = closure.sample_weight / total * lobe->probability;
-        result.weight = closure.weight * lobe->throughput * (1.0f / result.pdf_omega);
+        result.probability = closure.sample_weight / total * lobe->probability;
+        result.weight = closure.weight * lobe->throughput * (1.0f / result.probability);
         return result;
     }
     // A direction on the wrong side for its lobe may still be right for another closure of the
     // list, but then it is drawn from outside the density that eval() states.
     const bool above = side > 0.0f;
     if (above != (lobe->kind != BounceKind::transmission)) return std::nullopt;
-    const ClosureEval sum = eval(list, ng, wo, lobe->wi);
-    if (!(sum.pdf_omega > 0.0f)) return std::nullopt;
+    const ClosureEval sum = eval(list, ng, wo, lobe->wi, kind_bit(lobe->kind));
+    if (!(sum.pdf_of_kinds > 0.0f)) return std::nullopt;
     result.pdf_omega = sum.pdf_omega;
-    result.weight = sum.f_cos * (1.0f / sum.pdf_omega);
+    result.weight = sum.f_cos * (1.0f / sum.pdf_of_kinds);
     return result;
 }
 

@@ -109,16 +109,20 @@ bool has_smooth_closure(const ClosureList& list);
 // The bounce counters and visibility flags that Blender knows.
 enum class BounceKind : uint8_t { diffuse, glossy, transmission, transparent };
 
-struct ClosureEval {
-    Spectrum f_cos{0.0f};    // sum of weight f |cos|, smooth closures only, 1/sr times cos
-    float pdf_omega = 0.0f;  // of sample() over the whole list, smooth part, 1/sr
-};
-ClosureEval eval(const ClosureList& list, const Vec3& ng, const Vec3& wo, const Vec3& wi);
+// Sets of kinds of scattering, bits 1 << BounceKind.
+inline constexpr uint32_t kind_bit(BounceKind kind) { return 1u << static_cast<uint32_t>(kind); }
+inline constexpr uint32_t kAllKinds = ~0u;
 
-// The same, but f_cos has only the kinds of scattering in `kinds`, a set of bits 1 << BounceKind:
-// what a light that hides from some kinds of rays contributes.
+struct ClosureEval {
+    Spectrum f_cos{0.0f};       // sum of weight f |cos|, smooth closures of `kinds`, 1/sr times cos
+    float pdf_omega = 0.0f;     // of sample() over the whole list, smooth part, 1/sr
+    float pdf_of_kinds = 0.0f;  // the part of it that closures of `kinds` sample
+};
+// With fewer than all `kinds`: what light contributes that shows itself to rays of those kinds
+// alone. Weights of multiple importance sampling may take pdf_omega all the same: they need only be
+// functions of the path, the same for all estimators.
 ClosureEval eval(const ClosureList& list, const Vec3& ng, const Vec3& wo, const Vec3& wi,
-                 uint32_t kinds);
+                 uint32_t kinds = kAllKinds);
 
 // Takes away what reflects, or transmits, other than diffusely and straight on: what a diffuse ray
 // finds where caustics are switched off.
@@ -127,9 +131,12 @@ void drop_caustics(ClosureList& list, bool reflective, bool refractive);
 struct ClosureSample {
     Vec3 wi;
     // f |cos| / pdf, already divided, the choice of closure included. A smooth sample carries the
-    // sum over all smooth closures (one-sample MIS), a delta one its own.
+    // sum over the smooth closures of its kind of scattering (one-sample MIS) over their density
+    // alone: rays of each kind see their own scene, and answer for their own closures. A delta one
+    // carries its own.
     Spectrum weight;
-    float pdf_omega;  // 1/sr over the whole list; for a delta the discrete probability of its lobe
+    float pdf_omega;    // as eval() gives it, over the whole list, 1/sr; 0 for a delta
+    float probability;  // of a delta's lobe; 0 for a smooth sample
     bool delta;
     bool on_caster_normal;  // of the closure that was sampled
     bool refracted;         // crossed the surface with a change of direction

@@ -15,7 +15,7 @@ inline float refracted_cos_squared(float cos_o, float eta) {
 }
 
 // Unpolarised reflectance; exactly 1 where refracted_cos_squared <= 0, exactly 0 for eta = 1. With
-// g = eta cos_t both amplitudes come without a cancellation [Walter07 Eq. 22]: (c - g)/(c + g) and
+// g = eta cos_t both amplitudes come without a cancellation [Walter07]: (c - g)/(c + g) and
 // (eta^2 c - g)/(eta^2 c + g).
 inline float dielectric(float cos_o, float eta) {
     if (eta == 1.0f) return 0.0f;

@@ -21,7 +21,7 @@ inline float normal_density(MicrofacetModel model, float alpha, float cos2, floa
 }
 
 // Smith's Lambda times the cosine of the direction, cos > 0: finite at grazing angles, where Lambda
-// is not. GGX [Heitz14 Eq. 72]; Beckmann exact [Heitz14 Eq. 66] (Cycles uses a rational fit, 0.4 %
+// is not. GGX [Heitz14 Eq. 72]; Beckmann exact [Heitz14] (Cycles uses a rational fit, 0.4 %
 // off, but a density must integrate to 1).
 float beckmann_lambda_cos(float alpha, float cos_theta);
 inline float lambda_cos(MicrofacetModel model, float alpha, float cos_theta) {

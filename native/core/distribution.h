@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Tabulated densities: discrete by the alias method's rival of equal cost, a cumulative table with
-// bisection (monotone in u, so stratified samples stay stratified), and piecewise constant ones in
-// two dimensions.
+// Tabulated densities: discrete ones by a cumulative table with bisection (monotone in u, so that
+// stratified samples stay stratified, as the alias method would not leave them), and piecewise
+// constant ones in two dimensions.
 #pragma once
 
 #include "math/vec.h"

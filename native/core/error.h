@@ -10,9 +10,14 @@
 
 namespace spc {
 
-enum class ErrorKind { invalid_argument, wrong_state, io, unsupported };
+enum class ErrorKind { invalid_argument, wrong_state, io };
 
-// Bad input. The message names the object.
+// How messages name an object: `mesh "Cube"`, or its kind alone where it has no name of its own.
+inline std::string named(const std::string& kind, const std::string& name) {
+    return name.empty() || name == kind ? kind : kind + " \"" + name + "\"";
+}
+
+// Bad input. The message is for the user: it names the object, and no function.
 class Error : public std::runtime_error {
 public:
     Error(ErrorKind kind, const std::string& message) : std::runtime_error(message), kind_(kind) {}

@@ -16,7 +16,7 @@ namespace {
 constexpr uint64_t kMaxTexels = uint64_t{1} << 29;
 
 [[noreturn]] void fail(ErrorKind kind, const std::string& name, const std::string& what) {
-    throw Error(kind, "image \"" + name + "\": " + what);
+    throw Error(kind, named("image", name) + ": " + what);
 }
 
 void check_size(const std::string& name, uint64_t width, uint64_t height, uint64_t channels) {
@@ -182,8 +182,12 @@ float srgb_to_linear(float encoded) {
     return std::pow((encoded + 0.055f) * (1.0f / 1.055f), 2.4f);
 }
 
-Image image_from_bytes(const std::string& name, std::span<const uint8_t> texels, uint32_t width,
-                       uint32_t height, uint32_t channels, ColorSpace space, AlphaMode alpha) {
+namespace {
+
+// An image of texels in memory, before finish(); `texels` is Image::bytes or Image::floats.
+template <class Texel>
+Image image_from_texels(const std::string& name, std::span<const Texel> texels, uint32_t width,
+                        uint32_t height, uint32_t channels, std::vector<Texel> Image::*member) {
     check_size(name, width, height, channels);
     if (texels.size() != size_t{width} * height * channels)
         fail(ErrorKind::invalid_argument, name, "number of texels does not match its size");
@@ -192,26 +196,26 @@ Image image_from_bytes(const std::string& name, std::span<const uint8_t> texels,
     image.width = width;
     image.height = height;
     image.channels = channels;
-    image.bytes.assign(texels.begin(), texels.end());
+    (image.*member).assign(texels.begin(), texels.end());
+    return image;
+}
+
+}  // namespace
+
+Image image_from_bytes(const std::string& name, std::span<const uint8_t> texels, uint32_t width,
+                       uint32_t height, uint32_t channels, ColorSpace space, AlphaMode alpha) {
+    Image image = image_from_texels(name, texels, width, height, channels, &Image::bytes);
     finish(image, space, alpha, false);
     return image;
 }
 
 Image image_from_floats(const std::string& name, std::span<const float> texels, uint32_t width,
                         uint32_t height, uint32_t channels, ColorSpace space, AlphaMode alpha) {
-    check_size(name, width, height, channels);
-    if (texels.size() != size_t{width} * height * channels)
-        fail(ErrorKind::invalid_argument, name, "number of texels does not match its size");
+    Image image = image_from_texels(name, texels, width, height, channels, &Image::floats);
     for (size_t i = 0; i < texels.size(); ++i)
         if (!std::isfinite(texels[i]))
             fail(ErrorKind::invalid_argument, name,
                  "texel " + std::to_string(i / channels) + " is not finite");
-    Image image;
-    image.name = name;
-    image.width = width;
-    image.height = height;
-    image.channels = channels;
-    image.floats.assign(texels.begin(), texels.end());
     finish(image, space, alpha, false);
     return image;
 }

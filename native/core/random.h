@@ -115,10 +115,6 @@ public:
         const float x = one();
         return {x, one()};
     }
-    Vec3 three() {
-        const float x = one(), y = one();
-        return {x, y, one()};
-    }
 
 private:
     uint64_t state_;

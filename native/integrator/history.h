@@ -25,8 +25,9 @@ struct BounceCounts {
     // light already.
     bool exhausted(const BounceLimits& limits) const {
         return total > limits.total || diffuse > limits.diffuse || glossy > limits.glossy ||
-               transmission > limits.transmission || transparent > limits.transparent;
+               transmission > limits.transmission;
     }
+    // Surfaces that the path may still look through, and every shadow ray that it casts.
     uint32_t transparent_left(const BounceLimits& limits) const {
         return limits.transparent - std::min(limits.transparent, transparent);
     }

@@ -13,7 +13,8 @@ struct RenderScene {
     LightSet lights;
     CasterSet casters;
 };
-RenderScene prepare(std::unique_ptr<Scene> scene);
+// `threads` 0 = all.
+RenderScene prepare(std::unique_ptr<Scene> scene, uint32_t threads = 0);
 
 // Cycles' limits: a path may scatter this often and still be lit at its last vertex.
 struct BounceLimits {

@@ -64,7 +64,7 @@ struct LampSample {
     Vec3 wi;            // unit, towards the lamp
     float distance;     // kInfinity for a sun
     Spectrum radiance;  // of a delta: intensity / distance^2, or irradiance
-    float pdf_omega;    // 1/sr; 1 for a delta
+    float density;      // 1/sr; 1 for a delta
     bool delta;
 };
 // Empty where the lamp does not shine on p.

@@ -52,8 +52,10 @@ std::optional<DirectSample> sample_emitter_from(const LightSet& lights, const Sc
     if (!(cos > 0.0f)) return std::nullopt;
     const Spectrum radiance = surface_emission(scene, q.hit, wi * -1.0f);
     if (is_black(radiance)) return std::nullopt;
+    const float margin = position_error(scene, q.hit.instance, q.hit.triangle) / cos;
     return DirectSample{
-        wi, d, radiance, q.pdf_area * d2 / cos, false, light_index_of_emitter(lights, emitter)};
+        wi,    d, radiance, q.pdf_area * d2 / cos, false, light_index_of_emitter(lights, emitter),
+        margin};
 }
 
 }  // namespace
@@ -62,7 +64,7 @@ uint32_t LightSet::count(const Scene& scene) const {
     return static_cast<uint32_t>(scene.lights.size() + emissive.size()) + (has_world ? 1u : 0u);
 }
 
-LightSet build_lights(const Scene& scene) {
+LightSet build_lights(const Scene& scene, uint32_t threads) {
     LightSet lights;
     std::vector<double> power, caustic_power;
     // Suns and world pour through the disc that the scene's bounding sphere shows them.
@@ -90,7 +92,7 @@ LightSet build_lights(const Scene& scene) {
         power.push_back(built->flux);
         caustic_power.push_back(built->flux);
     }
-    build_world(scene, lights);
+    build_world(scene, lights, threads);
     if (lights.has_world) {
         lights.visibility.push_back(scene.environment.visibility | kVisibleShadow);
         const bool seen = (scene.environment.visibility & kSeenByBounces) != 0;
@@ -115,7 +117,7 @@ std::optional<DirectSample> sample_direct(const LightSet& lights, const Scene& s
     std::optional<DirectSample> sample;
     if (chosen.index < lights.lamps.size()) {
         if (const std::optional<LampSample> s = sample_lamp(lights.lamps[chosen.index], p, place))
-            sample = {s->wi, s->distance, s->radiance, s->pdf_omega, s->delta, chosen.index};
+            sample = {s->wi, s->distance, s->radiance, s->density, s->delta, chosen.index};
     } else if (chosen.index == world_index(lights)) {
         if (const std::optional<WorldSample> s = sample_world(lights, place))
             sample = {s->wi,        kInfinity, world_radiance(lights, scene, s->wi),
@@ -124,12 +126,11 @@ std::optional<DirectSample> sample_direct(const LightSet& lights, const Scene& s
         const auto emitter = static_cast<uint32_t>(chosen.index - lights.lamps.size());
         sample = sample_emitter_from(lights, scene, emitter, p, place);
     }
-    if (sample) sample->pdf_omega *= chosen.probability;
+    if (sample) sample->density *= chosen.probability;
     return sample;
 }
 
-float pdf_direct_lamp(const LightSet& lights, const Scene&, const Vec3& p, const Vec3& wi,
-                      const Hit& hit) {
+float pdf_direct_lamp(const LightSet& lights, const Vec3& p, const Vec3& wi, const Hit& hit) {
     return chance(lights.selection, hit.light) * lamp_pdf(lights.lamps[hit.light], p, wi, hit.t);
 }
 
@@ -148,7 +149,7 @@ float pdf_direct_surface(const LightSet& lights, const Scene& scene, const Vec3&
     return chance(lights.selection, light_index_of_emitter(lights, emitter)) * pdf_area * d2 / cos;
 }
 
-float pdf_direct_world(const LightSet& lights, const Scene&, const Vec3& wi) {
+float pdf_direct_world(const LightSet& lights, const Vec3& wi) {
     if (!lights.has_world) return 0.0f;
     const float probability = chance(lights.selection, world_index(lights));
     return probability > 0.0f ? probability * world_pdf(lights, wi) : 0.0f;
@@ -157,10 +158,6 @@ float pdf_direct_world(const LightSet& lights, const Scene&, const Vec3& wi) {
 float pdf_direct_sun(const LightSet& lights, uint32_t light, const Vec3& wi) {
     return chance(lights.selection, light) *
            lamp_pdf(lights.lamps[light], Vec3(0.0f), wi, kInfinity);
-}
-
-Spectrum lamp_radiance(const Scene& scene, uint32_t light, const Vec3& p, const Vec3& direction) {
-    return lamp_radiance(make_lamp(scene.lights[light]), p, direction);
 }
 
 Spectrum world_radiance(const LightSet& lights, const Scene& scene, const Vec3& direction) {
@@ -216,18 +213,18 @@ Spectrum radiance_at(const LightSet& lights, const Scene& scene, const LightPoin
     return lamp_radiance(lamp, y.p, away);
 }
 
-float pdf_light_point_lamp(const LightSet& lights, const Scene&, const Hit& hit) {
+float pdf_light_point_lamp(const LightSet& lights, const Hit& hit) {
     return chance(lights.caustic_selection, hit.light) * lamp_point_pdf(lights.lamps[hit.light]);
 }
 
-float pdf_light_point_surface(const LightSet& lights, const Scene&, const SurfaceHit& hit) {
+float pdf_light_point_surface(const LightSet& lights, const SurfaceHit& hit) {
     const uint32_t emitter = lights.emissive_of_instance[hit.instance];
     if (emitter == kNone) return 0.0f;
     return chance(lights.caustic_selection, light_index_of_emitter(lights, emitter)) *
            emitter_pdf_area(lights.emissive[emitter], hit.triangle);
 }
 
-float pdf_light_point_world(const LightSet& lights, const Scene&, const Vec3& wi) {
+float pdf_light_point_world(const LightSet& lights, const Vec3& wi) {
     if (!lights.has_world) return 0.0f;
     const float probability = chance(lights.caustic_selection, world_index(lights));
     return probability > 0.0f ? probability * world_pdf(lights, wi) : 0.0f;

@@ -37,7 +37,8 @@ struct LightSet {
 
     uint32_t count(const Scene& scene) const;
 };
-LightSet build_lights(const Scene& scene);
+// `threads` 0 = all.
+LightSet build_lights(const Scene& scene, uint32_t threads = 0);
 
 // Bits of Visibility: which rays see a light. kVisibleShadow: objects block it; only a lamp can be
 // without.
@@ -48,12 +49,13 @@ uint32_t light_visibility(const LightSet& lights, uint32_t light);
 struct DirectSample {
     Vec3 wi;         // unit, towards the light
     float distance;  // kInfinity for a distant light
-    Spectrum radiance;  // arriving along wi if nothing is in between; for a delta light, radiance times solid angle
-        // (intensity / distance^2, or irradiance), to be used with pdf_omega = selection
-        // probability
-    float pdf_omega;  // 1/sr
+    // Arriving along wi if nothing is in between; of a delta light, radiance times solid angle:
+    // intensity / distance^2, or irradiance.
+    Spectrum radiance;
+    float density;  // 1/sr; of a delta light the probability of its selection
     bool delta;
     uint32_t light;
+    float margin = 0.0f;  // of a mesh: as ChainEnd has it
 };
 std::optional<DirectSample> sample_direct(const LightSet& lights, const Scene& scene, const Vec3& p,
                                           const Vec3& u);
@@ -61,17 +63,12 @@ std::optional<DirectSample> sample_direct(const LightSet& lights, const Scene& s
 // Density with which sample_direct from p takes the direction `wi` to the point that a ray hit. A
 // ray that leaves the scene meets the world and every one of LightSet::disc_suns that it points at,
 // each with its own density.
-float pdf_direct_lamp(const LightSet& lights, const Scene& scene, const Vec3& p, const Vec3& wi,
-                      const Hit& hit);
+float pdf_direct_lamp(const LightSet& lights, const Vec3& p, const Vec3& wi, const Hit& hit);
 float pdf_direct_surface(const LightSet& lights, const Scene& scene, const Vec3& p, const Vec3& wi,
                          const Hit& hit);
-float pdf_direct_world(const LightSet& lights, const Scene& scene, const Vec3& wi);
+float pdf_direct_world(const LightSet& lights, const Vec3& wi);
 float pdf_direct_sun(const LightSet& lights, uint32_t light, const Vec3& wi);  // 0 outside its disc
 
-// Radiance that lamp `light` sends from the point p (of its surface) along `direction` (unit, away
-// from it). A sun has no p; it is black outside its disc. lamp_radiance(lights.lamps[light], ...)
-// is the same without set-up. A delta is black: no ray meets it.
-Spectrum lamp_radiance(const Scene& scene, uint32_t light, const Vec3& p, const Vec3& direction);
 Spectrum world_radiance(const LightSet& lights, const Scene& scene, const Vec3& direction);
 
 // ---- from the light
@@ -85,23 +82,25 @@ struct LightPoint {
     Vec3 n;          // unit normal there, on the shining side; zero for a point light
     Vec3 direction;  // distant: unit, from the scene towards the light
     SurfaceHit surface{kNone, 0, 0, 0};  // for emissive meshes
-    float pdf;  // area (1/m^2) or, distant, solid angle (1/sr) density; delta: selection probability
+    // Density by area (1/m^2) or, distant, by solid angle (1/sr); of a delta light the probability
+    // of its selection.
+    float pdf;
 };
 // Among the lights that feed casters. u[0] selects, u[1], u[2] place.
 std::optional<LightPoint> sample_light_point(const LightSet& lights, const Scene& scene,
                                              const Vec3& u);
 
 // Radiance of the light at y towards the unit direction `away` (distant lights: radiance from
-// y.direction). For delta lights intensity (W/sr) or irradiance (W/m^2): the caller's Jacobian then
-// is per solid angle at the light squared distance included, see manifold/estimator.
+// y.direction). For delta lights intensity (W/sr) or irradiance (W/m^2): geometry_term() is the
+// Jacobian that belongs to either.
 Spectrum radiance_at(const LightSet& lights, const Scene& scene, const LightPoint& y,
                      const Vec3& away);
 
 // Density (as LightPoint::pdf) with which sample_light_point finds the point that a ray from p
 // along wi hit; 0 for a light that does not feed casters.
-float pdf_light_point_lamp(const LightSet& lights, const Scene& scene, const Hit& hit);
-float pdf_light_point_surface(const LightSet& lights, const Scene& scene, const SurfaceHit& hit);
-float pdf_light_point_world(const LightSet& lights, const Scene& scene, const Vec3& wi);
+float pdf_light_point_lamp(const LightSet& lights, const Hit& hit);
+float pdf_light_point_surface(const LightSet& lights, const SurfaceHit& hit);
+float pdf_light_point_world(const LightSet& lights, const Vec3& wi);
 float pdf_light_point_sun(const LightSet& lights, uint32_t light, const Vec3& wi);
 
 }  // namespace spc

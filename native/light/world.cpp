@@ -4,7 +4,6 @@
 
 #include "math/warp.h"
 
-#include <atomic>
 #include <thread>
 
 namespace spc {
@@ -12,7 +11,6 @@ namespace {
 
 constexpr uint32_t kDefaultWidth = 1024;  // without an image, as Cycles
 constexpr uint32_t kLeastWidth = 256, kMostWidth = 4096;
-constexpr uint32_t kMostTexelsAcross = 4;  // to a cell, each way; beyond, texels are skipped
 // Least density of a direction against the mean, so that none which the table takes for black is
 // out of reach.
 constexpr float kDensityFloor = 1e-3f;
@@ -28,39 +26,41 @@ float to_omega(float pdf_square, float sin_theta) {
     return pdf_square * 0.5f * kInvPi * kInvPi / sin_theta;
 }
 
-// Width of the image that the world seems to show. Programs do not tell theirs; the widest panorama
-// of the scene is the best guess, and a wrong one costs time at most.
-uint32_t panorama_width(const Scene& scene) {
-    uint32_t width = 0;
-    for (const Image& image : scene.images)
-        if (image.width == 2 * image.height) width = std::max(width, image.width);
-    return width == 0 ? kDefaultWidth : width;
+// Columns of directions at which no texel of the world's images falls between two of them, as the
+// nodes for panoramas spread it: a panorama of the usual shape has so many columns, another one as
+// many rows, and a mirror ball is nowhere finer than pi / 2 times its width. (Near their poles
+// images are finer than that; a mapping that turns them away from the table's own may hide a texel
+// there, which is left to kDensityFloor.)
+uint32_t columns_to_look_at(const Scene& scene, const Material& material) {
+    uint32_t columns = 0;
+    for (const uint32_t index : material.images) {
+        const Image& image = scene.images[index];
+        columns = std::max({columns, image.width, 2 * image.height});
+    }
+    return columns == 0 ? kDefaultWidth : columns;
 }
 
-// Luminance over a grid of directions, row by row from -z, each cell's the mean over its centre or,
-// where the image has more texels than the grid has cells, over theirs.
+// Luminance over a grid of directions, row by row from -z: each cell's the mean over as many
+// directions as the image has texels there, at least one.
 struct Table {
     uint32_t width, height;
     std::vector<float> values;
-    bool constant = true;  // every direction looked at shows the same colour, that towards +z
 
     float& at(uint32_t x, uint32_t y) { return values[static_cast<size_t>(y) * width + x]; }
 };
 
-Table tabulate(const Scene& scene, const Material& material) {
-    const uint32_t wanted = panorama_width(scene);
-    const uint32_t width = std::clamp(wanted, kLeastWidth, kMostWidth), height = width / 2;
-    const uint32_t finer = std::clamp((wanted + width - 1) / width, 1u, kMostTexelsAcross);
-    const Spectrum first = evaluate_background(material, scene.images, Vec3(0.0f, 0.0f, 1.0f));
-    Table table{width, height, std::vector<float>(static_cast<size_t>(width) * height), true};
-    std::atomic<bool> constant = true;
+Table tabulate(const Scene& scene, const Material& material, uint32_t threads) {
+    const uint32_t wanted = columns_to_look_at(scene, material);
+    const uint32_t finer = (wanted + kMostWidth - 1) / kMostWidth;
+    const uint32_t height = (std::max((wanted + finer - 1) / finer, kLeastWidth) + 1) / 2,
+                   width = 2 * height;
+    Table table{width, height, std::vector<float>(static_cast<size_t>(width) * height)};
     const auto brightness = [&](uint32_t fine_x, uint32_t fine_y) {
         const Vec2 position(
             (static_cast<float>(fine_x) + 0.5f) / static_cast<float>(width * finer),
             (static_cast<float>(fine_y) + 0.5f) / static_cast<float>(height * finer));
-        const Spectrum color = evaluate_background(material, scene.images, to_direction(position));
-        if (color != first) constant.store(false, std::memory_order_relaxed);
-        const float value = luminance(color);
+        const float value =
+            luminance(evaluate_background(material, scene.images, to_direction(position)));
         return std::isfinite(value) ? std::max(value, 0.0f) : 0.0f;
     };
     const auto fill_row = [&](uint32_t y) {
@@ -72,15 +72,13 @@ Table tabulate(const Scene& scene, const Material& material) {
             table.at(x, y) = sum / static_cast<float>(finer * finer);
         }
     };
-    {
-        const uint32_t threads = std::max(std::thread::hardware_concurrency(), 1u);
-        std::vector<std::jthread> workers;
-        for (uint32_t i = 0; i < threads; ++i)
-            workers.emplace_back([&fill_row, i, threads, height] {
-                for (uint32_t y = i; y < height; y += threads) fill_row(y);
-            });
-    }
-    table.constant = constant;
+    const uint32_t count = threads > 0 ? threads : std::max(std::thread::hardware_concurrency(), 1u);
+    std::vector<std::jthread> workers;
+    for (uint32_t i = 0; i < count; ++i)
+        workers.emplace_back([&fill_row, i, count, height] {
+            for (uint32_t y = i; y < height; y += count) fill_row(y);
+        });
+    workers.clear();  // joins
     return table;
 }
 
@@ -122,39 +120,18 @@ void weigh_by_solid_angle(Table& table) {
             table.at(x, y) = std::max(table.at(x, y), least) * sin_theta[y];
 }
 
-// Without an image, whatever varies does so over angles that this many directions do not miss.
-bool looks_constant(const Material& material) {
-    constexpr uint32_t kDirections = 4096;
-    constexpr float kGolden = 0.618034f;
-    const Spectrum color = evaluate_background(material, {}, Vec3(0.0f, 0.0f, 1.0f));
-    for (uint32_t i = 0; i < kDirections; ++i) {
-        const float turn = static_cast<float>(i) * kGolden;
-        const Vec2 u((static_cast<float>(i) + 0.5f) / kDirections, turn - std::floor(turn));
-        if (evaluate_background(material, {}, uniform_sphere(u)) != color) return false;
-    }
-    return true;
-}
-
-void set_constant(const Spectrum& color, LightSet& lights) {
-    lights.world_is_constant = true;
-    lights.world_constant = color;
-    lights.has_world = luminance(color) > 0.0f;
-}
-
 }  // namespace
 
-void build_world(const Scene& scene, LightSet& lights) {
+void build_world(const Scene& scene, LightSet& lights, uint32_t threads) {
     if (scene.environment.material == kNone) return;
     const Material& material = scene.materials[scene.environment.material];
-    if (scene.images.empty() && looks_constant(material)) {
-        set_constant(evaluate_background(material, {}, Vec3(0.0f, 0.0f, 1.0f)), lights);
+    if (material.constant_background) {
+        lights.world_is_constant = true;
+        lights.world_constant = evaluate_background(material, scene.images, Vec3(0.0f, 0.0f, 1.0f));
+        lights.has_world = luminance(lights.world_constant) > 0.0f;
         return;
     }
-    Table table = tabulate(scene, material);
-    if (table.constant) {
-        set_constant(evaluate_background(material, scene.images, Vec3(0.0f, 0.0f, 1.0f)), lights);
-        return;
-    }
+    Table table = tabulate(scene, material, threads);
     spread_to_neighbours(table);
     weigh_by_solid_angle(table);
     lights.world_map = Distribution2D(table.values, table.width, table.height);

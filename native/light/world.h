@@ -9,8 +9,8 @@
 
 namespace spc {
 
-// Sets the world_* members of `lights` and has_world.
-void build_world(const Scene& scene, LightSet& lights);
+// Sets the world_* members of `lights` and has_world. `threads` 0 = all.
+void build_world(const Scene& scene, LightSet& lights, uint32_t threads);
 // Integral of luminance over all directions, W/m^2.
 double world_total(const LightSet& lights);
 

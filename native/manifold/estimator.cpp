@@ -91,9 +91,10 @@ private:
 
         const double manifold_density =
             static_cast<double>(y_.pdf) * static_cast<double>(caster_probability);
-        const double path_density = y_.delta ? 0.0
-                                             : static_cast<double>(at_x.pdf_omega) *
-                                                   static_cast<double>(lobe.probability) * *jacobian;
+        const double path_density = y_.delta || !casts_shadow()
+                                        ? 0.0
+                                        : static_cast<double>(at_x.pdf_omega) *
+                                              static_cast<double>(lobe.probability) * *jacobian;
         // J / p_m times the share p_m / (p_m + p_pt), in a form that stays finite on a fold.
         const auto weight = static_cast<float>(*jacobian / (manifold_density + path_density));
         return at_x.f_cos * lobe.throughput * radiance * through * weight;
@@ -103,18 +104,27 @@ private:
     Spectrum passes(const ChainRoot& root) {
         const uint32_t kind =
             root.interaction == Interaction::reflection ? kVisibleGlossy : kVisibleTransmission;
-        const uint32_t visibility = light_visibility(lights_, y_.light);
-        if ((visibility & kind) == 0) return Spectrum(0.0f);
-        const ChainEnd vertex{false, root.patch.p, Vec3(0.0f)};
+        if ((light_visibility(lights_, y_.light) & kind) == 0) return Spectrum(0.0f);
         uint32_t transparent_left = receiver_.transparent_left;
         // Chains that look through a caster first are path tracing's: see
         // ChainClass::through_caster.
         const Spectrum to_vertex =
-            transmittance(scene_, receiver_.p, receiver_.ng, vertex, kVisibleDiffuse,
-                          transparent_left, stats_.rays, Opaque::casters_too);
-        if (is_black(to_vertex) || (visibility & kVisibleShadow) == 0) return to_vertex;
-        return to_vertex * transmittance(scene_, root.patch.p, root.patch.ng, end_of(y_), kind,
-                                         transparent_left, stats_.rays);
+            transmittance(scene_, {receiver_.p, receiver_.ng, receiver_.p_error}, vertex_of(root),
+                          kVisibleDiffuse, transparent_left, stats_.rays, Opaque::casters_too);
+        if (is_black(to_vertex) || !casts_shadow()) return to_vertex;
+        return to_vertex * transmittance(scene_, {root.patch.p, root.patch.ng, root.patch.p_error},
+                                         end_of(y_), kind, transparent_left, stats_.rays);
+    }
+
+    ChainEnd vertex_of(const ChainRoot& root) const {
+        const float cosine = std::abs(dot(root.patch.ng, normalize(root.patch.p - receiver_.p)));
+        return {false, root.patch.p, Vec3(0.0f), root.patch.p_error / std::max(cosine, 1e-3f)};
+    }
+
+    // Whether occluders stop the light. Where they do not, path tracing leaves the chains to the
+    // manifold: its rays cannot look through.
+    bool casts_shadow() const {
+        return (light_visibility(lights_, y_.light) & kVisibleShadow) != 0;
     }
 
     // E[number of walks until the root comes again] = 1 / p_k: a geometric distribution, counted.

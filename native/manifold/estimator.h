@@ -16,7 +16,8 @@ namespace spc {
 // What a path knows of the vertex where a chain may begin.
 struct Receiver {
     Vec3 p;
-    Vec3 ng;  // on the side of wo
+    float p_error;  // m, see RayStart
+    Vec3 ng;        // on the side of wo
     Vec3 wo;
     const ClosureList* closures;
     uint32_t transparent_left;  // surfaces that the rest of the path may be looked through

@@ -128,7 +128,12 @@ struct Ray {
     float t_far = kInfinity;
 };
 
-// Where a ray goes on that looks through what it met at t.
-inline float past(float t) { return t * (1.0f + 1e-5f); }
+// Where a ray goes on that looks through what it met at t. The same ray meets the same surface at
+// the same t again, to the last bits of a division: some units in the last place are past it, and
+// whatever stands farther behind than single precision can tell is still met.
+inline float past(float t) {
+    constexpr float kUnits = 0x1p-21f;  // 4 to 8 units in the last place
+    return std::max(t * (1.0f + kUnits), std::numeric_limits<float>::min());
+}
 
 }  // namespace spc

@@ -116,7 +116,7 @@ uint32_t SceneBuilder::add_material(const Graph& graph) {
 }
 
 uint32_t SceneBuilder::add_mesh(Mesh mesh) {
-    const std::string& name = mesh.name;
+    const std::string name = named("mesh", mesh.name);
     require_finite(mesh.positions, name, "position");
     require_finite(mesh.normals, name, "corner normal");
     for (size_t t = 0; t < mesh.triangles.size(); ++t)
@@ -131,9 +131,10 @@ uint32_t SceneBuilder::add_mesh(Mesh mesh) {
     for (const UvLayer& layer : mesh.uv_layers) {
         for (size_t i = 0; i < layer.uv.size(); ++i)
             if (!std::isfinite(layer.uv[i].x) || !std::isfinite(layer.uv[i].y))
-                invalid(fmt::format("{}: UV layer {}: coordinate {} is not finite", name,
+                invalid(fmt::format("{}: UV layer \"{}\": coordinate {} is not finite", name,
                                     layer.name, i));
-        require_finite(layer.tangents, fmt::format("{}: UV layer {}", name, layer.name), "tangent");
+        require_finite(layer.tangents, fmt::format("{}: UV layer \"{}\"", name, layer.name),
+                       "tangent");
     }
     if (!mesh.uv_layers.empty() && mesh.active_uv_layer >= mesh.uv_layers.size())
         invalid(fmt::format("{}: active UV layer {} of {}", name, mesh.active_uv_layer,
@@ -159,7 +160,7 @@ uint32_t SceneBuilder::invisible_material() {
 }
 
 uint32_t SceneBuilder::add_instance(Instance instance) {
-    const std::string& name = instance.name;
+    const std::string name = named("object", instance.name);
     if (instance.mesh >= scene_->meshes.size())
         invalid(fmt::format("{}: mesh index {} of {}", name, instance.mesh, scene_->meshes.size()));
     const uint32_t slots = scene_->meshes[instance.mesh].slot_count;
@@ -179,7 +180,7 @@ uint32_t SceneBuilder::add_instance(Instance instance) {
 }
 
 uint32_t SceneBuilder::add_light(LightDesc light) {
-    const std::string& name = light.name;
+    const std::string name = named("light", light.name);
     const auto require = [&](bool holds, const char* what) {
         if (!holds) invalid(fmt::format("{}: {}", name, what));
     };
@@ -237,7 +238,7 @@ void SceneBuilder::set_environment(const Environment& environment) {
                             scene_->materials.size()));
     if (!material(environment.material).is_background)
         invalid(fmt::format("world: {} has no background as its surface",
-                            material(environment.material).name));
+                            named("material", material(environment.material).name)));
     scene_->environment = environment;
 }
 
@@ -249,7 +250,9 @@ std::unique_ptr<Scene> SceneBuilder::freeze(uint32_t threads) {
     require_complete();
     for (const Material& material : scene_->materials)
         for (const std::string& warning : material.warnings) scene_->report.push_back(warning);
+    report_images(*scene_);
     resolve_uv_layers(*scene_);
+    note_materials(*scene_);
     assign_caustics_roles(*scene_);
     bake_single_users(*scene_);
     bound_scene(*scene_);

@@ -36,10 +36,12 @@ private:
     uint32_t invisible_material();
 };
 
-// Steps of freeze(), in this order. Each may append to scene.report.
-void bake_single_users(Scene& scene);  // world-space vertices for meshes with one instance
+// Steps of freeze(). Each may append to scene.report.
+void report_images(Scene& scene);
 void resolve_uv_layers(Scene& scene);  // layer names -> indices, fallback tangents
+void note_materials(Scene& scene);     // what instances and scene have to know of their materials
 void assign_caustics_roles(Scene& scene);
+void bake_single_users(Scene& scene);  // world-space vertices for meshes with one instance
 void bound_scene(Scene& scene);
 
 }  // namespace spc

@@ -39,6 +39,8 @@ struct Mesh {
     std::vector<UvLayer> uv_layers;
     uint32_t active_uv_layer = 0;
     uint32_t dropped_triangles = 0;
+
+    uint32_t slot_of(uint32_t triangle) const { return slots.empty() ? 0 : slots[triangle]; }
 };
 
 struct Instance {
@@ -86,7 +88,8 @@ struct LightDesc {
     }
 };
 
-// Where a ray meets a light's surface: a sphere from outside, an area light from its shining side.
+// Where a ray meets a light's surface: a sphere from outside or, if the ray starts there, from
+// within; an area light from its shining side.
 struct LightSurfaceHit {
     float t;
     Vec3 p;

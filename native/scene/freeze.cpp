@@ -71,6 +71,23 @@ void resolve_uv_layers(Scene& scene) {
     }
 }
 
+void report_images(Scene& scene) {
+    for (const Image& image : scene.images)
+        if (image.repaired_texels > 0)
+            scene.report.push_back(
+                fmt::format("image \"{}\": {} texels were not finite and are read as 0", image.name,
+                            image.repaired_texels));
+}
+
+void note_materials(Scene& scene) {
+    for (Instance& instance : scene.instances)
+        for (const uint32_t index : instance.materials) {
+            const Material& material = scene.materials[index];
+            instance.emits = instance.emits || material.emits;
+            scene.any_transparency = scene.any_transparency || material.may_be_transparent;
+        }
+}
+
 void assign_caustics_roles(Scene& scene) {
     for (Instance& instance : scene.instances) {
         const CausticsRole role = instance.role;
@@ -88,8 +105,6 @@ void assign_caustics_roles(Scene& scene) {
             const bool specular = material.specular.reflects || material.specular.refracts;
             instance.caster = instance.caster || (may_cast && specular);
             instance.receiver = instance.receiver || (may_receive && material.has_smooth);
-            instance.emits = instance.emits || material.emits;
-            scene.any_transparency = scene.any_transparency || material.may_be_transparent;
             if (specular && why.empty()) why = material.specular.why;
             if (!specular && why_not.empty()) why_not = material.specular.why_not;
         }
@@ -103,21 +118,11 @@ void assign_caustics_roles(Scene& scene) {
 }
 
 void bound_scene(Scene& scene) {
-    Vec3 lower(kInfinity), upper(-kInfinity);
-    const auto extend = [&](const Vec3& p) {
-        for (int i = 0; i < 3; ++i) {
-            lower[i] = std::min(lower[i], p[i]);
-            upper[i] = std::max(upper[i], p[i]);
-        }
-    };
-    for (const Instance& instance : scene.instances)
-        for (const Vec3& p : scene.meshes[instance.mesh].positions)
-            extend(instance.object_to_world.point(p));
+    Bounds bounds;
+    for (uint32_t i = 0; i < scene.instances.size(); ++i) bounds.extend(scene.bounds_of(i));
     for (const LightDesc& light : scene.lights)
-        if (light.type != LightType::sun) extend(light.position());
-    if (lower.x > upper.x) return;
-    scene.bounds_center = (lower + upper) * 0.5f;
-    scene.bounds_radius = 0.5f * length(upper - lower);
+        if (light.type != LightType::sun) bounds.extend(light.position());
+    if (!bounds.empty()) scene.bounds_radius = 0.5f * length(bounds.upper - bounds.lower);
 }
 
 }  // namespace spc

@@ -3,6 +3,7 @@
 // and shared by all threads; indices refer, vectors own.
 #pragma once
 
+#include "math/bounds.h"
 #include "scene/accel.h"
 #include "scene/description.h"
 
@@ -18,20 +19,25 @@ struct Scene {
     std::vector<LightDesc> lights;
     Camera camera;
     Environment environment;
-    bool any_transparency = false;  // some material lets shadow rays through
-    Vec3 bounds_center{0.0f};       // bounding sphere of all geometry and lamps
-    float bounds_radius = 0.0f;
+    bool any_transparency = false;    // some material lets shadow rays through
+    float bounds_radius = 0.0f;       // half the diagonal of the box around all geometry and lamps
     std::vector<std::string> report;  // for the log
     std::unique_ptr<Accel> accel;
 
     const Material& material_of(const SurfaceHit& hit) const {
-        const Instance& instance = instances[hit.instance];
-        const Mesh& mesh = meshes[instance.mesh];
-        return materials[instance.materials[mesh.slots.empty() ? 0 : mesh.slots[hit.triangle]]];
+        return materials[material_index(hit.instance, hit.triangle)];
     }
     uint32_t material_index(uint32_t instance, uint32_t triangle) const {
-        const Mesh& mesh = meshes[instances[instance].mesh];
-        return instances[instance].materials[mesh.slots.empty() ? 0 : mesh.slots[triangle]];
+        const Instance& inst = instances[instance];
+        return inst.materials[meshes[inst.mesh].slot_of(triangle)];
+    }
+    // Of an instance's vertices, world.
+    Bounds bounds_of(uint32_t instance) const {
+        const Instance& inst = instances[instance];
+        Bounds bounds;
+        for (const Vec3& p : meshes[inst.mesh].positions)
+            bounds.extend(inst.object_to_world.point(p));
+        return bounds;
     }
     // World positions of a triangle's corners.
     std::array<Vec3, 3> triangle_world(uint32_t instance, uint32_t triangle) const {

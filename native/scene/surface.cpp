@@ -3,8 +3,6 @@
 
 #include "core/error.h"
 
-#include <bit>
-
 namespace spc {
 
 namespace {
@@ -34,6 +32,37 @@ Vec3 object_face_normal(const Mesh& mesh, uint32_t triangle) {
     const auto& [a, b, c] = mesh.triangles[triangle];
     return normalize(
         cross(mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a]));
+}
+
+// The sums that rounding errors of a triangle's points grow with, for coordinates of at most M and
+// the unit roundoff u = 2^-24:
+//   - interpolate(): 6 u M in each coordinate, 10.4 u M along any normal;
+//   - the shifted origin itself: 1.7 u M;
+//   - a ray cast's distance to the plane of a triangle that is not a sliver: 12 u M.
+// M is the largest coordinate of the corners: near the world's origin that is the triangle's own
+// extent. A tree in object space adds the transforms there and back, 4 u for each product of a row,
+// and errors of the inverse of the same size; there M counts every term of those products.
+// Together less than 50 u; the next power of two keeps some reserve.
+constexpr float kPositionError = 0x1p-18f;
+
+float position_error(const Instance& instance, const std::array<Vec3, 3>& corner) {
+    Vec3 size(0.0f);
+    for (const Vec3& p : corner)
+        for (int i = 0; i < 3; ++i) size[i] = std::max(size[i], std::abs(p[i]));
+    if (instance.world_positions.empty()) {
+        const auto terms = [](const Transform& m, const Vec3& v) {
+            Vec3 sum;
+            for (int i = 0; i < 3; ++i) {
+                const Vec3& row = m.row[static_cast<size_t>(i)];
+                sum[i] = std::abs(row.x) * v.x + std::abs(row.y) * v.y + std::abs(row.z) * v.z;
+            }
+            return sum;
+        };
+        const Vec3& t = instance.object_to_world.translation;
+        size += Vec3(std::abs(t.x), std::abs(t.y), std::abs(t.z));
+        size = terms(instance.object_to_world, terms(instance.world_to_object, size));
+    }
+    return kPositionError * std::max({size.x, size.y, size.z});
 }
 
 // A ShadingPoint with the storage for what it points to.
@@ -78,8 +107,7 @@ void fill_point(const Scene& scene, const SurfaceHit& hit, const T& u, const T& 
             normalize(apply_rows(normal_rows(instance.world_to_object), point.normal_object));
     }
     if ((reads & (kReadsUv | kReadsTangent)) != 0) {
-        const std::vector<uint32_t>& layers =
-            instance.uv_layers[mesh.slots.empty() ? 0 : mesh.slots[hit.triangle]];
+        const std::vector<uint32_t>& layers = instance.uv_layers[mesh.slot_of(hit.triangle)];
         for (size_t i = 0; i < layers.size(); ++i) {
             if (layers[i] == kNone) {
                 at.uvs[i] = {T(0.0f), T(0.0f)};
@@ -118,11 +146,26 @@ void point_seen_from(const Scene& scene, const SurfaceHit& hit, const Vec3& wo, 
     at.point.wo = wo;
 }
 
+// One thing that a material's program gives at a hit, without closures.
+template <class Evaluate>
+Spectrum evaluate_alone(const Evaluate& evaluate, const Scene& scene, const SurfaceHit& hit,
+                        const Vec3& wo) {
+    const Material& material = scene.material_of(hit);
+    PointAt<float> at;
+    point_seen_from(scene, hit, wo, material.reads,
+                    scene.triangle_world(hit.instance, hit.triangle), at);
+    return evaluate(material, scene.images, at.point);
+}
+
 }  // namespace
 
 Vec3 front_normal(const Scene& scene, uint32_t instance, uint32_t triangle) {
     return front_normal_of(scene.triangle_world(instance, triangle),
                            scene.instances[instance].mirrored);
+}
+
+float position_error(const Scene& scene, uint32_t instance, uint32_t triangle) {
+    return position_error(scene.instances[instance], scene.triangle_world(instance, triangle));
 }
 
 Vec3 surface_position(const Scene& scene, const SurfaceHit& hit) {
@@ -132,12 +175,12 @@ Vec3 surface_position(const Scene& scene, const SurfaceHit& hit) {
 
 void evaluate_surface(const Scene& scene, const SurfaceHit& hit, const Vec3& wo, Surface& surface) {
     surface.hit = hit;
-    surface.material = scene.material_index(hit.instance, hit.triangle);
-    const Material& material = scene.materials[surface.material];
+    const Material& material = scene.material_of(hit);
     const std::array<Vec3, 3> corner = scene.triangle_world(hit.instance, hit.triangle);
     PointAt<float> at;
     point_seen_from(scene, hit, wo, material.reads, corner, at);
     surface.p = value_of(interpolate(corner[0], corner[1], corner[2], hit.u, hit.v));
+    surface.p_error = position_error(scene.instances[hit.instance], corner);
     surface.ng = at.point.ng;
     surface.backfacing = at.point.backfacing;
     surface.n = value_of(at.point.normal) * (at.point.backfacing ? -1.0f : 1.0f);
@@ -148,20 +191,13 @@ void evaluate_surface(const Scene& scene, const SurfaceHit& hit, const Vec3& wo,
 
 Spectrum surface_emission(const Scene& scene, const SurfaceHit& hit, const Vec3& wo) {
     const Material& material = scene.material_of(hit);
-    if (!material.emits) return Spectrum(0.0f);
-    PointAt<float> at;
-    point_seen_from(scene, hit, wo, material.reads,
-                    scene.triangle_world(hit.instance, hit.triangle), at);
-    return evaluate_emission(material, scene.images, at.point);
+    return material.emits ? evaluate_alone(evaluate_emission, scene, hit, wo) : Spectrum(0.0f);
 }
 
 Spectrum surface_transparency(const Scene& scene, const SurfaceHit& hit, const Vec3& wo) {
     const Material& material = scene.material_of(hit);
-    if (!material.may_be_transparent) return Spectrum(0.0f);
-    PointAt<float> at;
-    point_seen_from(scene, hit, wo, material.reads,
-                    scene.triangle_world(hit.instance, hit.triangle), at);
-    return evaluate_transparency(material, scene.images, at.point);
+    return material.may_be_transparent ? evaluate_alone(evaluate_transparency, scene, hit, wo)
+                                       : Spectrum(0.0f);
 }
 
 CasterPatch evaluate_caster(const Scene& scene, const SurfaceHit& hit, bool smooth_base) {
@@ -172,6 +208,7 @@ CasterPatch evaluate_caster(const Scene& scene, const SurfaceHit& hit, bool smoo
     patch.dp_du = corner[1] - corner[0];
     patch.dp_dv = corner[2] - corner[0];
     patch.p = corner[0] + patch.dp_du * hit.u + patch.dp_dv * hit.v;
+    patch.p_error = position_error(scene.instances[hit.instance], corner);
     const bool mapped = material.specular.mapped_normal && !smooth_base;
     PointAt<Dual2> at;
     fill_point(scene, hit, Dual2(hit.u, 1, 0), Dual2(hit.v, 0, 1), corner, patch.ng,
@@ -186,19 +223,8 @@ CasterPatch evaluate_caster(const Scene& scene, const SurfaceHit& hit, bool smoo
     return patch;
 }
 
-Vec3 offset_origin(const Vec3& p, const Vec3& ng, const Vec3& direction) {
-    constexpr float kOrigin = 1.0f / 32.0f;  // below it, offsets are absolute
-    constexpr float kFloatScale = 1.0f / 65536.0f;
-    constexpr float kIntScale = 256.0f;  // units in the last place
-    const Vec3 n = dot(ng, direction) < 0.0f ? ng * -1.0f : ng;
-    Vec3 out;
-    for (int i = 0; i < 3; ++i) {
-        const auto steps = static_cast<int32_t>(kIntScale * n[i]);
-        const float shifted =
-            std::bit_cast<float>(std::bit_cast<int32_t>(p[i]) + (p[i] < 0.0f ? -steps : steps));
-        out[i] = std::abs(p[i]) < kOrigin ? p[i] + kFloatScale * n[i] : shifted;
-    }
-    return out;
+Vec3 offset_origin(const RayStart& from, const Vec3& direction) {
+    return from.p + from.ng * std::copysign(from.error, dot(from.ng, direction));
 }
 
 }  // namespace spc

@@ -7,17 +7,28 @@
 
 namespace spc {
 
+// A point of a surface from which rays leave.
+struct RayStart {
+    Vec3 p;       // world
+    Vec3 ng;      // unit, either side
+    float error;  // m: position_error()
+};
+
 // A point on a surface as transport sees it.
 struct Surface {
     SurfaceHit hit;
     Vec3 p;           // world
+    float p_error;    // m, see RayStart
     Vec3 ng;          // unit geometric normal on the side of wo
     Vec3 n;           // unit interpolated normal on the side of wo (before any normal map)
     Vec3 wo;          // unit, towards where the path came from
     bool backfacing;  // wo sees the back of the triangle
-    uint32_t material;
     ClosureList closures;
 };
+
+// Bound of the distance along the normal, in m, by which rounding may part a point of the triangle,
+// as the functions here compute it, from the triangle that a ray cast meets.
+float position_error(const Scene& scene, uint32_t instance, uint32_t triangle);
 
 // Fills `surface` with everything, closures included. `wo` = -direction of the ray that made the
 // hit.
@@ -36,12 +47,13 @@ Vec3 front_normal(const Scene& scene, uint32_t instance, uint32_t triangle);
 struct CasterPatch {
     Vec3 p, dp_du, dp_dv;
     Vec3 n, dn_du, dn_dv;
-    Vec3 ng;  // unit, front side
+    Vec3 ng;               // unit, front side
+    float p_error = 0.0f;  // m, see RayStart
 };
 CasterPatch evaluate_caster(const Scene& scene, const SurfaceHit& hit, bool smooth_base);
 
-// Origin for a ray that leaves the surface at p towards the side of `direction`: far enough from
-// the triangle not to hit it again, by the spacing of single precision at p [Waechter19].
-Vec3 offset_origin(const Vec3& p, const Vec3& ng, const Vec3& direction);
+// Origin for a ray that leaves the surface at `from` towards the side of `direction`: as far from
+// the triangle as rounding could have p and ray cast disagree about it, and no farther.
+Vec3 offset_origin(const RayStart& from, const Vec3& direction);
 
 }  // namespace spc

@@ -1,20 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/transmittance.h"
 
-#include "scene/surface.h"
-
 namespace spc {
 
-Spectrum transmittance(const Scene& scene, const Vec3& a, const Vec3& ng_a, const ChainEnd& end,
-                       uint32_t kind, uint32_t& transparent_left, uint64_t& rays, Opaque opaque) {
+Spectrum transmittance(const Scene& scene, const RayStart& from, const ChainEnd& end, uint32_t kind,
+                       uint32_t& transparent_left, uint64_t& rays, Opaque opaque) {
     constexpr float kFarMargin =
         1e-4f;  // relative: the surface at the far end does not block itself
     float distance;
-    Vec3 direction = end.from(a, distance);
+    Vec3 direction = end.from(from.p, distance);
     // Aimed anew from where the ray starts: a parallel ray would meet the far surface off its mark.
-    const Vec3 origin = offset_origin(a, ng_a, direction);
+    const Vec3 origin = offset_origin(from, direction);
     direction = end.from(origin, distance);
-    Ray ray{origin, direction, 0.0f, distance * (1.0f - kFarMargin)};
+    Ray ray{origin, direction, 0.0f, distance * (1.0f - kFarMargin) - end.margin};
     Spectrum through(1.0f);
     for (;;) {
         ++rays;

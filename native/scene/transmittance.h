@@ -2,7 +2,7 @@
 // What lies between a surface and the light, or the next vertex, that a path connects it to.
 #pragma once
 
-#include "scene/scene.h"
+#include "scene/surface.h"
 
 namespace spc {
 
@@ -11,6 +11,9 @@ struct ChainEnd {
     bool distant;
     Vec3 p;          // if not distant
     Vec3 direction;  // if distant: unit, towards the light
+    // How far along the ray rounding may put the surface on which p lies, m; 0 if p lies on none
+    // that blocks.
+    float margin = 0.0f;
     Vec3 from(const Vec3& vertex, float& distance) const {
         if (distant) {
             distance = kInfinity;
@@ -28,11 +31,11 @@ enum class Opaque : uint8_t {
     casters_too   // and every caster, however transparent
 };
 
-// Fraction of light that passes from the surface point a to `end` (both excluded) through
+// Fraction of light that passes from the surface point `from` to `end` (both excluded) through
 // transparent surfaces, as a ray of `kind` sees them. Takes those surfaces off `transparent_left`;
 // one more blocks. Counts the rays that it casts in `rays`.
-Spectrum transmittance(const Scene& scene, const Vec3& a, const Vec3& ng_a, const ChainEnd& end,
-                       uint32_t kind, uint32_t& transparent_left, uint64_t& rays,
+Spectrum transmittance(const Scene& scene, const RayStart& from, const ChainEnd& end, uint32_t kind,
+                       uint32_t& transparent_left, uint64_t& rays,
                        Opaque opaque = Opaque::by_material);
 
 }  // namespace spc

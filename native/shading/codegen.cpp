@@ -188,4 +188,12 @@ uint32_t reads_of(const Program& program, const Section& section) {
     return reads;
 }
 
+std::vector<uint32_t> images_of(const Program& program) {
+    std::vector<uint32_t> images;
+    for (const Instruction& i : program.instructions)
+        if (i.op == Op::image && std::find(images.begin(), images.end(), i.index) == images.end())
+            images.push_back(i.index);
+    return images;
+}
+
 }  // namespace spc

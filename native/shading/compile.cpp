@@ -128,6 +128,7 @@ void Compiler::describe(Material& material) {
         }
     }
     material.is_background = is_world_;
+    material.constant_background = is_world_ && expr.is_constant(emission);
     material.emits = !black(emission);
     if (material.emits) material.mean_emission = Spectrum(expr.mean_value(emission, images_));
 }
@@ -170,6 +171,7 @@ Material Compiler::run() {
     material.reads =
         reads_of(program, {0, static_cast<uint32_t>(program.instructions.size()), kNoOperand});
     material.normal_reads = reads_of(program, program.caster_normal);
+    material.images = images_of(program);
     material.uv_layers = keep_used_layers(program);
     material.warnings = std::move(warnings_);
     return material;

@@ -101,5 +101,6 @@ Program generate(const ExprBuilder& expr, const std::vector<ClosureTerm>& terms,
                  const ProgramRoots& roots, const std::string& material);
 // Of ProgramReads, for a section's instructions.
 uint32_t reads_of(const Program& program, const Section& section);
+std::vector<uint32_t> images_of(const Program& program);  // each once
 
 }  // namespace spc

@@ -51,7 +51,7 @@ struct SpecularInterface {
     std::string why_not;         // empty if reflects or refracts
 };
 
-struct Program;  // instructions; program.cpp
+struct Program;  // shading/instruction.h
 struct ProgramDeleter {
     void operator()(Program*) const;
 };
@@ -69,6 +69,9 @@ struct Material {
     bool may_be_transparent = false;  // some Transparent closure or alpha < 1 may exist
     bool has_smooth = false;     // some closure that is not a delta may exist (a possible receiver)
     bool is_background = false;  // surface is a Background shader
+    bool constant_background =
+        false;                     // of the same radiance in every direction, by the graph itself
+    std::vector<uint32_t> images;  // that some part of it reads, by index into the scene's
     SpecularInterface specular;
     std::vector<std::string> warnings;  // what falls back, naming material and node
 };

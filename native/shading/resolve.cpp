@@ -3,6 +3,8 @@
 
 #include "core/error.h"
 
+#include <fmt/format.h>
+
 namespace spc {
 namespace {
 
@@ -19,9 +21,10 @@ int find(std::span<const Item> items, std::string_view name) {
 
 template <class Item>
 std::string names_of(std::span<const Item> items) {
-    std::string text;
-    for (const Item& item : items) text += (text.empty() ? "" : ", ") + std::string(item.name);
-    return text.empty() ? "none" : text;
+    if (items.empty()) return "none";
+    std::string text(items.front().name);
+    for (const Item& item : items.subspan(1)) text.append(", ").append(item.name);
+    return text;
 }
 
 // Is `value` one of "A|B|C"?
@@ -51,7 +54,7 @@ public:
     }
 
 private:
-    std::string material() const { return "material \"" + graph_.name + "\""; }
+    std::string material() const { return named("material", graph_.name); }
     std::string at(uint32_t node, std::string_view socket = {}) const {
         return where(graph_.name, graph_.nodes[node], socket);
     }
@@ -114,12 +117,12 @@ private:
         ResolvedNode& node = node_at(option.node, "an option");
         const int i = find(node.kind->options, option.option);
         if (i < 0)
-            fail(at(option.node) + ", option \"" + option.option + "\": no such option of " +
-                 node.kind->name + " (has: " + names_of(node.kind->options) + ")");
+            fail(fmt::format("{}, option \"{}\": no such option of {} (has: {})", at(option.node),
+                             option.option, node.kind->name, names_of(node.kind->options)));
         const std::string_view values = node.kind->options[static_cast<size_t>(i)].values;
         if (!values.empty() && !is_choice(values, option.value))
-            fail(at(option.node) + ", option \"" + option.option + "\": \"" + option.value +
-                 "\" is not one of " + std::string(values));
+            fail(fmt::format("{}, option \"{}\": \"{}\" is not one of {}", at(option.node),
+                             option.option, option.value, values));
         node.options[static_cast<size_t>(i)] = option.value;
     }
 
@@ -196,8 +199,8 @@ private:
 }  // namespace
 
 std::string where(const std::string& material, const GraphNode& node, std::string_view socket) {
-    std::string text = "material \"" + material + "\", node \"" +
-                       (node.name.empty() ? node.kind : node.name) + "\"";
+    std::string text = named("material", material) + ", " +
+                       named("node", node.name.empty() ? node.kind : node.name);
     if (!socket.empty()) text += ", socket \"" + std::string(socket) + "\"";
     return text;
 }

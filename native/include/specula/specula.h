@@ -53,7 +53,7 @@ typedef enum spc_status {
     SPC_WRONG_STATE = 2, /* a call out of order: adding after commit, rendering before it */
     SPC_OUT_OF_MEMORY = 3,
     SPC_IO_ERROR = 4,      /* a file could not be read */
-    SPC_UNSUPPORTED = 5,   /* well-formed, but this version cannot do it */
+    SPC_UNSUPPORTED = 5,   /* reserved: no call returns it */
     SPC_INTERNAL_ERROR = 6 /* a bug in Specula */
 } spc_status;
 

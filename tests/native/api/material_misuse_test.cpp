@@ -62,7 +62,7 @@ protected:
 };
 
 TEST_F(MaterialMisuse, ArraysAndNames) {
-    refuses_desc({"spc_scene_add_material", "Plaster", "nodes"}, [](auto& d) { d.nodes = nullptr; });
+    refuses_desc({"material \"Plaster\": ", "nodes"}, [](auto& d) { d.nodes = nullptr; });
     refuses_desc({"Plaster", "nodes"}, [](auto& d) { d.node_count = 0; });
     refuses_desc({"Plaster", "inputs"}, [](auto& d) { d.inputs = nullptr; });
     refuses_desc({"Plaster", "options"}, [](auto& d) { d.options = nullptr; });

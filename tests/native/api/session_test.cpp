@@ -84,7 +84,7 @@ TEST(RenderMisuse, Settings) {
         spoil(settings);
         spc_session* session = nullptr;
         expect_refused(spc_render_start(scene.get(), &settings, &session), SPC_INVALID_ARGUMENT,
-                       {"spc_render_start", word});
+                       {word});
         EXPECT_EQ(session, nullptr);
         spc_session_destroy(session);
     };

@@ -129,7 +129,7 @@ TEST(Closure, ChiSquareFindsASamplerSkewedByFivePercent) {
     }
 }
 
-// A sample's weight and density are eval()'s at its direction, to the bit.
+// A sample's weight and density are eval()'s at its direction, for its kind of scattering.
 TEST(Closure, SampleAgreesWithEval) {
     Uniforms uniforms(11);
     for (const SamplerCase& c : sampler_cases())
@@ -137,10 +137,14 @@ TEST(Closure, SampleAgreesWithEval) {
             const std::optional<ClosureSample> s = sample(c.list, c.ng, c.wo, uniforms.three());
             if (!s) continue;
             ASSERT_FALSE(s->delta);
-            const ClosureEval e = eval(c.list, c.ng, c.wo, s->wi);
-            EXPECT_EQ(s->pdf_omega, e.pdf_omega) << c.text;
+            const ClosureEval e = eval(c.list, c.ng, c.wo, s->wi, kind_bit(s->kind)),
+                              all = eval(c.list, c.ng, c.wo, s->wi);
+            EXPECT_EQ(s->pdf_omega, all.pdf_omega) << c.text;
+            EXPECT_EQ(e.pdf_omega, all.pdf_omega) << c.text;
+            EXPECT_EQ(all.pdf_of_kinds, all.pdf_omega) << c.text;
+            EXPECT_LE(e.pdf_of_kinds, all.pdf_omega) << c.text;
             for (int k = 0; k < 3; ++k)
-                EXPECT_NEAR_REL(s->weight[k] * s->pdf_omega, e.f_cos[k], 1e-6);
+                EXPECT_NEAR_REL(s->weight[k] * e.pdf_of_kinds, e.f_cos[k], 1e-6);
             EXPECT_EQ(s->refracted, dot(c.ng, s->wi) < 0.0f) << c.text;
         }
 }
@@ -568,7 +572,7 @@ TEST(Closure, SurvivesExtremes) {
                                 if (const auto s = sample(list, ng, wo, u)) {
                                     ASSERT_TRUE(is_finite(s->weight) && is_finite(s->wi));
                                     ASSERT_NEAR(length(s->wi), 1.0f, 1e-4f);
-                                    ASSERT_GT(s->pdf_omega, 0.0f);
+                                    ASSERT_GT(s->delta ? s->probability : s->pdf_omega, 0.0f);
                                     ASSERT_EQ(dot(ng, s->wi) < 0.0f, s->refracted);
                                     if (list.closures[0].weight.x == 1.0f) {
                                         ASSERT_LE(s->weight.x, 1.001f)

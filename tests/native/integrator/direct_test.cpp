@@ -273,5 +273,59 @@ TEST(TransparentFilm, AlphaIsWhatHidesTheWorld) {
     }
 }
 
+// A scene far from the origin is lit as the same scene at the origin: glowing triangles do not block
+// themselves, nor the floor itself. All vertices are numbers that both places can tell.
+TEST(DirectLight, EmissiveMeshFarFromTheOrigin) {
+    const auto lit_at = [](const Vec3& place) {
+        SceneMaker maker;
+        Transform floor = test::translation(place), tilted = floor;
+        floor.row = {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0.5f, 0.25f, 1)};
+        tilted.row = {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0.5f, 1, 1)};
+        tilted.translation.z += 1.25f;
+        maker.add(test::square(8.0f), test::diffuse(kAlbedo), floor);
+        maker.add(test::square(0.5f), test::emission(2.0f), tilted);
+        const Ray ray{place + Vec3(1.0f, 0.25f, 1.75f), normalize(Vec3(-1.0f, -0.25f, -1.75f)),
+                      0.0f, kInfinity};
+        return test::estimate(maker.finish(), direct_only(), 80000, ray).radiance;
+    };
+    const test::MeanEstimate near = lit_at(Vec3(0.0f));
+    for (const Vec3& place : {Vec3(8192, 0, 0), Vec3(0, 0, 8192), Vec3(8192, -8192, 8192)}) {
+        const test::MeanEstimate far = lit_at(place);
+        const double error = std::hypot(near.standard_error(), far.standard_error());
+        // Hits are 2^-10 m apart there, and light grows by a few thousandths over that.
+        EXPECT_NEAR(far.mean(), near.mean(), 5.0 * error + 5e-3 * near.mean());
+        EXPECT_LT(5.0 * error, 0.03 * near.mean()) << "too little power";
+    }
+}
+
+// A lamp without shadow lights the floor as if nothing stood in between, by whichever rays.
+TEST(DirectLight, LampsWithoutShadowShineThroughEverything) {
+    const auto below = [](const LightDesc& light, bool blocked) {
+        SceneMaker maker;
+        maker.add(test::square(10.0f), test::diffuse(kAlbedo));
+        if (blocked)
+            maker.add(test::square(10.0f), test::diffuse(0.0f), test::translation(Vec3(0, 0, 1.2f)));
+        maker.builder.add_light(light);
+        return test::estimate(maker.finish(), direct_only(), 20000, kAtOrigin).radiance;
+    };
+    LightDesc sun = lamp(LightType::sun, {}, 3.0f), bulb = lamp(LightType::point),
+              panel = lamp(LightType::area, test::translation(Vec3(0, 0, 2)));
+    sun.sun_angle = 1.5f;
+    bulb.to_world = test::translation(Vec3(0, 0, 3));
+    bulb.radius = 1.4f;
+    panel.size = Vec2(4.0f, 4.0f);
+    for (const LightDesc& light : {sun, bulb, panel}) {
+        LightDesc without = light;
+        without.visibility = kVisibleAll & ~uint32_t{kVisibleShadow};
+        const test::MeanEstimate free = below(light, false);
+        for (const bool blocked : {false, true}) {
+            const test::MeanEstimate e = below(without, blocked);
+            const double error = std::hypot(e.standard_error(), free.standard_error());
+            EXPECT_NEAR(e.mean(), free.mean(), 5.0 * error + 1e-5) << blocked;
+            EXPECT_LT(5.0 * error, 0.05 * free.mean()) << "too little power";
+        }
+    }
+}
+
 }  // namespace
 }  // namespace spc

@@ -63,9 +63,40 @@ TEST(BounceLimits, TransparentSheets) {
         for (int sheets = 0; sheets < 7; ++sheets)
             EXPECT_EQ(light_passes(test::transparent(1.0f), sheets,
                                    limited(&BounceLimits::transparent, limit)),
-                      sheets <= int(limit) + 1)
+                      sheets <= int(limit))
                 << sheets << " sheets, limit " << limit;
     EXPECT_TRUE(light_passes(test::transparent(1.0f), 6, limited(&BounceLimits::total, 0)));
+}
+
+// A lamp above sheets lights the floor below them by shadow rays and by scattered rays, which must
+// pass as many: all of its light, or none.
+TEST(BounceLimits, ShadowRaysPassAsManySheetsAsPaths) {
+    const auto below = [](int sheets, uint32_t limit, float radius) {
+        SceneMaker maker;
+        maker.add(test::square(4.0f), test::diffuse(1.0f));
+        for (int i = 0; i < sheets; ++i)
+            maker.add(test::square(40.0f), test::transparent(1.0f),
+                      test::translation(Vec3(0, 0, 1.0f + 0.1f * float(i))));
+        LightDesc light;
+        light.name = "bulb";
+        light.radius = radius;
+        light.to_world = test::translation(Vec3(0, 0, 4));
+        light.power = Spectrum(100.0f);
+        maker.builder.add_light(light);
+        return test::estimate(maker.finish(), limited(&BounceLimits::transparent, limit), 2000,
+                              test::ray_to({0.3f, 0.0f, 0.5f}, {0.0f, 0.0f, 0.0f}))
+            .radiance;
+    };
+    for (const float radius : {0.0f, 1.0f, 2.5f}) {
+        const double lit = below(0, 0, radius).mean();
+        for (uint32_t limit = 0; limit < 3; ++limit)
+            for (int sheets = 0; sheets < 5; ++sheets) {
+                const double expected = sheets <= int(limit) ? lit : 0.0;
+                EXPECT_TRUE(test::is_mean(below(sheets, limit, radius), expected, kSignificance,
+                                          0.02 * expected))
+                    << sheets << " sheets, limit " << limit << ", radius " << radius;
+            }
+    }
 }
 
 TEST(BounceLimits, RefractingSheets) {
@@ -159,6 +190,62 @@ TEST(Visibility, LightsShowThemselvesToTheirKindsOfRays) {
                 << floor.name << ", " << name << " shown to it alone";
             EXPECT_EQ(radiance_below(floor.floor, kVisibleAll & ~floor.seen_by, add), 0.0)
                 << floor.name << ", " << name << " hidden from it alone";
+        }
+}
+
+// A floor of two kinds of scattering under lights that one of them alone sees: as much as a floor
+// of that half alone, whichever way the light is found.
+TEST(VisibilitySlow, MixedFloorsSeeEachLightByTheirOwnHalf) {
+    const Graph rough = test::single_shader(
+        "bsdf_glossy", {{1, "Color", {1, 1, 1, 1}}, {1, "Roughness", {0.3f, 0, 0, 0}}});
+    const Graph black = test::diffuse(0.0f);
+    const Graph matt = test::diffuse(0.8f);
+    const std::pair<const char*, void (*)(SceneMaker&, uint32_t)> lights[] = {
+        {"mesh", glowing_mesh}, {"area lamp", area_lamp}, {"world", white_world}};
+    const auto below = [](const Graph& floor, uint32_t visibility,
+                          void (*add_light)(SceneMaker&, uint32_t)) {
+        SceneMaker maker;
+        maker.add(test::square(1.0f), floor);
+        add_light(maker, visibility);
+        return test::estimate(maker.finish(), test::unlimited(), 100000,
+                              test::ray_to({0.2f, 0.0f, 0.5f}, {0.0f, 0.0f, 0.0f}))
+            .radiance;
+    };
+    const Graph mixed = test::combined(matt, rough, 0.3f);
+    for (const auto& [name, add] : lights)
+        for (const bool diffuse : {true, false}) {
+            const uint32_t kind = diffuse ? kVisibleDiffuse : kVisibleGlossy;
+            const Graph half =
+                diffuse ? test::combined(matt, black, 0.3f) : test::combined(black, rough, 0.3f);
+            const test::MeanEstimate expected = below(half, kVisibleAll, add);
+            const test::MeanEstimate found = below(mixed, kind | kVisibleShadow, add);
+            const double error = std::hypot(expected.standard_error(), found.standard_error());
+            EXPECT_NEAR(found.mean(), expected.mean(), 5.0 * error + 1e-4)
+                << name << (diffuse ? ", diffuse" : ", glossy");
+            EXPECT_LT(5.0 * error, 0.03 * expected.mean()) << "too little power";
+        }
+}
+
+// The same with a red and a blue half: light that one of them alone sees never has the other's
+// colour, by whichever rays.
+TEST(Visibility, MixedFloorsKeepTheColourOfTheHalfThatSees) {
+    const Graph red = test::single_shader("bsdf_diffuse", {{1, "Color", {0.8f, 0, 0, 1}}});
+    const Graph blue = test::single_shader(
+        "bsdf_glossy", {{1, "Color", {0, 0, 1, 1}}, {1, "Roughness", {0.3f, 0, 0, 0}}});
+    for (const auto add : {glowing_mesh, area_lamp, white_world})
+        for (const bool diffuse : {true, false}) {
+            SceneMaker maker;
+            maker.add(test::square(1.0f), test::combined(red, blue, 0.5f));
+            add(maker, (diffuse ? kVisibleDiffuse : kVisibleGlossy) | kVisibleShadow);
+            const RenderScene world = maker.finish();
+            const Ray ray = test::ray_to({0.2f, 0.0f, 0.5f}, {0.0f, 0.0f, 0.0f});
+            PathStats stats;
+            Spectrum sum(0.0f);
+            for (uint32_t i = 0; i < 2000; ++i)
+                sum +=
+                    path_radiance(world, test::unlimited(), ray, Sampler(1, i, 0), stats).radiance;
+            EXPECT_GT(diffuse ? sum.x : sum.z, 100.0f);
+            EXPECT_EQ(diffuse ? sum.z : sum.x, 0.0f);
         }
 }
 

@@ -71,7 +71,7 @@ struct Lit {
 };
 inline Lit freeze(SceneMaker& maker) {
     Lit lit{maker.builder.freeze(1), {}};
-    lit.lights = build_lights(*lit.scene);
+    lit.lights = build_lights(*lit.scene, 1);
     return lit;
 }
 inline Lit lit_by(const std::vector<LightDesc>& lamps) {
@@ -100,26 +100,26 @@ inline Seen look(const Lit& lit, const Vec3& p, const Vec3& wi) {
         const std::optional<LightSurfaceHit> hit = intersect_light(scene.lights[i], {p, wi});
         if (!hit) continue;
         const Hit as_hit{hit->t, i, {}};
-        seen.pdf_direct += pdf_direct_lamp(lit.lights, scene, p, wi, as_hit);
-        seen.pdf_light_point = pdf_light_point_lamp(lit.lights, scene, as_hit);
-        seen.radiance += lamp_radiance(scene, i, hit->p, wi * -1.0f);
+        seen.pdf_direct += pdf_direct_lamp(lit.lights, p, wi, as_hit);
+        seen.pdf_light_point = pdf_light_point_lamp(lit.lights, as_hit);
+        seen.radiance += lamp_radiance(lit.lights.lamps[i], hit->p, wi * -1.0f);
     }
     for (const uint32_t i : lit.lights.disc_suns) {
         const float pdf = pdf_direct_sun(lit.lights, i, wi);
         if (!(pdf > 0.0f)) continue;
         seen.pdf_direct += pdf;
         seen.pdf_light_point = pdf_light_point_sun(lit.lights, i, wi);
-        seen.radiance += lamp_radiance(scene, i, Vec3(0.0f), wi * -1.0f);
+        seen.radiance += lamp_radiance(lit.lights.lamps[i], Vec3(0.0f), wi * -1.0f);
     }
     const std::optional<Hit> hit =
         scene.instances.empty() ? std::nullopt : scene.accel->intersect({p, wi}, kVisibleDiffuse);
     if (hit && hit->light == kNone) {
         seen.pdf_direct += pdf_direct_surface(lit.lights, scene, p, wi, *hit);
-        seen.pdf_light_point = pdf_light_point_surface(lit.lights, scene, hit->surface);
+        seen.pdf_light_point = pdf_light_point_surface(lit.lights, hit->surface);
         seen.radiance += surface_emission(scene, hit->surface, wi * -1.0f);
     } else if (!hit && lit.lights.has_world) {
-        seen.pdf_direct += pdf_direct_world(lit.lights, scene, wi);
-        seen.pdf_light_point = pdf_light_point_world(lit.lights, scene, wi);
+        seen.pdf_direct += pdf_direct_world(lit.lights, wi);
+        seen.pdf_light_point = pdf_light_point_world(lit.lights, wi);
         seen.radiance += world_radiance(lit.lights, scene, wi);
     }
     return seen;
@@ -134,7 +134,7 @@ inline MeanEstimate irradiance_direct(const Lit& lit, const Vec3& p, const Vec3&
     for (int64_t i = 0; i < samples; ++i) {
         const std::optional<DirectSample> s =
             sample_direct(lit.lights, *lit.scene, p, uniforms.three());
-        estimate.add(s ? s->radiance[channel] * std::max(dot(n, s->wi), 0.0f) / s->pdf_omega : 0.0f);
+        estimate.add(s ? s->radiance[channel] * std::max(dot(n, s->wi), 0.0f) / s->density : 0.0f);
     }
     return estimate;
 }

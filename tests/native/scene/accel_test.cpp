@@ -204,38 +204,56 @@ TEST(Accel, AnEmptySceneAndOneOfLampsAlone) {
     EXPECT_FALSE(lamps->accel->occluded(down, kVisibleShadow));
 }
 
-// Rays that leave a triangle must not meet it again, near and far from the origin, baked and
-// instanced.
-class OffsetOrigin : public ::testing::TestWithParam<float> {};
-INSTANTIATE_TEST_SUITE_P(Scales, OffsetOrigin, ::testing::Values(1e-2f, 1.0f, 1e2f, 1e4f));
+// Rays that leave a triangle must not meet it again, in scenes of every size, near the origin and
+// far from it, baked and instanced; and the offset must be small against the scene and its
+// coordinates.
+struct Place {
+    float scale;     // of the triangles, m
+    float distance;  // of the triangles from the origin, m
+};
+class OffsetOrigin : public ::testing::TestWithParam<Place> {};
+INSTANTIATE_TEST_SUITE_P(Places, OffsetOrigin,
+                         ::testing::Values(Place{1e-4f, 0.0f}, Place{1e-4f, 1e-3f},
+                                           Place{1e-2f, 0.1f}, Place{1.0f, 0.0f}, Place{1.0f, 8.0f},
+                                           Place{1e4f, 0.0f}, Place{1e4f, 8e4f}, Place{1.0f, 1e4f}));
+
+// One triangle, turned and moved; `shared`: through a tree in object space.
+std::unique_ptr<Scene> lone_triangle(uint64_t seed, const Place& place, const Graph& graph,
+                                     bool shared) {
+    test::Uniforms uniforms(seed);
+    test::SceneMaker maker;
+    Instance one;
+    one.mesh = maker.builder.add_mesh(triangle_soup(seed, 1, 2.0f * place.scale, place.scale));
+    one.object_to_world = test::rotation_x(
+        uniforms() * 6.0f, (uniforms.three() - Vec3(0.5f)) * (2.0f * place.distance));
+    one.materials = {maker.builder.add_material(graph)};
+    maker.builder.add_instance(one);
+    if (shared) {
+        one.visibility = 0;
+        maker.builder.add_instance(one);
+    }
+    return maker.builder.freeze(1);
+}
+
+SurfaceHit random_hit(test::Uniforms& uniforms) {
+    const float a = std::sqrt(uniforms()), b = uniforms();
+    return {0, 0, a * (1.0f - b), a * b};
+}
 
 TEST_P(OffsetOrigin, NeverMeetsItsOwnTriangle) {
-    const float scale = GetParam();
+    const Place place = GetParam();
     test::Uniforms uniforms(17);
     for (const bool shared : {false, true}) {
         int again = 0, rays = 0;
         double farthest = 0.0;
-        for (int i = 0; i < 60; ++i) {
-            test::SceneMaker maker;
-            SceneBuilder& builder = maker.builder;
-            Instance one;
-            one.mesh = builder.add_mesh(triangle_soup(uint64_t(100 + i), 1, 2.0f * scale, scale));
-            one.object_to_world = test::rotation_x(
-                uniforms() * 6.0f, (uniforms.three() - Vec3(0.5f)) * (8.0f * scale));
-            one.materials = {builder.add_material(test::diffuse(0.5f))};
-            builder.add_instance(one);
-            if (shared) {
-                one.visibility = 0;
-                builder.add_instance(one);
-            }
-            const std::unique_ptr<Scene> scene = builder.freeze(1);
+        for (uint64_t i = 0; i < 200; ++i) {
+            const std::unique_ptr<Scene> scene =
+                lone_triangle(100 + i, place, test::diffuse(0.5f), shared);
             for (int k = 0; k < 100; ++k) {
-                const float a = std::sqrt(uniforms()), b = uniforms();
-                const SurfaceHit hit{0, 0, a * (1.0f - b), a * b};
+                const SurfaceHit hit = random_hit(uniforms);
                 const Vec3 p = surface_position(*scene, hit), ng = front_normal(*scene, 0, 0);
                 const Vec3 direction = normalize(uniforms.three() - Vec3(0.5f));
-                // A whole ray, and the segment of a shadow ray that ends on the triangle.
-                const Vec3 origin = offset_origin(p, ng, direction);
+                const Vec3 origin = offset_origin({p, ng, position_error(*scene, 0, 0)}, direction);
                 again +=
                     scene->accel->intersect({origin, direction, 0.0f, kInfinity}, kVisibleDiffuse)
                         ? 1
@@ -245,8 +263,49 @@ TEST_P(OffsetOrigin, NeverMeetsItsOwnTriangle) {
             }
         }
         EXPECT_EQ(again, 0) << "of " << rays << " rays" << (shared ? ", instanced" : "");
-        EXPECT_LT(farthest, 1e-3 * double(scale) + 1e-4) << "an offset that shows";
+        EXPECT_LT(farthest, 1e-4 * double(place.scale + place.distance)) << "an offset that shows";
     }
+}
+
+// A ray that looks through a surface meets it once, and what stands a little behind it.
+TEST_P(OffsetOrigin, PastASurfaceIsNeverTheSameSurface) {
+    const Place place = GetParam();
+    test::Uniforms uniforms(18);
+    for (const bool shared : {false, true}) {
+        int again = 0, hits = 0;
+        for (uint64_t i = 0; i < 200; ++i) {
+            const std::unique_ptr<Scene> scene =
+                lone_triangle(400 + i, place, test::diffuse(0.5f), shared);
+            for (int k = 0; k < 100; ++k) {
+                const Vec3 target = surface_position(*scene, random_hit(uniforms));
+                const Vec3 direction = normalize(uniforms.three() - Vec3(0.5f));
+                const float away = place.scale * std::exp2(uniforms() * 20.0f - 10.0f);
+                Ray ray{target - direction * away, direction, 0.0f, kInfinity};
+                const std::optional<Hit> hit = scene->accel->intersect(ray, kVisibleDiffuse);
+                if (!hit) continue;
+                ++hits;
+                ray.t_near = past(hit->t);
+                again += scene->accel->intersect(ray, kVisibleDiffuse) ? 1 : 0;
+            }
+        }
+        EXPECT_GT(hits, 10000);
+        EXPECT_EQ(again, 0) << "of " << hits << " rays" << (shared ? ", instanced" : "");
+    }
+}
+
+TEST(Past, ThinPairsAtADistanceAreTwoSurfaces) {
+    test::SceneMaker maker;
+    maker.add(test::square(1.0f), test::diffuse(0.5f));
+    maker.add(test::square(1.0f), test::diffuse(0.5f), test::translation({0, 0, -1e-4f}));
+    const std::unique_ptr<Scene> scene = maker.builder.freeze(1);
+    Ray ray{{0.2f, 0.1f, 100.0f}, {0, 0, -1}};
+    for (const uint32_t sheet : {0u, 1u}) {
+        const std::optional<Hit> hit = scene->accel->intersect(ray, kVisibleCamera);
+        ASSERT_TRUE(hit) << sheet;
+        EXPECT_EQ(hit->surface.instance, sheet);
+        ray.t_near = past(hit->t);
+    }
+    EXPECT_FALSE(scene->accel->intersect(ray, kVisibleCamera));
 }
 
 }  // namespace

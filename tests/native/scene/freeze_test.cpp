@@ -234,5 +234,22 @@ TEST(Camera, ClipsWhatItSees) {
     }
 }
 
+TEST(Freeze, ReportsTexelsThatWereRepaired) {
+    test::SceneMaker maker;
+    Image broken;
+    broken.name = "broken";
+    broken.width = broken.height = broken.channels = 1;
+    broken.floats = {0.0f};
+    Image whole = broken;
+    whole.name = "whole";
+    broken.repaired_texels = 3;
+    maker.builder.add_image(broken);
+    maker.builder.add_image(whole);
+    const std::unique_ptr<Scene> scene = maker.builder.freeze(1);
+    EXPECT_EQ(
+        scene->report,
+        (std::vector<std::string>{"image \"broken\": 3 texels were not finite and are read as 0"}));
+}
+
 }  // namespace
 }  // namespace spc

@@ -135,7 +135,7 @@ public:
         light.power = Spectrum(power);
         return builder.add_light(light);
     }
-    RenderScene finish() { return prepare(builder.freeze(1)); }
+    RenderScene finish() { return prepare(builder.freeze(1), 1); }
 
     SceneBuilder builder;
 };

@@ -131,8 +131,12 @@ std::optional<ConstraintValue> evaluate_constraint(Constraint constraint, Intera
         // The two see directions of this error; so far `noise` holds how much each magnifies it.
         value->noise *= kUnitRoundoff *
                         (2.0f + largest_coordinate(x, vertex.p) / std::min(distance_x, distance_y));
-        // Barycentrics have a spacing of their own, which a detailed normal map magnifies.
-        value->noise += 0x1p-24f * (value->dc_du.length() + value->dc_dv.length());
+        // A vertex is where a ray from x meets the surface: at a grazing angle it slips far. And
+        // barycentrics have a spacing of their own, which a detailed normal map magnifies.
+        const float cosine = std::abs(dot(vertex.ng, to_x)) / distance_x;
+        const float slip = distance_x / std::max(cosine, 1e-3f);
+        value->noise += 0x1p-24f * (value->dc_du.length() * (1.0f + slip / length(vertex.dp_du)) +
+                                    value->dc_dv.length() * (1.0f + slip / length(vertex.dp_dv)));
     }
     return value;
 }

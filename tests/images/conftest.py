@@ -49,33 +49,3 @@ def reference():
         return _reference.read(_reference.FOLDER / f"{name}.exr")
 
     return read
-
-
-# Listed in docs/transport.md, "Known to fail". (part of the test's name, part of its parameters, why)
-KNOWN_FAILING = (
-    (
-        "means_agree",
-        "angle difference, one stage-ring",
-        "a root of the ring's rim has so small a basin that 256 samples seldom meet it",
-    ),
-    (
-        "means_agree",
-        "angle difference, two stages-ring",
-        "a root of the ring's rim has so small a basin that 256 samples seldom meet it",
-    ),
-    ("means_agree", "reflective_plane", "an even block of the reference has one rounding error"),
-    (
-        "nowhere_brighter",
-        "reflective_plane",
-        "an even block of the reference has one rounding error",
-    ),
-    ("wrong_factor", "refractive_sphere", "too few samples: the twin lacks power"),
-    ("wrong_factor", "swimming_pool", "too few samples: the twin lacks power"),
-)
-
-
-def pytest_collection_modifyitems(items):
-    for item in items:
-        for test, parameters, reason in KNOWN_FAILING:
-            if test in item.name and parameters in item.name:
-                item.add_marker(pytest.mark.xfail(reason=reason, strict=False))

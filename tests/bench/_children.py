@@ -19,6 +19,7 @@ from tools import host, venvs
 HERE = Path(__file__).resolve().parent
 CHILD_SECONDS = 20 * 60  # a child that hangs must not hold up a machine for ever
 SHOWN_LINES = 2  # of the log of a child that failed
+BAR_COLUMNS = 20
 
 
 @dataclass(frozen=True)
@@ -97,9 +98,10 @@ def _wait(process: subprocess.Popen) -> int | None:
 
 
 class Progress:
-    """One line for each child, with the expected end: on a terminal a line that changes."""
+    """One line for each child, with a bar and the expected end; on a terminal it changes."""
 
-    def __init__(self, guesses: Iterable[float]):
+    def __init__(self, program: str, guesses: Iterable[float]):
+        self._program = program
         self._left = sum(guesses)  # seconds, as guessed before the start
         self._done = 0.0
         self._start = time.monotonic()
@@ -110,7 +112,9 @@ class Progress:
         elapsed = time.monotonic() - self._start
         left = self._left * (elapsed / self._done if self._done else 1.0)
         end = time.strftime("%H:%M", time.localtime(time.time() + left))
-        line = f"speed: {text}; about {left / 60:.1f} min to go, until {end}"
+        full = round(BAR_COLUMNS * self._done / max(self._done + self._left, 1e-9))
+        bar = "#" * full + "." * (BAR_COLUMNS - full)
+        line = f"{self._program}: [{bar}] until {end}, {left / 60:.1f} min; {text}"
         sys.stderr.write(f"\r\x1b[K{line[:100]}" if self._terminal else f"{line}\n")
         sys.stderr.flush()
 

@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Charts of error against time, and pictures, as PNG and SVG."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Sequence
+from pathlib import Path
+
+import matplotlib
+
+matplotlib.use("Agg")
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.ticker import FuncFormatter, NullFormatter
+
+from tests.bench._methods import GROUPS, METHODS
+from tests.bench._metrics import display
+from tests.bench._summary import REFERENCE_FACTOR, Curve, SceneResult
+
+PANEL_WIDTH, HEIGHT = 5.2, 4.4  # inches
+REGION_TITLES = {"image": "whole image", "caustics": "caustics only"}
+STYLE = {
+    "font.size": 10,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.color": "#dddddd",
+    "grid.linewidth": 0.6,
+    "svg.fonttype": "path",  # the same on every machine
+    "svg.hashsalt": "specula",
+}
+
+
+def charted_groups(scene: SceneResult) -> dict[str, list[Curve]]:
+    """Group -> its curves; groups with fewer than two are left out."""
+    found = {}
+    for group in GROUPS:
+        curves = [c for n, c in scene.curves.items() if c.charted and group in METHODS[n].groups]
+        # One that stands for ours in several groups is no reason for a chart.
+        if len(curves) > 1:
+            found[group] = curves
+    return found
+
+
+def error_chart(scene: SceneResult, curves: Sequence[Curve], title: str) -> plt.Figure:
+    """MSE over render time, logarithmic, a panel for each region."""
+    regions = [name for name in REGION_TITLES if name in scene.regions]
+    with plt.rc_context(STYLE):
+        figure, axes = plt.subplots(
+            1, len(regions), figsize=(PANEL_WIDTH * len(regions), HEIGHT), squeeze=False
+        )
+        for axis, region in zip(axes[0], regions, strict=True):
+            _panel(axis, scene, curves, region)
+        axes[0][0].set_ylabel("mean squared error")
+        handles, labels = axes[0][0].get_legend_handles_labels()
+        figure.suptitle(f"{scene.name}: {title.lower()}", x=0.01, ha="left", fontsize=12)
+        columns = 2 * len(regions)
+        rows = -(-len(handles) // columns)
+        bottom = 0.03 + 0.055 * rows
+        figure.legend(handles, labels, loc="lower center", ncols=columns, frameon=False)
+        figure.tight_layout(rect=(0, bottom, 1, 1))
+    return figure
+
+
+def _panel(axis, scene: SceneResult, curves: Sequence[Curve], region: str) -> None:
+    lowest, highest, times = np.inf, 0.0, []
+    for curve in curves:
+        method = METHODS[curve.method]
+        points = [p for p in curve.points if p.regions[region].measurable()]
+        if not points:
+            continue
+        x = np.array([p.render_seconds for p in points])
+        y = np.array([p.regions[region].mse for p in points])
+        error = np.array([p.regions[region].mse_error for p in points])
+        axis.errorbar(
+            x,
+            y,
+            yerr=[np.minimum(error, 0.9 * y), error],  # a logarithm has no zero
+            color=method.color,
+            marker=method.marker,
+            linestyle=method.line,
+            label=method.full_label,
+            linewidth=1.8,
+            markersize=6,
+            capsize=3,
+        )
+        lowest, highest = min(lowest, y.min()), max(highest, y.max())
+        times += x.tolist()
+    axis.set_xscale("log", base=2)
+    axis.set_yscale("log")
+    axis.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.xaxis.set_minor_formatter(NullFormatter())
+    axis.set_xlabel("seconds of rendering")
+    axis.set_title(REGION_TITLES[region], loc="left", fontsize=10, color="#444444")
+    if times:
+        _guides(axis, scene, region, (min(times), max(times)), (lowest, highest))
+
+
+def _guides(axis, scene: SceneResult, region: str, times, errors) -> None:
+    """The slope of 1/time, and where the reference's own error begins to matter."""
+    x = np.array(times)
+    axis.plot(x, 1.6 * errors[1] * x[0] / x, color="#999999", linewidth=1.0, zorder=1)
+    axis.annotate(
+        "1/time", (x[0], 1.6 * errors[1]), color="#666666", fontsize=8, va="bottom", ha="left"
+    )
+    floor = REFERENCE_FACTOR * scene.reference["mse"][region]
+    if floor > 0.3 * errors[0]:
+        bottom = axis.get_ylim()[0]
+        axis.axhspan(bottom, floor, color="#eeeeee", zorder=0)
+        axis.set_ylim(bottom=bottom)
+        axis.annotate(
+            f"less than {REFERENCE_FACTOR:g} x the reference's own error",
+            (1.0, floor),
+            xycoords=("axes fraction", "data"),
+            **{"color": "#666666", "fontsize": 8, "va": "top", "ha": "right"},
+        )
+
+
+def save(figure: plt.Figure, path: Path) -> str:
+    """Writes PATH.png and PATH.svg; returns the SVG's text."""
+    figure.savefig(path.with_suffix(".png"), dpi=150)
+    figure.savefig(path.with_suffix(".svg"), metadata={"Date": None})
+    plt.close(figure)
+    return path.with_suffix(".svg").read_text()
+
+
+def png(image: np.ndarray, exposure: float, scale: int = 1) -> bytes:
+    """Of a linear image, bottom row first; pixels are repeated, not smoothed."""
+    shown = np.kron(display(image, exposure)[::-1], np.ones((scale, scale, 1), np.float32))
+    buffer = io.BytesIO()
+    plt.imsave(buffer, shown, format="png")
+    return buffer.getvalue()
+
+
+def crop_window(image: np.ndarray, caustics: np.ndarray | None, side: int) -> tuple[int, int]:
+    """Row and column (from the bottom left) of the square of `side` pixels with the most caustics;
+    without caustics, of the middle."""
+    height, width, _ = image.shape
+    rows, columns = max(1, height - side + 1), max(1, width - side + 1)
+    if caustics is None:
+        return rows // 2, columns // 2
+    # Roots: a few blinding pixels must not decide.
+    weight = np.sqrt(np.clip(caustics.sum(axis=2), 0.0, None))
+    sums = np.pad(weight.cumsum(0).cumsum(1), ((1, 0), (1, 0)))
+    bottom, left = min(side, height), min(side, width)
+    totals = (
+        sums[bottom:, left:]
+        - sums[:-bottom, left:]
+        - sums[bottom:, :-left]
+        + sums[:-bottom, :-left]
+    )
+    row, column = np.unravel_index(np.argmax(totals), totals.shape)
+    return int(row), int(column)

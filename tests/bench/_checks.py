@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the bench checks of itself, and says on its page."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from tests.bench import _metrics
+from tests.bench._machine import BUSY_SHARE
+from tests.bench._methods import METHODS
+from tests.bench._summary import REFERENCE_FACTOR, TIME_TOLERANCE, SceneResult
+
+SLOPE_Z = 3.0  # standard errors from -1
+BIAS_Z = 4.0
+
+
+@dataclass(frozen=True)
+class Check:
+    name: str
+    passed: bool
+    text: str
+
+
+def checks(scenes: Sequence[SceneResult], budget: float) -> list[Check]:
+    """All that apply."""
+    found = [*_slopes(scenes), _times(scenes, budget), _references(scenes), _quiet(scenes)]
+    return [*found, *_biases(scenes)]
+
+
+def _slopes(scenes: Sequence[SceneResult]) -> list[Check]:
+    """Where path tracing alone is needed, its error falls as 1/time."""
+    found = []
+    for scene in scenes:
+        for name, curve in scene.curves.items():
+            points = [p for p in curve.points if p.regions["image"].measurable()]
+            path_traced = METHODS[name].path_traced and "caustics" not in scene.regions
+            if not path_traced or len(points) < 2:
+                continue
+            slope = _metrics.log_slope(
+                [p.render_seconds for p in points],
+                [p.regions["image"].mse for p in points],
+                [p.regions["image"].mse_error for p in points],
+            )
+            text = f"MSE ~ time^({slope.value:.3f} ± {slope.error:.3f}), -1 expected"
+            passed = abs(slope.value + 1.0) <= SLOPE_Z * slope.error
+            title = f"{scene.name}, {METHODS[name].full_label}: error falls as 1/time"
+            found.append(Check(title, passed, text))
+    return found
+
+
+def _times(scenes: Sequence[SceneResult], budget: float) -> Check:
+    """At the budget of the tables everyone took as long."""
+    late = [
+        f"{scene.name} {name} {point.render_seconds / budget - 1.0:+.0%}"
+        for scene in scenes
+        for name, curve in scene.curves.items()
+        if (point := curve.at(budget)) and not point.in_time
+    ]
+    title = f"all render times at {budget:g} s are within {TIME_TOLERANCE:.0%} of it"
+    return Check(title, not late, "; ".join(late) or "yes")
+
+
+def _references(scenes: Sequence[SceneResult]) -> Check:
+    """How far below the smallest measured error each reference's own is."""
+    near = []
+    for scene in scenes:
+        for region, own in scene.reference["mse"].items():
+            curves = [curve for curve in scene.curves.values() if curve.charted]
+            errors = [p.regions[region].mse for curve in curves for p in curve.points]
+            if errors and own and min(errors) / own < REFERENCE_FACTOR:
+                near.append(f"{scene.name}, {region}: {max(0.0, min(errors)) / own:.1f}x")
+    title = f"references' own errors are {REFERENCE_FACTOR:g}x below the smallest measured ones"
+    return Check(title, not near, "; ".join(near) or "yes")
+
+
+def _quiet(scenes: Sequence[SceneResult]) -> Check:
+    """Who else was busy."""
+    points = [p for scene in scenes for curve in scene.curves.values() for p in curve.points]
+    disturbed = sum(point.others_share > BUSY_SHARE for point in points)
+    text = f"{disturbed} of {len(points)} points were disturbed"
+    return Check("no other program took the processors' time", disturbed == 0, text)
+
+
+def _biases(scenes: Sequence[SceneResult]) -> list[Check]:
+    """Unbiased methods have the reference's mean, after the longest time and in all seeds."""
+    wrong = []
+    for scene in scenes:
+        for name, curve in scene.curves.items():
+            if not METHODS[name].unbiased or not curve.points:
+                continue
+            errors = curve.points[-1].regions["rest" if "rest" in scene.regions else "image"]
+            if abs(errors.bias_z) > BIAS_Z:
+                wrong.append(f"{scene.name} {name} {errors.bias:+.2%} (z = {errors.bias_z:+.1f})")
+    title = f"unbiased methods have the reference's mean beside caustics (|z| < {BIAS_Z:g})"
+    return [Check(title, not wrong, "; ".join(wrong) or "yes")]

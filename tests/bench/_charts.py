@@ -34,14 +34,14 @@ STYLE = {
 
 
 def charted_groups(scene: SceneResult) -> dict[str, list[Curve]]:
-    """Group -> its curves; groups with fewer than two are left out."""
+    """Group -> its curves. A single curve makes a chart only where there would be none."""
     found = {}
     for group in GROUPS:
         curves = [c for n, c in scene.curves.items() if c.charted and group in METHODS[n].groups]
-        # One that stands for ours in several groups is no reason for a chart.
-        if len(curves) > 1:
+        if curves:
             found[group] = curves
-    return found
+    several = {group: curves for group, curves in found.items() if len(curves) > 1}
+    return several or dict(list(found.items())[:1])
 
 
 def error_chart(scene: SceneResult, curves: Sequence[Curve], title: str) -> plt.Figure:
@@ -112,9 +112,9 @@ def _guides(axis, scene: SceneResult, region: str, times, errors) -> None:
         axis.set_ylim(bottom=bottom)
         axis.annotate(
             f"less than {REFERENCE_FACTOR:g} x the reference's own error",
-            (1.0, floor),
-            xycoords=("axes fraction", "data"),
-            **{"color": "#666666", "fontsize": 8, "va": "top", "ha": "right"},
+            (0.01, 0.01),
+            xycoords="axes fraction",
+            **{"color": "#666666", "fontsize": 8, "va": "bottom", "ha": "left"},
         )
 
 

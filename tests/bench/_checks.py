@@ -3,15 +3,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from tests.bench import _metrics
 from tests.bench._machine import BUSY_SHARE
 from tests.bench._methods import METHODS
-from tests.bench._summary import REFERENCE_FACTOR, TIME_TOLERANCE, SceneResult
+from tests.bench._summary import REFERENCE_FACTOR, TIME_TOLERANCE, Point, SceneResult
 
-SLOPE_Z = 3.0  # standard errors from -1
+SLOPE_Z = 3.0  # standard errors
+STEEPEST = 1.5  # what stratification of a few of many dimensions could give
 BIAS_Z = 4.0
 
 
@@ -24,29 +25,53 @@ class Check:
 
 def checks(scenes: Sequence[SceneResult], budget: float) -> list[Check]:
     """All that apply."""
-    found = [*_slopes(scenes), _times(scenes, budget), _references(scenes), _quiet(scenes)]
+    found = [
+        *_slopes(scenes),
+        *_seeds(scenes),
+        _times(scenes, budget),
+        _references(scenes),
+        _quiet(scenes),
+    ]
     return [*found, *_biases(scenes)]
 
 
-def _slopes(scenes: Sequence[SceneResult]) -> list[Check]:
-    """Where path tracing alone is needed, its error falls as 1/time."""
-    found = []
+def _path_traced(scenes: Sequence[SceneResult]) -> Iterator[tuple[str, list[Point]]]:
+    """Title and measurable points of each path tracer, where path tracing is all that is needed."""
     for scene in scenes:
         for name, curve in scene.curves.items():
             points = [p for p in curve.points if p.regions["image"].measurable()]
-            path_traced = METHODS[name].path_traced and "caustics" not in scene.regions
-            if not path_traced or len(points) < 2:
-                continue
-            slope = _metrics.log_slope(
-                [p.render_seconds for p in points],
-                [p.regions["image"].mse for p in points],
-                [p.regions["image"].mse_error for p in points],
-            )
-            text = f"MSE ~ time^({slope.value:.3f} ± {slope.error:.3f}), -1 expected"
-            passed = abs(slope.value + 1.0) <= SLOPE_Z * slope.error
-            title = f"{scene.name}, {METHODS[name].full_label}: error falls as 1/time"
-            found.append(Check(title, passed, text))
-    return found
+            if METHODS[name].path_traced and "caustics" not in scene.regions and points:
+                yield f"{scene.name}, {METHODS[name].full_label}", points
+
+
+def _slopes(scenes: Sequence[SceneResult]) -> Iterator[Check]:
+    """A path tracer's error falls as 1/time, or faster, as long as its samples are stratified."""
+    for title, points in _path_traced(scenes):
+        if len(points) < 2:
+            continue
+        slope = _metrics.log_slope(
+            [p.render_seconds for p in points],
+            [p.regions["image"].mse for p in points],
+            [p.regions["image"].mse_error for p in points],
+        )
+        faster = slope.value + 1.0 < -SLOPE_Z * slope.error
+        text = f"MSE ~ time^({slope.value:.3f} ± {slope.error:.3f})"
+        text += ", faster: samples are stratified" if faster else ""
+        passed = -STEEPEST <= slope.value <= -1.0 + SLOPE_Z * slope.error
+        yield Check(f"{title}: error falls as 1/time", passed, text)
+
+
+def _seeds(scenes: Sequence[SceneResult]) -> Iterator[Check]:
+    """The same over independent images, where it must hold to the letter: the MSE of the mean of n
+    seeds is 1/n of theirs."""
+    for title, points in _path_traced(scenes):
+        found = [p.regions["image"].cross_z for p in points]
+        found = [z for z in found if z is not None]
+        if found:
+            worst = max(found, key=abs)
+            text = f"largest of {len(found)} z-scores {worst:+.1f}"
+            title = f"{title}: the error of a mean of n seeds is 1/n of theirs"
+            yield Check(title, abs(worst) <= BIAS_Z, text)
 
 
 def _times(scenes: Sequence[SceneResult], budget: float) -> Check:

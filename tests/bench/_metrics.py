@@ -97,6 +97,24 @@ def estimate(values: Sequence[float]) -> Estimate:
     return Estimate(float(np.mean(values)), error, count)
 
 
+def cross_z(images: Sequence[np.ndarray], mean: np.ndarray, variance: np.ndarray) -> float:
+    """z of the products of different images' differences to the reference, all pixels together.
+
+    Zero where the images are unbiased and independent of each other, as seeds should be: only then
+    does the error of their mean fall as 1 over their number, that is as 1/time. The reference's own
+    noise is in every difference; its variance is subtracted.
+    """
+    count = len(images)
+    if count < 2:
+        return 0.0
+    together = sum(image - mean for image in images) ** 2
+    alone = sum((image - mean) ** 2 for image in images)
+    cross = (together - alone) / (count * (count - 1)) - variance
+    products = cross.mean(axis=-1)
+    deviation = math.sqrt(float((products**2).sum()))
+    return float(products.sum()) / deviation if deviation > 0.0 else 0.0
+
+
 @dataclass(frozen=True)
 class Slope:
     """Exponent of a power law, and its standard error."""

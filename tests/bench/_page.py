@@ -176,14 +176,14 @@ def _region_table(scene: SceneResult, budget: float, region: str) -> str:
     """Errors in one region after the longest time, and what they are against others'."""
     lux = scene.best_of("luxcore", region, budget)
     target = scene.target.get(region)
-    head = ["method", "MSE", "without the worst", "relative MSE", "without the worst"]
-    head += ["bias (z)", "without the worst (z)"]
-    head += [f"{text},<br>equal time" for text in ("Cycles / this", "LuxCore / this", "SMS / this")]
-    head.append(f"seconds to reach<br>MSE {number(target)}" if target else "seconds to target")
+    head = ["method", "MSE", "MSE,<br>trimmed", "relMSE", "relMSE,<br>trimmed"]
+    head += ["bias (z)", "bias (z),<br>trimmed"]
+    head += [f"{text}<br>/ this" for text in ("Cycles PT", "LuxCore", "SMS")]
+    head.append(f"s to MSE<br>{number(target)}" if target else "s to target")
     rows = []
     for name, curve, point in _last_points(scene, budget):
         errors = point.regions[region]
-        cells = [_label(name, curve), f"{number(errors.mse)} ± {number(errors.mse_error)}"]
+        cells = [_label(name, curve), _with_error(errors.mse, errors.mse_error)]
         cells += [
             number(errors.mse_trimmed),
             number(errors.rel_mse),
@@ -198,7 +198,7 @@ def _region_table(scene: SceneResult, budget: float, region: str) -> str:
             escape(curve.time_to_target[region]) if region in curve.time_to_target else NONE
         )
         rows.append(cells)
-    return _table(head, rows, f"Errors, {REGIONS[region]}, after {budget:g} s")
+    return _table(head, rows, f"Errors at equal time, {budget:g} s, {REGIONS[region]}")
 
 
 def _work_table(scene: SceneResult, budget: float) -> str:
@@ -234,6 +234,11 @@ def _last_points(scene: SceneResult, budget: float) -> list[tuple[str, Curve, Po
 
 def _label(name: str, curve: Curve) -> str:
     return escape(METHODS[name].full_label) + (" *" if curve.differs else "")
+
+
+def _with_error(value: float, error: float) -> str:
+    """The error in percent: powers of ten are hard to read against each other."""
+    return f"{number(value)} <small>± {error / value:.0%}</small>" if value > 0.0 else number(value)
 
 
 def _bias(value: float, z: float) -> str:

@@ -64,7 +64,8 @@ def _pictures(
 ) -> Iterator[Picture]:
     """Reference, whole and its crop, then the crop of each method after the longest time."""
     mean = scene.reference.mean
-    row, column = _charts.crop_window(mean, scene.reference.caustics, CROP)
+    caustics = None if scene.caustics is None else scene.reference.caustics
+    row, column = _charts.crop_window(mean, caustics, CROP)
 
     def crop(image):
         return _charts.png(image[row : row + CROP, column : column + CROP], result.exposure, 2)

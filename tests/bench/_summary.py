@@ -35,6 +35,7 @@ class RegionErrors:
     bias_z: float
     bias_trimmed: float
     bias_trimmed_z: float
+    cross_z: float | None  # of the seeds' independence; None for a single one
 
     def measurable(self) -> bool:
         """Whether anything is left beside the reference's own error."""
@@ -176,7 +177,11 @@ def _point(scene: Scene, budget: float, records: Sequence[Record], factor: float
             _metrics.errors(image, reference.mean, reference.variance, mask) for image in images
         ]
         whole = _metrics.errors(mean_image, reference.mean, reference.variance, mask)
-        regions[name] = _region(each, whole)
+        inside = [_inside(image, mask) for image in images]
+        cross = _metrics.cross_z(
+            inside, _inside(reference.mean, mask), _inside(reference.variance, mask)
+        )
+        regions[name] = _region(each, whole, cross if len(images) > 1 else None)
 
     def mean(key: str) -> float:
         return float(np.mean([record.report[key] for record in records]))
@@ -198,7 +203,7 @@ def _point(scene: Scene, budget: float, records: Sequence[Record], factor: float
     )
 
 
-def _region(each: Sequence[Errors], whole: Errors) -> RegionErrors:
+def _region(each: Sequence[Errors], whole: Errors, cross_z: float | None) -> RegionErrors:
     def mean(key: str) -> float:
         return _metrics.estimate([getattr(errors, key) for errors in each]).mean
 
@@ -214,6 +219,7 @@ def _region(each: Sequence[Errors], whole: Errors) -> RegionErrors:
         bias_z=whole.bias_z,
         bias_trimmed=whole.bias_trimmed,
         bias_trimmed_z=whole.bias_trimmed_z,
+        cross_z=cross_z,
     )
 
 

@@ -49,10 +49,16 @@ def debian_blender(script: str, job: Path) -> tuple[list[str], dict]:
     return host.blender_command([*arguments, "--", str(job)]), environment
 
 
+def luxcore(script: str, job: Path) -> tuple[list[str], dict]:
+    """LuxCore's Python, which knows nothing of Blender."""
+    return [str(venvs.luxcore_python()), str(HERE / script), str(job)], dict(os.environ)
+
+
 HOSTS = {
     "specula in bpy": bpy_with_specula,
     "bpy": bpy_alone,
     "debian": debian_blender,
+    "luxcore": luxcore,
 }
 
 

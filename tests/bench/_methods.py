@@ -3,11 +3,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from tests.bench import _children
 from tools import venvs
+from tools.common import DevError
 
 
 @dataclass(frozen=True)
@@ -20,8 +22,15 @@ class Family:
     line: str  # style of its lines in charts, as Matplotlib names them
     described: bool = False  # the script reads what Specula exports, not the .blend
 
-    def available(self) -> bool:
-        return self.where in _children.HOSTS and (_children.HERE / self.script).exists()
+    def missing(self) -> str:
+        """Why it cannot run here; empty if it can. Sets up what it runs in."""
+        if not (_children.HERE / self.script).exists():
+            return "there is no program for it in tests/bench/"
+        try:
+            _children.HOSTS[self.where](self.script, Path())
+        except DevError as error:
+            return str(error)
+        return ""
 
 
 FAMILIES = {
@@ -163,14 +172,7 @@ QUICK = ("pt", "sms", "biased-16", "cycles-pt", "cycles-mnee", "lux-light")
 SMS, CYCLES = "sms", "cycles-pt"  # what each method is held against, beside the best of LuxCore
 
 
-def available(name: str) -> bool:
-    return FAMILIES[METHODS[name].family].available()
-
-
-def default_names() -> list[str]:
-    """All that can run here and are no test's."""
-    return [name for name, method in METHODS.items() if not method.hidden and available(name)]
-
-
-def script_path(method: Method) -> Path:
-    return _children.HERE / FAMILIES[method.family].script
+def missing(names: Iterable[str]) -> dict[str, str]:
+    """Families among the methods `names` that cannot run here, and why."""
+    families = dict.fromkeys(METHODS[name].family for name in names)
+    return {family: why for family in families if (why := FAMILIES[family].missing())}

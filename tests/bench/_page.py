@@ -52,7 +52,7 @@ def render(
 
 def _about(about: dict) -> str:
     seconds = ", ".join(f"{budget:g}" for budget in about["budgets"])
-    missing = f" Not set up here: {', '.join(about['missing'])}." if about["missing"] else ""
+    missing = "".join(f" {label} is left out: {why}." for label, why in about["missing"].items())
     quick = " A quick look: few seeds and short times." if about["quick"] else ""
     return escape(
         f"{about['date']}, {about['processor']}, {about['threads']} threads, load average "

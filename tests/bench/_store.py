@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tests.bench import _children, _methods
+from tests.bench import _children
 from tests.bench._machine import CpuTimes
 from tests.bench._methods import FAMILIES, METHODS
 from tests.bench._scenes import Scene
@@ -111,8 +111,9 @@ def program_digest(family: str) -> str:
     if family == "specula":
         return _digest([script, *ours])
     if family == "luxcore":
-        requirements = sorted(venvs.REQUIREMENTS.glob("luxcore*.txt"))
-        return _digest([script, *requirements, *sorted((ROOT / "addon" / "export").glob("*.py"))])
+        scripts = sorted(_children.HERE.glob("_luxcore*.py"))
+        exported = sorted((ROOT / "addon" / "export").glob("*.py"))
+        return _digest([*scripts, *sorted(venvs.REQUIREMENTS.glob("luxcore*.txt")), *exported])
     return f"{venvs.BPY_VERSION} {_digest([script])}"
 
 
@@ -139,9 +140,3 @@ def _description(scene: Scene) -> Path:
         _children.run(f"export_{stem}", "specula in bpy", "_export_job.py", job, FOLDER)
         fresh.replace(path)
     return path
-
-
-def missing_families(methods: Iterable[str]) -> list[str]:
-    """Labels of the renderers among `methods` that cannot run here."""
-    families = {METHODS[name].family for name in methods if not _methods.available(name)}
-    return sorted(FAMILIES[name].label for name in families)

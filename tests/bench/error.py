@@ -20,7 +20,7 @@ import sys
 import time
 from pathlib import Path
 
-from tests.bench import _checks, _machine, _methods, _report, _scenes, _schedule, _store, _summary
+from tests.bench import _checks, _machine, _methods, _report, _scenes, _schedule, _summary
 from tests.bench._ratios import MeasurementError
 from tools import host
 from tools.common import BUILD, DevError, locked
@@ -75,10 +75,8 @@ def chosen_methods(parser: argparse.ArgumentParser, args: argparse.Namespace) ->
         for name in names:
             if name not in _methods.METHODS:
                 parser.error(f"no method '{name}'; there are: {' '.join(_methods.METHODS)}")
-            if not _methods.available(name):
-                parser.error(f"method '{name}' cannot run here: its renderer is not set up")
         return names
-    names = _methods.default_names()
+    names = [name for name, method in _methods.METHODS.items() if not method.hidden]
     return [name for name in names if not args.quick or name in _methods.QUICK]
 
 
@@ -104,6 +102,10 @@ def split(text: str) -> list[str]:
     return list(dict.fromkeys(name.strip() for name in text.split(",") if name.strip()))
 
 
+def warn(message: str) -> None:
+    print(f"bench: warning: {message}", file=sys.stderr, flush=True)
+
+
 def freeze_library() -> None:
     """Children load a copy of the native library: a build meanwhile must not change a method."""
     copy = BUILD / "bench" / "error-lib"
@@ -122,18 +124,23 @@ def main() -> int:
     signal.signal(signal.SIGTERM, raise_interrupt)
     scenes = chosen_scenes(args)
     freeze_library()
+    missing = _methods.missing(args.methods)
+    methods = [name for name in args.methods if _methods.METHODS[name].family not in missing]
+    for family, why in missing.items():
+        warn(f"{_methods.FAMILIES[family].label} is left out: {why}")
+    if not methods:
+        raise DevError("none of the methods can run here")
     started = time.time()
     load = _machine.load_average()
     if load > _machine.BUSY_LOAD:
-        print(f"bench: warning: the load average is {load:.1f}: others disturb", file=sys.stderr)
+        warn(f"the load average is {load:.1f}: other programs disturb the measurement")
     seeds = range(1, args.seeds + 1)
-    tasks = _schedule.plan(scenes, args.methods, args.budgets, seeds, args.threads)
+    tasks = _schedule.plan(scenes, methods, args.budgets, seeds, args.threads)
     records, failures = _schedule.render_all(tasks)
     for (scene, method), why in failures.items():
-        print(f"bench: warning: {scene}, {method}: {why}", file=sys.stderr)
+        warn(f"{scene}, {method}: {why}")
     results = [
-        _summary.scene_result(scene, args.methods, args.budgets, records, failures)
-        for scene in scenes
+        _summary.scene_result(scene, methods, args.budgets, records, failures) for scene in scenes
     ]
     longest = max(args.budgets)
     checks = _checks.checks(results, longest)
@@ -146,7 +153,7 @@ def main() -> int:
         "seeds": args.seeds,
         "quick": args.quick,
         "command": f"./dev bench {' '.join(sys.argv[1:])}".strip(),
-        "missing": _store.missing_families(_methods.METHODS),
+        "missing": {_methods.FAMILIES[name].label: why for name, why in missing.items()},
         "minutes": (time.time() - started) / 60.0,
     }
     page = _report.write(args.out, about, scenes, results, records, checks)

@@ -84,8 +84,18 @@ def test_masked_errors_are_those_of_the_pixels_inside(random, truth):
 def test_seeds_that_share_noise_are_found(random, truth, shared):
     common = shared * random.standard_normal(SHAPE)
     images = [noisy(random, truth) + common for _ in range(3)]
-    z = _metrics.cross_z(images, truth, exact(truth))
-    assert (abs(z) > 4.0) == (shared > 0.0)
+    found, error = _metrics.shared_error(images, truth)
+    assert found == pytest.approx(shared**2, abs=4.0 * error)
+    assert (found > 4.0 * error) == (shared > 0.0)
+
+
+def test_outliers_of_the_reference_are_trimmed_as_well(random, truth):
+    reference, variance = truth.copy(), np.zeros(SHAPE)
+    reference[5, 7] += 10.0
+    variance[5, 7] = 400.0  # so that the error less the variance is very negative
+    found = _metrics.errors(noisy(random, truth), reference, variance)
+    assert found.mse < 0.05
+    assert found.mse_trimmed == pytest.approx(0.09, rel=0.05)
 
 
 def test_slope_of_a_power_law():

@@ -34,14 +34,14 @@ STYLE = {
 
 
 def charted_groups(scene: SceneResult) -> dict[str, list[Curve]]:
-    """Group -> its curves. A single curve makes a chart only where there would be none."""
-    found = {}
+    """Group -> its curves. A group that shows nothing new is left out."""
+    found, shown = {}, set()
     for group in GROUPS:
         curves = [c for n, c in scene.curves.items() if c.charted and group in METHODS[n].groups]
-        if curves:
+        if not {curve.method for curve in curves} <= shown:
             found[group] = curves
-    several = {group: curves for group, curves in found.items() if len(curves) > 1}
-    return several or dict(list(found.items())[:1])
+            shown |= {curve.method for curve in curves}
+    return found
 
 
 def error_chart(scene: SceneResult, curves: Sequence[Curve], title: str) -> plt.Figure:
@@ -106,10 +106,10 @@ def _guides(axis, scene: SceneResult, region: str, times, errors) -> None:
         "1/time", (x[0], 1.6 * errors[1]), color="#666666", fontsize=8, va="bottom", ha="left"
     )
     floor = REFERENCE_FACTOR * scene.reference["mse"][region]
-    if floor > 0.3 * errors[0]:
-        bottom = axis.get_ylim()[0]
-        axis.axhspan(bottom, floor, color="#eeeeee", zorder=0)
-        axis.set_ylim(bottom=bottom)
+    bottom, top = axis.get_ylim()
+    if floor > bottom:
+        axis.axhspan(bottom, min(floor, top), color="#eeeeee", zorder=0)
+        axis.set_ylim(bottom, top)
         axis.annotate(
             f"less than {REFERENCE_FACTOR:g} x the reference's own error",
             (0.01, 0.01),

@@ -12,6 +12,7 @@ from tests.bench._methods import METHODS
 from tests.bench._summary import REFERENCE_FACTOR, TIME_TOLERANCE, Point, SceneResult
 
 SLOPE_Z = 3.0  # standard errors
+SHARED_Z = 4.0
 STEEPEST = 1.5  # what stratification of a few of many dimensions could give
 BIAS_Z = 4.0
 
@@ -35,18 +36,18 @@ def checks(scenes: Sequence[SceneResult], budget: float) -> list[Check]:
     return [*found, *_biases(scenes)]
 
 
-def _path_traced(scenes: Sequence[SceneResult]) -> Iterator[tuple[str, list[Point]]]:
-    """Title and measurable points of each path tracer, where path tracing is all that is needed."""
+def _path_traced(scenes: Sequence[SceneResult]) -> Iterator[tuple[str, SceneResult, list[Point]]]:
+    """Title, scene and measurable points of each path tracer where no more is needed."""
     for scene in scenes:
         for name, curve in scene.curves.items():
             points = [p for p in curve.points if p.regions["image"].measurable()]
             if METHODS[name].path_traced and "caustics" not in scene.regions and points:
-                yield f"{scene.name}, {METHODS[name].full_label}", points
+                yield f"{scene.name}, {METHODS[name].full_label}", scene, points
 
 
 def _slopes(scenes: Sequence[SceneResult]) -> Iterator[Check]:
     """A path tracer's error falls as 1/time, or faster, as long as its samples are stratified."""
-    for title, points in _path_traced(scenes):
+    for title, _, points in _path_traced(scenes):
         if len(points) < 2:
             continue
         slope = _metrics.log_slope(
@@ -62,16 +63,20 @@ def _slopes(scenes: Sequence[SceneResult]) -> Iterator[Check]:
 
 
 def _seeds(scenes: Sequence[SceneResult]) -> Iterator[Check]:
-    """The same over independent images, where it must hold to the letter: the MSE of the mean of n
-    seeds is 1/n of theirs."""
-    for title, points in _path_traced(scenes):
-        found = [p.regions["image"].cross_z for p in points]
-        found = [z for z in found if z is not None]
-        if found:
-            worst = max(found, key=abs)
-            text = f"largest of {len(found)} z-scores {worst:+.1f}"
-            title = f"{title}: the error of a mean of n seeds is 1/n of theirs"
-            yield Check(title, abs(worst) <= BIAS_Z, text)
+    """Over independent images it must hold to the letter: the MSE of the mean of n seeds is 1/n of
+    theirs. Then they share nothing but the reference's own error, of which a bound is stored."""
+    for title, scene, points in _path_traced(scenes):
+        found = [p.regions["image"].shared for p in points]
+        found = [shared for shared in found if shared]
+        if not found:
+            continue
+        bound = scene.reference["mse"]["image"]
+        passed = all(
+            -SHARED_Z * error <= shared <= bound + SHARED_Z * error for shared, error in found
+        )
+        shares = (p.regions["image"].shared[0] / p.regions["image"].mse for p in points)
+        text = f"seeds share at most {max(shares):.1%} of their error"
+        yield Check(f"{title}: the error of a mean of n seeds is 1/n of theirs", passed, text)
 
 
 def _times(scenes: Sequence[SceneResult], budget: float) -> Check:
@@ -80,9 +85,9 @@ def _times(scenes: Sequence[SceneResult], budget: float) -> Check:
         f"{scene.name} {name} {point.render_seconds / budget - 1.0:+.0%}"
         for scene in scenes
         for name, curve in scene.curves.items()
-        if (point := curve.at(budget)) and not point.in_time
+        if curve.charted and (point := curve.at(budget)) and not point.in_time
     ]
-    title = f"all render times at {budget:g} s are within {TIME_TOLERANCE:.0%} of it"
+    title = f"all charted times at {budget:g} s are within {TIME_TOLERANCE:.0%} of it"
     return Check(title, not late, "; ".join(late) or "yes")
 
 

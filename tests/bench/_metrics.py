@@ -43,25 +43,36 @@ def errors(
 ) -> Errors:
     """Of `image` against a reference with `mean` and `variance` of the mean; `mask` (H, W)."""
     inside = np.ones(image.shape[:2], bool) if mask is None else mask
-    difference = (image - mean)[inside]  # (N, 3)
-    squares = (difference**2 - variance[inside]).mean(axis=1)
-    floor = RELATIVE_FLOOR * (mean[inside] ** 2).mean()
-    relative = ((difference**2 - variance[inside]) / (mean[inside] ** 2 + floor)).mean(axis=1)
+    mean, variance = mean[inside], variance[inside]  # (N, 3)
+    difference = image[inside] - mean
+    floor = RELATIVE_FLOOR * (mean**2).mean()
+    squares, kept = _less_noise(difference, variance, np.ones_like(mean))
+    relative, kept_relative = _less_noise(difference, variance, 1.0 / (mean**2 + floor))
     signed = difference @ LUMINANCE
-    brightness = (mean[inside] @ LUMINANCE).mean()
+    kept_signed = _kept(signed**2 + variance @ LUMINANCE**2)
+    brightness = (mean @ LUMINANCE).mean()
     bias, z = _bias(signed, brightness)
-    bias_trimmed, z_trimmed = _bias(signed[_kept(np.abs(signed))], brightness)
+    bias_trimmed, z_trimmed = _bias(signed[kept_signed], brightness)
     return Errors(
         mse=float(squares.mean()),
         mse_error=float(squares.std() / math.sqrt(len(squares))),
-        mse_trimmed=float(squares[_kept(squares)].mean()),
+        mse_trimmed=float(squares[kept].mean()),
         rel_mse=float(relative.mean()),
-        rel_mse_trimmed=float(relative[_kept(relative)].mean()),
+        rel_mse_trimmed=float(relative[kept_relative].mean()),
         bias=bias,
         bias_z=z,
         bias_trimmed=bias_trimmed,
         bias_trimmed_z=z_trimmed,
     )
+
+
+def _less_noise(
+    difference: np.ndarray, variance: np.ndarray, weight: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Squared error of each pixel less the reference's variance, and which pixels trimming keeps:
+    an outlier may be the image's or the reference's."""
+    squares = ((difference**2 - variance) * weight).mean(axis=1)
+    return squares, _kept(((difference**2 + variance) * weight).mean(axis=1))
 
 
 def _kept(badness: np.ndarray) -> np.ndarray:
@@ -97,22 +108,18 @@ def estimate(values: Sequence[float]) -> Estimate:
     return Estimate(float(np.mean(values)), error, count)
 
 
-def cross_z(images: Sequence[np.ndarray], mean: np.ndarray, variance: np.ndarray) -> float:
-    """z of the products of different images' differences to the reference, all pixels together.
+def shared_error(images: Sequence[np.ndarray], mean: np.ndarray) -> tuple[float, float]:
+    """Mean product of different images' differences to the reference, and its standard error.
 
-    Zero where the images are unbiased and independent of each other, as seeds should be: only then
-    does the error of their mean fall as 1 over their number, that is as 1/time. The reference's own
-    noise is in every difference; its variance is subtracted.
+    Of images that are unbiased and independent of each other, as seeds should be, they share the
+    reference's own squared error and nothing else: only then does the error of their mean fall as
+    1 over their number, that is as 1/time.
     """
     count = len(images)
-    if count < 2:
-        return 0.0
     together = sum(image - mean for image in images) ** 2
     alone = sum((image - mean) ** 2 for image in images)
-    cross = (together - alone) / (count * (count - 1)) - variance
-    products = cross.mean(axis=-1)
-    deviation = math.sqrt(float((products**2).sum()))
-    return float(products.sum()) / deviation if deviation > 0.0 else 0.0
+    products = ((together - alone) / (count * (count - 1))).mean(axis=-1)
+    return float(products.mean()), float(products.std() / math.sqrt(products.size))
 
 
 @dataclass(frozen=True)

@@ -82,7 +82,7 @@ def _summary_table(scenes: Sequence[SceneResult], budget: float) -> str:
     """Each method against the three baselines."""
     shown = [region for region in REGIONS if any(region in scene.regions for scene in scenes)]
     head = ["method"]
-    head += [f"against {label},<br>{REGIONS[r]}" for label in BASELINES.values() for r in shown]
+    head += [f"{label},<br>{REGIONS[r]}" for label in BASELINES.values() for r in shown]
     rows = []
     for name in dict.fromkeys(name for scene in scenes for name in scene.curves):
         cells = [escape(METHODS[name].full_label)]

@@ -35,7 +35,8 @@ class RegionErrors:
     bias_z: float
     bias_trimmed: float
     bias_trimmed_z: float
-    cross_z: float | None  # of the seeds' independence; None for a single one
+    # What the seeds share of their squared error, and its standard error; None for a single seed.
+    shared: tuple[float, float] | None
 
     def measurable(self) -> bool:
         """Whether anything is left beside the reference's own error."""
@@ -177,11 +178,11 @@ def _point(scene: Scene, budget: float, records: Sequence[Record], factor: float
             _metrics.errors(image, reference.mean, reference.variance, mask) for image in images
         ]
         whole = _metrics.errors(mean_image, reference.mean, reference.variance, mask)
-        inside = [_inside(image, mask) for image in images]
-        cross = _metrics.cross_z(
-            inside, _inside(reference.mean, mask), _inside(reference.variance, mask)
-        )
-        regions[name] = _region(each, whole, cross if len(images) > 1 else None)
+        shared = None
+        if len(images) > 1:
+            inside = [_inside(image, mask) for image in images]
+            shared = _metrics.shared_error(inside, _inside(reference.mean, mask))
+        regions[name] = _region(each, whole, shared)
 
     def mean(key: str) -> float:
         return float(np.mean([record.report[key] for record in records]))
@@ -203,7 +204,9 @@ def _point(scene: Scene, budget: float, records: Sequence[Record], factor: float
     )
 
 
-def _region(each: Sequence[Errors], whole: Errors, cross_z: float | None) -> RegionErrors:
+def _region(
+    each: Sequence[Errors], whole: Errors, shared: tuple[float, float] | None
+) -> RegionErrors:
     def mean(key: str) -> float:
         return _metrics.estimate([getattr(errors, key) for errors in each]).mean
 
@@ -219,7 +222,7 @@ def _region(each: Sequence[Errors], whole: Errors, cross_z: float | None) -> Reg
         bias_z=whole.bias_z,
         bias_trimmed=whole.bias_trimmed,
         bias_trimmed_z=whole.bias_trimmed_z,
-        cross_z=cross_z,
+        shared=shared,
     )
 
 
@@ -295,4 +298,4 @@ def standing(
     return Standing(mean, min(ratios), max(ratios), len(ratios))
 
 
-BASELINES = {CYCLES: "Cycles path tracing", "luxcore": "LuxCore, its best", SMS: "SMS unbiased"}
+BASELINES = {CYCLES: "Cycles PT", "luxcore": "LuxCore's best", SMS: "SMS unbiased"}

@@ -135,21 +135,22 @@ def png(image: np.ndarray, exposure: float, scale: int = 1) -> bytes:
 
 
 def crop_window(image: np.ndarray, caustics: np.ndarray | None, side: int) -> tuple[int, int]:
-    """Row and column (from the bottom left) of the square of `side` pixels with the most caustics;
-    without caustics, of the middle."""
+    """Row and column (from the bottom left) of the square of `side` pixels in which the caustics
+    vary most; without caustics, of the middle."""
     height, width, _ = image.shape
     rows, columns = max(1, height - side + 1), max(1, width - side + 1)
     if caustics is None:
         return rows // 2, columns // 2
-    # Roots: a few blinding pixels must not decide.
-    weight = np.sqrt(np.clip(caustics.sum(axis=2), 0.0, None))
-    sums = np.pad(weight.cumsum(0).cumsum(1), ((1, 0), (1, 0)))
+    light = caustics.sum(axis=2)
+    light = np.minimum(light, np.percentile(light, 99.0))  # a few blinding pixels must not decide
     bottom, left = min(side, height), min(side, width)
-    totals = (
-        sums[bottom:, left:]
-        - sums[:-bottom, left:]
-        - sums[bottom:, :-left]
-        + sums[:-bottom, :-left]
-    )
-    row, column = np.unravel_index(np.argmax(totals), totals.shape)
+
+    def window_means(values: np.ndarray) -> np.ndarray:
+        sums = np.pad(values.cumsum(0).cumsum(1), ((1, 0), (1, 0)))
+        upper, lower = sums[bottom:], sums[:-bottom]
+        totals = upper[:, left:] - upper[:, :-left] - lower[:, left:] + lower[:, :-left]
+        return totals / (bottom * left)
+
+    variances = window_means(light**2) - window_means(light) ** 2
+    row, column = np.unravel_index(np.argmax(variances), variances.shape)
     return int(row), int(column)

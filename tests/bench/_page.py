@@ -13,7 +13,8 @@ from string import Template
 from tests.bench._checks import Check
 from tests.bench._methods import CYCLES, METHODS, SMS
 from tests.bench._metrics import CAUSTICS_SHARE, WORST
-from tests.bench._summary import BASELINES, Curve, Point, SceneResult, standing
+from tests.bench._standings import BASELINES, standing
+from tests.bench._summary import Curve, Point, SceneResult
 
 TEMPLATE = Path(__file__).resolve().parent / "page.html"
 REGIONS = {"image": "whole image", "caustics": "caustics"}
@@ -190,7 +191,7 @@ def _region_table(scene: SceneResult, budget: float, region: str) -> str:
             number(errors.rel_mse_trimmed),
         ]
         cells.append(_bias(errors.bias, errors.bias_z))
-        cells.append(_bias(errors.bias_trimmed, errors.bias_trimmed_z))
+        cells.append(f"{errors.bias_trimmed:+.2%} ({errors.bias_trimmed_z:+.1f})")
         for baseline in (CYCLES, lux, SMS):
             value = scene.equal_time(name, baseline, region, budget) if baseline else None
             cells.append(ratio(value) if value else NONE)

@@ -14,8 +14,9 @@ from tests.bench._checks import Check
 from tests.bench._methods import GROUPS, METHODS
 from tests.bench._page import Picture
 from tests.bench._scenes import Scene
+from tests.bench._standings import BASELINES, standing
 from tests.bench._store import Record, Task
-from tests.bench._summary import BASELINES, SceneResult, standing
+from tests.bench._summary import SceneResult
 
 CROP = 96  # pixels, shown twice as large
 
@@ -76,7 +77,7 @@ def _pictures(
         first = next((r for t, r in records.items() if _is(t, scene, name, budget)), None)
         point = curve.at(budget)
         if first and point:
-            label = f"{METHODS[name].full_label}, {point.render_seconds:.1f} s"
+            label = f"{METHODS[name].full_label}, {point.render_seconds:.1f}\u00a0s"
             yield Picture(label, crop(first.image()), f"FLIP {point.flip.mean:.3f}")
 
 

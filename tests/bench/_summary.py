@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from tests.bench import _metrics
-from tests.bench._methods import CYCLES, METHODS, SMS
+from tests.bench._methods import METHODS
 from tests.bench._metrics import Errors, Estimate
 from tests.bench._scenes import Scene
 from tests.bench._store import Record, Task
@@ -266,36 +266,3 @@ def _set_targets(result: SceneResult, budget: float) -> None:
             times = [point.render_seconds for point in curve.points]
             values = [point.regions[region].mse for point in curve.points]
             curve.time_to_target[region] = _metrics.time_to_reach(target, times, values)
-
-
-# --------------------------------------------------------------------------------------- head table
-
-
-@dataclass(frozen=True)
-class Standing:
-    """Ratios of errors at equal time over the scenes: geometric mean and extremes."""
-
-    mean: float
-    low: float
-    high: float
-    scenes: int
-
-
-def standing(
-    scenes: Sequence[SceneResult], method: str, against: str, region: str, budget: float
-) -> Standing | None:
-    """Of `method` against a method, or against the best of a renderer ("luxcore")."""
-    ratios = []
-    for scene in scenes:
-        baseline = against
-        if against not in METHODS:
-            baseline = scene.best_of(against, region, budget)
-        if baseline and (ratio := scene.equal_time(method, baseline, region, budget)):
-            ratios.append(ratio)
-    if not ratios:
-        return None
-    mean = math.exp(sum(map(math.log, ratios)) / len(ratios))
-    return Standing(mean, min(ratios), max(ratios), len(ratios))
-
-
-BASELINES = {CYCLES: "Cycles PT", "luxcore": "LuxCore's best", SMS: "SMS unbiased"}

@@ -21,6 +21,7 @@ from tools import venvs
 from tools.common import BUILD, ROOT
 
 FOLDER = BUILD / "bench" / "error"
+EXPORT_SCRIPT = "_export_job.py"
 
 
 @dataclass(frozen=True)
@@ -106,15 +107,14 @@ def _path(task: Task) -> Path:
 @functools.cache
 def program_digest(family: str) -> str:
     """Of all that an image of this family depends on beside the scene and the job."""
-    script = _children.HERE / FAMILIES[family].script
-    ours = [*_libraries(), *sorted((ROOT / "addon").rglob("*.py"))]
+    scripts = [_children.HERE / FAMILIES[family].script, _children.HERE / "_render_job.py"]
     if family == "specula":
-        return _digest([script, *ours])
+        return _digest([*scripts, *_libraries(), *sorted((ROOT / "addon").rglob("*.py"))])
     if family == "luxcore":
-        scripts = sorted(_children.HERE.glob("_luxcore*.py"))
+        scripts = [*sorted(_children.HERE.glob("_luxcore*.py")), _children.HERE / EXPORT_SCRIPT]
         exported = sorted((ROOT / "addon" / "export").glob("*.py"))
         return _digest([*scripts, *sorted(venvs.REQUIREMENTS.glob("luxcore*.txt")), *exported])
-    return f"{venvs.BPY_VERSION} {_digest([script])}"
+    return f"{venvs.BPY_VERSION} {_digest(scripts)}"
 
 
 def _libraries() -> list[Path]:
@@ -137,6 +137,6 @@ def _description(scene: Scene) -> Path:
     if not path.exists():
         fresh = path.with_suffix(".new")
         job = {"scene": str(scene.blend), "size": scene.size, "description": str(fresh)}
-        _children.run(f"export_{stem}", "specula in bpy", "_export_job.py", job, FOLDER)
+        _children.run(f"export_{stem}", "specula in bpy", EXPORT_SCRIPT, job, FOLDER)
         fresh.replace(path)
     return path

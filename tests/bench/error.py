@@ -42,15 +42,16 @@ def arguments() -> argparse.Namespace:
     )
     parser.add_argument("--quick", action="store_true", help="a look, in less than ten minutes")
     parser.add_argument("--scenes", help="names, separated by commas (all with a reference)")
-    parser.add_argument("--blend", type=Path, metavar="FILE", help="a scene of your own, and")
-    parser.add_argument("--reference", type=Path, metavar="EXR", help="what it is held against")
+    own = {"type": Path, "action": "append", "default": []}
+    parser.add_argument("--blend", metavar="FILE", help="a scene of your own, and", **own)
+    parser.add_argument("--reference", metavar="EXR", help="what it is held against", **own)
     parser.add_argument("--methods", help=f"of: {' '.join(_methods.METHODS)}")
     parser.add_argument("--budgets", help="seconds of rendering, separated by commas")
     parser.add_argument("--seeds", type=int, help="renders of each (3, quick 2)")
     parser.add_argument("--threads", type=int, default=len(os.sched_getaffinity(0)))
     args = parser.parse_args()
-    if bool(args.blend) != bool(args.reference):
-        parser.error("--blend and --reference go together")
+    if len(args.blend) != len(args.reference):
+        parser.error("each --blend needs a --reference")
     args.seeds = args.seeds or (QUICK_SEEDS if args.quick else SEEDS)
     args.budgets = budgets(parser, args)
     args.methods = chosen_methods(parser, args)
@@ -82,11 +83,11 @@ def chosen_methods(parser: argparse.ArgumentParser, args: argparse.Namespace) ->
 
 def chosen_scenes(args: argparse.Namespace) -> list[_scenes.Scene]:
     scenes = []
-    if args.blend:
-        for path in (args.blend, args.reference):
+    for blend, reference in zip(args.blend, args.reference, strict=True):
+        for path in (blend, reference):
             if not path.is_file():
                 raise DevError(f"there is no file {path}")
-        scenes.append(_scenes.Scene(args.blend.stem, args.blend.resolve(), args.reference))
+        scenes.append(_scenes.Scene(blend.stem, blend.resolve(), reference))
     if args.scenes or not args.blend:
         available = _scenes.with_references()
         quick = [name for name in _scenes.QUICK if name in available]
@@ -94,6 +95,8 @@ def chosen_scenes(args: argparse.Namespace) -> list[_scenes.Scene]:
         scenes += [_scenes.named(name) for name in names]
     if not scenes:
         raise DevError("no scene has a reference; ./dev bench reference NAME makes one")
+    if len({scene.name for scene in scenes}) < len(scenes):
+        raise DevError("two scenes have the same name")
     return scenes
 
 

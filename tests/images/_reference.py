@@ -48,6 +48,8 @@ def write(
     layers = [rounded, error] if caustics is None else [rounded, error, caustics]
     channels = CHANNELS if caustics is None else CHANNELS + CAUSTICS_CHANNELS
     pixels = np.concatenate(layers, axis=2)[::-1].astype(np.float16)
+    if not np.isfinite(pixels).all():
+        raise ValueError(f"{path}: a pixel is too bright for half floats, or not finite")
     spec = oiio.ImageSpec(pixels.shape[1], pixels.shape[0], len(channels), "half")
     spec.channelnames = channels
     spec.attribute("compression", "zip")

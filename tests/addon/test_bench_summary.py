@@ -2,7 +2,9 @@
 """Which methods `./dev bench` compares, and what it checks of its own measurements."""
 
 import dataclasses
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from tests.bench import _checks, _standings, _summary
@@ -66,21 +68,43 @@ def test_nothing_is_compared_that_was_not_measured():
         assert result.equal_time(*pair, "image", BUDGET) is None
 
 
+FLAT = SimpleNamespace(  # of mean 2 and variance 0.01
+    regions={"image": None, "caustics": None, "rest": None},
+    reference=SimpleNamespace(mean=np.full((4, 4, 3), 2.0), variance=np.full((4, 4, 3), 0.01)),
+)
+
+
+def difference(method, *points):
+    return _summary._difference(Curve(method, list(points)), FLAT)
+
+
 @pytest.mark.parametrize(
     ("bias", "z", "other"), [(0.03, 3.0, False), (0.01, 30.0, False), (-0.03, -5.0, True)]
 )
 def test_another_renderer_with_another_mean_renders_something_else(bias, z, other):
-    points = [point(bias=bias, bias_z=z)]
-    assert bool(_summary._difference(Curve("cycles-pt", points))) == other
-    assert not _summary._difference(Curve("sms", points))  # ours stands for what it is
+    found = point(bias=bias, bias_z=z)
+    assert bool(difference("cycles-pt", found)) == other
+    assert not difference("sms", found)  # ours stands for what it is
 
 
 def test_path_tracers_are_judged_beside_the_caustics():
     dark = region(bias=-0.5, bias_z=-50.0)
     missed = point(regions={"image": dark, "caustics": dark, "rest": region()})
-    assert not _summary._difference(Curve("cycles-pt", [missed]))
-    assert "normal maps" in _summary._difference(Curve("cycles-mnee", [missed]))
-    result = scene(cycles_mnee=[missed], sms=[point()])
+    assert not difference("cycles-pt", missed)
+    assert "normal maps" in difference("cycles-mnee", missed)
+
+
+@pytest.mark.parametrize(
+    ("shared", "error", "other"), [(0.09, 0.01, True), (0.09, 0.03, False), (0.019, 1e-4, False)]
+)
+def test_a_flat_caustic_in_place_of_a_net_is_something_else(shared, error, other):
+    assert bool(difference("cycles-mnee", point(shared=(shared, error)))) == other
+    assert not difference("lux-cache", point(shared=(shared, error)))  # blurred by design
+
+
+def test_what_is_something_else_is_not_compared():
+    result = scene(cycles_mnee=[point()], sms=[point()])
+    assert result.equal_time("sms", "cycles-mnee", "image", BUDGET) == 1.0
     result.curves["cycles-mnee"].differs = "it is something else"
     assert result.equal_time("sms", "cycles-mnee", "image", BUDGET) is None
 
@@ -118,7 +142,7 @@ def test_error_that_does_not_fall_as_time_fails(exponent, passes):
         ({"render_seconds": 8.5}, "times"),
         ({"others_share": 0.2}, "other program"),
         ({"regions": {"image": region(mse=1e-3)}}, "references"),
-        ({"regions": {"image": region(mse=0.1, bias=0.02, bias_z=5.0)}}, "unbiased methods"),
+        ({"regions": {"image": region(mse=0.1, bias=0.02, bias_z=5.0)}}, "reference's mean"),
         ({"regions": {"image": region(mse=0.1, shared=(0.02, 1e-3))}}, "seeds"),
     ],
 )

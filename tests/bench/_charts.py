@@ -120,8 +120,8 @@ def _guides(axis, scene: SceneResult, region: str, times, errors) -> None:
 
 def save(figure: plt.Figure, path: Path) -> str:
     """Writes PATH.png and PATH.svg; returns the SVG's text."""
-    figure.savefig(path.with_suffix(".png"), dpi=150)
-    figure.savefig(path.with_suffix(".svg"), metadata={"Date": None})
+    figure.savefig(path.with_suffix(".png"), dpi=150, bbox_inches="tight")
+    figure.savefig(path.with_suffix(".svg"), metadata={"Date": None}, bbox_inches="tight")
     plt.close(figure)
     return path.with_suffix(".svg").read_text()
 

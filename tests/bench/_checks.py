@@ -113,14 +113,20 @@ def _quiet(scenes: Sequence[SceneResult]) -> Check:
 
 
 def _biases(scenes: Sequence[SceneResult]) -> list[Check]:
-    """Unbiased methods have the reference's mean, after the longest time and in all seeds."""
+    """Our unbiased methods have the reference's mean, after the longest time and in all seeds.
+
+    Path tracing has not found enough of caustics to be judged: what it has missed shows neither in
+    its mean nor in its variance.
+    """
     wrong = []
     for scene in scenes:
         for name, curve in scene.curves.items():
-            if not METHODS[name].unbiased or not curve.points:
+            method = METHODS[name]
+            sees_all = not method.path_traced or "caustics" not in scene.regions
+            if method.family != "specula" or not method.unbiased or not sees_all:
                 continue
-            errors = curve.points[-1].regions["rest" if "rest" in scene.regions else "image"]
-            if abs(errors.bias_z) > BIAS_Z:
+            errors = curve.points[-1].regions["image"] if curve.points else None
+            if errors and abs(errors.bias_z) > BIAS_Z:
                 wrong.append(f"{scene.name} {name} {errors.bias:+.2%} (z = {errors.bias_z:+.1f})")
-    title = f"unbiased methods have the reference's mean beside caustics (|z| < {BIAS_Z:g})"
+    title = f"Specula's unbiased methods have the reference's mean (|z| < {BIAS_Z:g})"
     return [Check(title, not wrong, "; ".join(wrong) or "yes")]

@@ -55,7 +55,6 @@ BLUE, VERMILLION, PURPLE, GREY = "#0072B2", "#D55E00", "#CC79A7", "#767676"
 MNEE_NOTE = (
     "Cycles' walks ignore normal maps, refract only, and drop reflected caustics at receivers"
 )
-CACHE_NOTE = "photons are gathered over a radius: blurred, and biased by design"
 
 
 @dataclass(frozen=True)
@@ -69,7 +68,7 @@ class Method:
     marker: str
     unbiased: bool = True
     path_traced: bool = False  # its error falls as 1/time from the first sample on
-    note: str = ""  # what it leaves out by design
+    leaves_out: str = ""  # light paths that it does not have by design
     hidden: bool = False  # runs only if it is named: for tests of the bench itself
 
     @property
@@ -122,14 +121,12 @@ def _cycles(name, label, color, marker, **changes) -> Method:
         marker,
         unbiased=not biased,
         path_traced=name == "cycles-pt",
-        note=MNEE_NOTE if biased else "",
+        leaves_out=MNEE_NOTE if biased else "",
     )
 
 
-def _lux(name, label, color, marker, *groups, note="") -> Method:
-    return Method(
-        name, label, "luxcore", {"method": name}, groups, color, marker, not note, note=note
-    )
+def _lux(name, label, color, marker, *groups, unbiased=True) -> Method:
+    return Method(name, label, "luxcore", {"method": name}, groups, color, marker, unbiased)
 
 
 METHODS = {
@@ -160,7 +157,7 @@ METHODS = {
         _cycles("cycles-guiding", "path guiding", SKY, "^"),
         _cycles("cycles-mnee", "shadow caustics", PURPLE, "X", shadow_caustics=True),
         _lux("lux-light", "light tracing", ORANGE, "v", "best", "luxcore"),
-        _lux("lux-cache", "photon cache", GREY, "P", "luxcore", note=CACHE_NOTE),
+        _lux("lux-cache", "photon cache", GREY, "P", "luxcore", unbiased=False),
         _lux("lux-bidir-sobol", "bidirectional", SKY, "<", "luxcore"),
         _lux("lux-bidir-metropolis", "bidir. Metropolis", GREY, ">", "best", "luxcore"),
         # Two percent too dark: the bias must show.

@@ -17,7 +17,7 @@ from tests.bench._store import Record, Task
 
 TIME_TOLERANCE = 0.05  # within which two times are equal
 # From where on another renderer's mean is that of another model, not noise.
-MODEL_DIFFERENCE, MODEL_Z = 0.02, 4.0
+MODEL_DIFFERENCE, MODEL_STRUCTURE, MODEL_Z = 0.02, 0.05, 4.0
 REFERENCE_FACTOR = 20.0  # by which a reference's error is to be below what is measured
 
 
@@ -159,7 +159,7 @@ def scene_result(
             ]
             if found:
                 curve.points.append(_point(scene, budget, found, factor))
-        curve.differs = _difference(curve)
+        curve.differs = _difference(curve, scene)
     _set_targets(result, max(budgets))
     return result
 
@@ -233,7 +233,7 @@ def _share(records: Sequence[Record], key: str, of: str) -> float | None:
     return sum(stat.get(key, 0.0) for stat in stats) / whole if whole else None
 
 
-def _difference(curve: Curve) -> str:
+def _difference(curve: Curve, scene: Scene) -> str:
     """Why another renderer's image is one of something else; empty if it is not.
 
     An unbiased one is looked at where there are no caustics: there it converges. What it has not
@@ -245,12 +245,35 @@ def _difference(curve: Curve) -> str:
     regions = curve.points[-1].regions
     looked_at = ["rest"] if method.unbiased and "rest" in regions else ["image", "caustics"]
     for name in looked_at:
-        errors = regions.get(name)
-        if errors and abs(errors.bias) > MODEL_DIFFERENCE and abs(errors.bias_z) > MODEL_Z:
-            where = {"image": "its mean", "caustics": "its caustics", "rest": "beside the caustics"}
-            text = f"{where[name]} differs by {errors.bias:+.1%} (z = {errors.bias_z:+.0f})"
-            return f"{text}; {method.note}" if method.note else text
+        if name not in regions:
+            continue
+        errors = regions[name]
+        where = {"image": "its picture", "caustics": "its caustics", "rest": "beside caustics it"}
+        if abs(errors.bias) > MODEL_DIFFERENCE and abs(errors.bias_z) > MODEL_Z:
+            text = (
+                f"{where[name]} differs by {errors.bias:+.1%} on average (z = {errors.bias_z:+.0f})"
+            )
+        elif method.leaves_out and (share := _systematic(errors, scene, name)) > MODEL_STRUCTURE:
+            text = (
+                f"{where[name]} differs by {share:.0%} (root mean square) in the same way each time"
+            )
+        else:
+            continue
+        return f"{text}; {method.leaves_out}" if method.leaves_out else text
     return ""
+
+
+def _systematic(errors: RegionErrors, scene: Scene, region: str) -> float:
+    """What all seeds have in common beside the reference's own error, relative to the picture's
+    root mean square; 0 if it is not significant."""
+    if errors.shared is None:
+        return 0.0
+    mask = scene.regions[region]
+    shared, deviation = errors.shared
+    common = shared - float(_inside(scene.reference.variance, mask).mean())
+    if common < MODEL_Z * deviation:
+        return 0.0
+    return math.sqrt(common / float((_inside(scene.reference.mean, mask) ** 2).mean()))
 
 
 def _set_targets(result: SceneResult, budget: float) -> None:

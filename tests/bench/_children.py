@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -19,6 +20,7 @@ from tools import host, venvs
 HERE = Path(__file__).resolve().parent
 CHILD_SECONDS = 20 * 60  # a child that hangs must not hold up a machine for ever
 SHOWN_LINES = 2  # of the log of a child that failed
+EXCEPTION = re.compile(r"(\w+\.)*\w+(Error|Exception)\b: ")
 BAR_COLUMNS = 20
 
 
@@ -85,10 +87,17 @@ def run(name: str, where: str, script: str, job: dict, folder: Path) -> Run:
         )
         seconds = time.perf_counter() - start
     if code != 0 or not result.exists():
-        end = " | ".join(log.read_text(errors="replace").strip().splitlines()[-SHOWN_LINES:])
         why = "no end in time" if code is None else f"exit code {code}"
-        raise MeasurementError(f"{name}: {why}; its last words: {end}; all of them: {log}")
+        words = last_words(log.read_text(errors="replace"))
+        raise MeasurementError(f"{name}: {why}; its last words: {words}; all of them: {log}")
     return Run(seconds, json.loads(result.read_text()))
+
+
+def last_words(log: str) -> str:
+    """Python's exception if there is one: a renderer may go on talking after it."""
+    lines = [line for line in log.splitlines() if line.strip()]
+    errors = [line for line in lines if EXCEPTION.match(line)]
+    return " | ".join(errors[-1:] or lines[-SHOWN_LINES:])
 
 
 def _wait(process: subprocess.Popen) -> int | None:

@@ -111,7 +111,8 @@ def program_digest(family: str) -> str:
     if family == "specula":
         return _digest([*scripts, *_libraries(), *sorted((ROOT / "addon").rglob("*.py"))])
     if family == "luxcore":
-        scripts = [*sorted(_children.HERE.glob("_luxcore*.py")), _children.HERE / EXPORT_SCRIPT]
+        scripts = [_children.HERE / name for name in (EXPORT_SCRIPT, "_description.py")]
+        scripts += sorted(_children.HERE.glob("_luxcore*.py"))
         exported = sorted((ROOT / "addon" / "export").glob("*.py"))
         return _digest([*scripts, *sorted(venvs.REQUIREMENTS.glob("luxcore*.txt")), *exported])
     return f"{venvs.BPY_VERSION} {_digest(scripts)}"

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from tests.bench import _metrics
 from tests.bench._machine import BUSY_SHARE
 from tests.bench._methods import METHODS
-from tests.bench._summary import REFERENCE_FACTOR, TIME_TOLERANCE, Point, SceneResult
+from tests.bench._summary import BUDGET_TOLERANCE, REFERENCE_FACTOR, Point, SceneResult
 
 SLOPE_Z = 3.0  # standard errors
 SHARED_Z = 4.0
@@ -87,7 +87,7 @@ def _times(scenes: Sequence[SceneResult], budget: float) -> Check:
         for name, curve in scene.curves.items()
         if curve.charted and (point := curve.at(budget)) and not point.in_time
     ]
-    title = f"all charted times at {budget:g} s are within {TIME_TOLERANCE:.0%} of it"
+    title = f"all charted times at {budget:g} s are within {BUDGET_TOLERANCE:.1%} of it"
     return Check(title, not late, "; ".join(late) or "yes")
 
 

@@ -64,10 +64,12 @@ HOSTS = {
 }
 
 
-def run(name: str, where: str, script: str, job: dict, folder: Path) -> Run:
-    """Run `script` with `job` in the Blender `where` (of HOSTS); its log is folder/name.log.
+def run(
+    name: str, where: str, script: str, job: dict, folder: Path, limit: float = CHILD_SECONDS
+) -> Run:
+    """Run `script` with `job` in the program `where` (of HOSTS); its log is folder/name.log.
 
-    Raises MeasurementError if it fails, hangs or reports nothing.
+    After `limit` seconds it is killed. Raises MeasurementError if it fails, hangs or reports nothing.
     """
     result, job_file, log = (folder / f"{name}{suffix}" for suffix in (".out", ".job", ".log"))
     result.unlink(missing_ok=True)
@@ -83,7 +85,8 @@ def run(name: str, where: str, script: str, job: dict, folder: Path) -> Run:
                 stdout=output,
                 stderr=subprocess.STDOUT,
                 start_new_session=True,  # a process group of its own, to be killed as one
-            )
+            ),
+            limit,
         )
         seconds = time.perf_counter() - start
     if code != 0 or not result.exists():
@@ -100,10 +103,10 @@ def last_words(log: str) -> str:
     return " | ".join(errors[-1:] or lines[-SHOWN_LINES:])
 
 
-def _wait(process: subprocess.Popen) -> int | None:
-    """Exit code; None if it had to be killed after CHILD_SECONDS. Never leaves it behind."""
+def _wait(process: subprocess.Popen, limit: float) -> int | None:
+    """Exit code; None if it had to be killed after `limit` seconds. Never leaves it behind."""
     try:
-        return process.wait(CHILD_SECONDS)
+        return process.wait(limit)
     except subprocess.TimeoutExpired:
         return None
     finally:

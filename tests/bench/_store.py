@@ -22,6 +22,8 @@ from tools.common import BUILD, ROOT
 
 FOLDER = BUILD / "bench" / "error"
 EXPORT_SCRIPT = "_export_job.py"
+# A child that takes so many seconds beside so many times its budget has failed.
+PATIENCE, PATIENCE_FACTOR = 180.0, 4.0
 
 
 @dataclass(frozen=True)
@@ -78,7 +80,8 @@ def render(task: Task) -> Record:
     if family.described:
         job["description"] = str(_description(task.scene))
     before = CpuTimes.now()
-    run = _children.run(path.stem, family.where, family.script, job, FOLDER)
+    limit = PATIENCE + PATIENCE_FACTOR * task.budget
+    run = _children.run(path.stem, family.where, family.script, job, FOLDER, limit)
     stored = {
         "report": run.report,
         "wall_seconds": run.wall_seconds,

@@ -43,13 +43,14 @@ def write(
     caustics: np.ndarray | None = None,
 ) -> None:
     """Writes arrays as in `Reference`; `about` becomes attributes of the file."""
+    for values in (mean, np.sqrt(variance)):
+        if not (np.abs(values) < np.finfo(np.float16).max).all():
+            raise ValueError(f"{path}: a pixel is too bright for half floats, or not finite")
     rounded, rounding_variance = dithered(mean)
     error = np.sqrt(variance + rounding_variance)
     layers = [rounded, error] if caustics is None else [rounded, error, caustics]
     channels = CHANNELS if caustics is None else CHANNELS + CAUSTICS_CHANNELS
     pixels = np.concatenate(layers, axis=2)[::-1].astype(np.float16)
-    if not np.isfinite(pixels).all():
-        raise ValueError(f"{path}: a pixel is too bright for half floats, or not finite")
     spec = oiio.ImageSpec(pixels.shape[1], pixels.shape[0], len(channels), "half")
     spec.channelnames = channels
     spec.attribute("compression", "zip")

@@ -89,6 +89,12 @@ def test_seeds_that_share_noise_are_found(random, truth, shared):
     assert (found > 4.0 * error) == (shared > 0.0)
 
 
+def test_dependent_pixels_are_judged_by_seeds():
+    assert _metrics.cautious_z(50.0, [0.03, 0.01, 0.02]) == pytest.approx(np.sqrt(3.0) * 2.0)
+    assert _metrics.cautious_z(-1.0, [-0.02, -0.021]) == -1.0
+    assert _metrics.cautious_z(50.0, [0.03]) == 0.0
+
+
 def test_outliers_of_the_reference_are_trimmed_as_well(random, truth):
     reference, variance = truth.copy(), np.zeros(SHAPE)
     reference[5, 7] += 10.0

@@ -55,7 +55,7 @@ def error_chart(scene: SceneResult, curves: Sequence[Curve], title: str) -> plt.
             _panel(axis, scene, curves, region)
         axes[0][0].set_ylabel("mean squared error")
         handles, labels = axes[0][0].get_legend_handles_labels()
-        figure.suptitle(f"{scene.name}: {title.lower()}", x=0.01, ha="left", fontsize=12)
+        figure.suptitle(f"{scene.name}: {title}", x=0.01, ha="left", fontsize=12)
         columns = 2 * len(regions)
         rows = -(-len(handles) // columns)
         bottom = 0.03 + 0.055 * rows

@@ -69,7 +69,7 @@ def run(
 ) -> Run:
     """Run `script` with `job` in the program `where` (of HOSTS); its log is folder/name.log.
 
-    After `limit` seconds it is killed. Raises MeasurementError if it fails, hangs or reports nothing.
+    After `limit` seconds it is killed. Raises MeasurementError if it fails, hangs or is silent.
     """
     result, job_file, log = (folder / f"{name}{suffix}" for suffix in (".out", ".job", ".log"))
     result.unlink(missing_ok=True)

@@ -41,9 +41,9 @@ FAMILIES = {
 
 # Groups of at most eight methods that share a chart, and their titles.
 GROUPS = {
-    "best": "Ours and the others'",
-    "variants": "Constraints and stages",
-    "sets": "Numbers of walks of the biased method",
+    "best": "ours and the others'",
+    "variants": "constraints and stages",
+    "sets": "numbers of walks of the biased method",
     "luxcore": "LuxCore",
 }
 
@@ -68,6 +68,7 @@ class Method:
     marker: str
     unbiased: bool = True
     path_traced: bool = False  # its error falls as 1/time from the first sample on
+    correlated: bool = False  # errors of neighbouring pixels depend on each other
     leaves_out: str = ""  # light paths that it does not have by design
     hidden: bool = False  # runs only if it is named: for tests of the bench itself
 
@@ -125,8 +126,18 @@ def _cycles(name, label, color, marker, **changes) -> Method:
     )
 
 
-def _lux(name, label, color, marker, *groups, unbiased=True) -> Method:
-    return Method(name, label, "luxcore", {"method": name}, groups, color, marker, unbiased)
+def _lux(name, label, color, marker, *groups, unbiased=True, correlated=False) -> Method:
+    return Method(
+        name,
+        label,
+        "luxcore",
+        {"method": name},
+        groups,
+        color,
+        marker,
+        unbiased=unbiased,
+        correlated=correlated,
+    )
 
 
 METHODS = {
@@ -157,9 +168,14 @@ METHODS = {
         _cycles("cycles-guiding", "path guiding", SKY, "^"),
         _cycles("cycles-mnee", "shadow caustics", PURPLE, "X", shadow_caustics=True),
         _lux("lux-light", "light tracing", ORANGE, "v", "best", "luxcore"),
-        _lux("lux-cache", "photon cache", GREY, "P", "luxcore", unbiased=False),
+        _lux("lux-cache", "photon cache", GREY, "P", "luxcore", unbiased=False, correlated=True),
         _lux("lux-bidir-sobol", "bidirectional", SKY, "<", "luxcore"),
-        _lux("lux-bidir-metropolis", "bidir. Metropolis", GREY, ">", "best", "luxcore"),
+        _lux(
+            "lux-bidir-metropolis",
+            "bidir. Metropolis",
+            *(GREY, ">", "best", "luxcore"),
+            correlated=True,
+        ),
         # Two percent too dark: the bias must show.
         _specula("pt-dim", "dimmed", (), GREY, "x", light_factor=0.98, method="PT"),
     )

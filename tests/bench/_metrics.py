@@ -108,6 +108,15 @@ def estimate(values: Sequence[float]) -> Estimate:
     return Estimate(float(np.mean(values)), error, count)
 
 
+def cautious_z(pixel_z: float, biases: Sequence[float]) -> float:
+    """z-score of a bias where neighbouring pixels depend on each other, so that `pixel_z` is too
+    large: the smaller of it and that of the mean of `biases`, one for each seed."""
+    found = estimate(biases)
+    if not found.error:  # a single seed knows nothing of its spread
+        return 0.0
+    return min(pixel_z, found.mean / found.error, key=abs)
+
+
 def shared_error(images: Sequence[np.ndarray], mean: np.ndarray) -> tuple[float, float]:
     """Mean product of different images' differences to the reference, and its standard error.
 

@@ -23,7 +23,7 @@ from tools.common import BUILD, ROOT
 FOLDER = BUILD / "bench" / "error"
 EXPORT_SCRIPT = "_export_job.py"
 # A child that takes so many seconds beside so many times its budget has failed.
-PATIENCE, PATIENCE_FACTOR = 180.0, 4.0
+PATIENCE, PATIENCE_FACTOR = 300.0, 4.0
 
 
 @dataclass(frozen=True)

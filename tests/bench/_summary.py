@@ -159,7 +159,7 @@ def scene_result(
                 if (task.scene.name, task.method, task.budget) == (scene.name, name, budget)
             ]
             if found:
-                curve.points.append(_point(scene, budget, found, factor))
+                curve.points.append(_point(scene, name, budget, found, factor))
         curve.differs = _difference(curve, scene)
     _set_targets(result, max(budgets))
     return result
@@ -169,7 +169,9 @@ def _inside(image: np.ndarray, mask: np.ndarray | None) -> np.ndarray:
     return image if mask is None else image[mask]
 
 
-def _point(scene: Scene, budget: float, records: Sequence[Record], factor: float) -> Point:
+def _point(
+    scene: Scene, method: str, budget: float, records: Sequence[Record], factor: float
+) -> Point:
     reference = scene.reference
     images = [record.image() for record in records]
     mean_image = sum(images) / len(images)
@@ -183,7 +185,7 @@ def _point(scene: Scene, budget: float, records: Sequence[Record], factor: float
         if len(images) > 1:
             inside = [_inside(image, mask) for image in images]
             shared = _metrics.shared_error(inside, _inside(reference.mean, mask))
-        regions[name] = _region(each, whole, shared)
+        regions[name] = _region(each, whole, shared, METHODS[method].correlated)
 
     def mean(key: str) -> float:
         return float(np.mean([record.report[key] for record in records]))
@@ -206,10 +208,15 @@ def _point(scene: Scene, budget: float, records: Sequence[Record], factor: float
 
 
 def _region(
-    each: Sequence[Errors], whole: Errors, shared: tuple[float, float] | None
+    each: Sequence[Errors], whole: Errors, shared: tuple[float, float] | None, correlated: bool
 ) -> RegionErrors:
     def mean(key: str) -> float:
         return _metrics.estimate([getattr(errors, key) for errors in each]).mean
+
+    def z(key: str) -> float:
+        pixel_z = getattr(whole, f"{key}_z")
+        biases = [getattr(errors, key) for errors in each]
+        return _metrics.cautious_z(pixel_z, biases) if correlated else pixel_z
 
     over_seeds = _metrics.estimate([errors.mse for errors in each]).error or 0.0
     over_pixels = mean("mse_error") / math.sqrt(len(each))
@@ -220,9 +227,9 @@ def _region(
         rel_mse=mean("rel_mse"),
         rel_mse_trimmed=mean("rel_mse_trimmed"),
         bias=whole.bias,
-        bias_z=whole.bias_z,
+        bias_z=z("bias"),
         bias_trimmed=whole.bias_trimmed,
-        bias_trimmed_z=whole.bias_trimmed_z,
+        bias_trimmed_z=z("bias_trimmed"),
         shared=shared,
     )
 

@@ -52,6 +52,16 @@ GROUPS = {
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
 BLUE, VERMILLION, PURPLE, GREY = "#0072B2", "#D55E00", "#CC79A7", "#767676"
 
+# Of Specula; a scene may say otherwise.
+DEFAULT_WALK = {"constraint": "ANGLE_DIFFERENCE", "two_stage": True}
+# Of Cycles: what would change its mean, and has no counterpart in Specula.
+NOTHING_TAKEN_AWAY = {
+    "sample_clamp_direct": 0.0,
+    "sample_clamp_indirect": 0.0,
+    "blur_glossy": 0.0,
+    "light_sampling_threshold": 0.0,
+}
+
 MNEE_NOTE = (
     "Cycles' walks ignore normal maps, refract only, and drop reflected caustics at receivers"
 )
@@ -103,14 +113,15 @@ def _unbiased(name, label, groups, color, marker, constraint, two_stage) -> Meth
 
 
 def _biased(walks: int, color: str, marker: str, *groups: str) -> Method:
-    settings = {"method": "SMS_BIASED", "set_size": walks}
+    settings = {"method": "SMS_BIASED", "set_size": walks, **DEFAULT_WALK}
     return _specula(
         f"biased-{walks}", f"SMS biased, {walks} walks", groups, color, marker, **settings
     )
 
 
 def _cycles(name, label, color, marker, **changes) -> Method:
-    job = {"engine": "CYCLES", "cycles": {"use_guiding": name == "cycles-guiding"}}
+    settings = {"use_guiding": name == "cycles-guiding"} | NOTHING_TAKEN_AWAY
+    job = {"engine": "CYCLES", "cycles": settings}
     biased = "shadow_caustics" in changes
     return Method(
         name,

@@ -72,27 +72,38 @@ def render_cycles(scene, seconds: float, samples: int = ENDLESS) -> Rendered:
     return Rendered(call, clock.end - clock.begin, clock.samples)
 
 
-def render_cycles_in_time(scene, seconds: float) -> Rendered:
-    """Where Cycles' own limit is too coarse, once more, with as many samples as fit at its rate."""
+def render_cycles_in_time(scene, job: dict) -> Rendered:
+    """Where Cycles' own limit is too coarse, once more, with as many samples as fit at its rate;
+    what is closer to the time stays."""
+    seconds = job["seconds"]
+
+    def missed(rendered: Rendered) -> float:
+        return abs(rendered.render_seconds / seconds - 1.0)
+
     limited = render_cycles(scene, seconds)
-    if abs(limited.render_seconds / seconds - 1.0) <= TIME_TOLERANCE:
-        return limited
+    write_image(scene, job["image"])
     fitting = max(1, round(limited.samples * seconds / limited.render_seconds))
-    if fitting == limited.samples:  # a single sample is longer than the tolerance
+    # Equal where a single sample is longer than the tolerance.
+    if missed(limited) <= TIME_TOLERANCE or fitting == limited.samples:
         return limited
-    return render_cycles(scene, 0.0, fitting)
+    again = render_cycles(scene, 0.0, fitting)
+    if missed(again) >= missed(limited):
+        return limited
+    write_image(scene, job["image"])
+    return again
 
 
-def render_specula(scene, seconds: float) -> Rendered:
+def render_specula(scene, job: dict) -> Rendered:
     from specula import statistics
 
-    scene.specula.time_limit, scene.specula.samples = seconds, ENDLESS
+    scene.specula.time_limit, scene.specula.samples = job["seconds"], ENDLESS
     start = time.perf_counter()
     bpy.ops.render.render()
     call = time.perf_counter() - start
     stats = statistics.last[scene.name, scene.view_layers[0].name]
     width, height = scene.render.resolution_x, scene.render.resolution_y
     samples = stats.render_stats["samples"] / (width * height)
+    write_image(scene, job["image"])
     return Rendered(call, stats.render_seconds, samples, stats.render_stats)
 
 
@@ -139,8 +150,7 @@ def main(job: dict) -> None:
     configure(scene, job)
     opened = time.perf_counter() - start
     render = render_cycles_in_time if job["engine"] == "CYCLES" else render_specula
-    rendered = render(scene, job["seconds"])
-    write_image(scene, job["image"])
+    rendered = render(scene, job)
     report = {
         "load_seconds": opened + rendered.call_seconds - rendered.render_seconds,
         "render_seconds": rendered.render_seconds,

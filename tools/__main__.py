@@ -16,7 +16,11 @@ from tools.common import DevError  # noqa: E402
 COMMANDS = {
     "demo": ("demo", "main", "render blend_scenes/swimming_pool.blend to build/demo/"),
     "test": ("testing", "main", "all tests, or some: native addon blender bpy images asan"),
-    "bench": ("studies", "bench", "NAME ARGS: run the benchmark tests/bench/NAME.py"),
+    "bench": (
+        "studies",
+        "bench",
+        "[NAME] ARGS: error against time, or the benchmark tests/bench/NAME.py",
+    ),
     "stability": ("studies", "stability", "ARGS: run tests/stability/run.py"),
     "package": ("package", "main", "zip the addon as artists install it"),
     "blender": ("host", "blender", "ARGS: Debian's Blender with the addon enabled from the tree"),

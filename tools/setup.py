@@ -47,7 +47,7 @@ COMMAND_NEEDS = {
     "test blender": ["build", "blender", "python tests"],
     "test bpy": ["build", "bpy"],
     "test images": ["build", "blender", "bpy", "python tests"],
-    "bench": ["build", "blender", "bpy", "charts"],
+    "bench": ["build", "blender", "bpy"],
     "stability": ["build", "blender", "bpy", "charts"],
     "format": ["quality"],
     "lint": ["build", "native tests", "quality"],

@@ -72,3 +72,8 @@ def bpy_python(version: str = BPY_VERSION) -> Path:
 def quality_python() -> Path:
     """Python of the environment that holds clang-format and ruff."""
     return ensure("quality", (REQUIREMENTS / "quality.txt").read_text())
+
+
+def bench_python() -> Path:
+    """Python of the environment in which ./dev bench draws and compares images."""
+    return ensure("bench", (REQUIREMENTS / "bench.txt").read_text())

@@ -3,7 +3,7 @@
 
 import pytest
 
-from tests.bench import _ratios
+from tests.bench import _children, _ratios
 from tests.bench._machine import CpuTimes
 from tests.bench._ratios import MeasurementError, Target
 
@@ -61,3 +61,9 @@ def test_share_of_others():
     assert before.others_share(before) == 0.0
     assert before.others_share(CpuTimes(110.0, 12.0, 9.0)) == 0.0  # clocks tick coarsely
     assert CpuTimes.now().total > 0.0
+
+
+def test_a_failed_child_is_quoted_with_its_exception():
+    log = "Read scene\n\nTraceback:\nnative.NativeError: no light\n[SDL] one more line\n[SDL] end\n"
+    assert _children.last_words(log) == "native.NativeError: no light"
+    assert _children.last_words("one\n\ntwo\nthree\n") == "two | three"

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -19,6 +20,8 @@ from tools import host, venvs
 HERE = Path(__file__).resolve().parent
 CHILD_SECONDS = 20 * 60  # a child that hangs must not hold up a machine for ever
 SHOWN_LINES = 2  # of the log of a child that failed
+EXCEPTION = re.compile(r"(\w+\.)*\w+(Error|Exception)\b: ")
+BAR_COLUMNS = 20
 
 
 @dataclass(frozen=True)
@@ -48,17 +51,25 @@ def debian_blender(script: str, job: Path) -> tuple[list[str], dict]:
     return host.blender_command([*arguments, "--", str(job)]), environment
 
 
+def luxcore(script: str, job: Path) -> tuple[list[str], dict]:
+    """LuxCore's Python, which knows nothing of Blender."""
+    return [str(venvs.luxcore_python()), str(HERE / script), str(job)], dict(os.environ)
+
+
 HOSTS = {
     "specula in bpy": bpy_with_specula,
     "bpy": bpy_alone,
     "debian": debian_blender,
+    "luxcore": luxcore,
 }
 
 
-def run(name: str, where: str, script: str, job: dict, folder: Path) -> Run:
-    """Run `script` with `job` in the Blender `where` (of HOSTS); its log is folder/name.log.
+def run(
+    name: str, where: str, script: str, job: dict, folder: Path, limit: float = CHILD_SECONDS
+) -> Run:
+    """Run `script` with `job` in the program `where` (of HOSTS); its log is folder/name.log.
 
-    Raises MeasurementError if it fails, hangs or reports nothing.
+    After `limit` seconds it is killed. Raises MeasurementError if it fails, hangs or is silent.
     """
     result, job_file, log = (folder / f"{name}{suffix}" for suffix in (".out", ".job", ".log"))
     result.unlink(missing_ok=True)
@@ -74,20 +85,28 @@ def run(name: str, where: str, script: str, job: dict, folder: Path) -> Run:
                 stdout=output,
                 stderr=subprocess.STDOUT,
                 start_new_session=True,  # a process group of its own, to be killed as one
-            )
+            ),
+            limit,
         )
         seconds = time.perf_counter() - start
     if code != 0 or not result.exists():
-        end = " | ".join(log.read_text(errors="replace").strip().splitlines()[-SHOWN_LINES:])
         why = "no end in time" if code is None else f"exit code {code}"
-        raise MeasurementError(f"{name}: {why}; its last words: {end}; all of them: {log}")
+        words = last_words(log.read_text(errors="replace"))
+        raise MeasurementError(f"{name}: {why}; its last words: {words}; all of them: {log}")
     return Run(seconds, json.loads(result.read_text()))
 
 
-def _wait(process: subprocess.Popen) -> int | None:
-    """Exit code; None if it had to be killed after CHILD_SECONDS. Never leaves it behind."""
+def last_words(log: str) -> str:
+    """Python's exception if there is one: a renderer may go on talking after it."""
+    lines = [line for line in log.splitlines() if line.strip()]
+    errors = [line for line in lines if EXCEPTION.match(line)]
+    return " | ".join(errors[-1:] or lines[-SHOWN_LINES:])
+
+
+def _wait(process: subprocess.Popen, limit: float) -> int | None:
+    """Exit code; None if it had to be killed after `limit` seconds. Never leaves it behind."""
     try:
-        return process.wait(CHILD_SECONDS)
+        return process.wait(limit)
     except subprocess.TimeoutExpired:
         return None
     finally:
@@ -97,9 +116,10 @@ def _wait(process: subprocess.Popen) -> int | None:
 
 
 class Progress:
-    """One line for each child, with the expected end: on a terminal a line that changes."""
+    """One line for each child, with a bar and the expected end; on a terminal it changes."""
 
-    def __init__(self, guesses: Iterable[float]):
+    def __init__(self, program: str, guesses: Iterable[float]):
+        self._program = program
         self._left = sum(guesses)  # seconds, as guessed before the start
         self._done = 0.0
         self._start = time.monotonic()
@@ -110,7 +130,9 @@ class Progress:
         elapsed = time.monotonic() - self._start
         left = self._left * (elapsed / self._done if self._done else 1.0)
         end = time.strftime("%H:%M", time.localtime(time.time() + left))
-        line = f"speed: {text}; about {left / 60:.1f} min to go, until {end}"
+        full = round(BAR_COLUMNS * self._done / max(self._done + self._left, 1e-9))
+        bar = "#" * full + "." * (BAR_COLUMNS - full)
+        line = f"{self._program}: [{bar}] until {end}, {left / 60:.1f} min; {text}"
         sys.stderr.write(f"\r\x1b[K{line[:100]}" if self._terminal else f"{line}\n")
         sys.stderr.flush()
 

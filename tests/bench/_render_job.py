@@ -3,7 +3,8 @@
 
 The last argument is a JSON file, the job: `scene` (path), `engine`, `threads`, `samples` (a list:
 a render for each), `result` (the JSON file to write); and optionally `method` (Specula's), `size`
-([width, height]), `picture` (PNG to write), `mean` (whether to report the picture's mean).
+([width, height]), `picture` (PNG to write), `mean` (whether to report the picture's mean),
+`shadow_caustics` (whether Cycles walks where the scene's flags say so).
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ def prepare(job: dict):
         render.resolution_x, render.resolution_y = job["size"]
         render.resolution_percentage = 100
     if job["engine"] == "CYCLES":
-        prepare_cycles(scene)
+        prepare_cycles(scene, job.get("shadow_caustics", False))
     else:
         scene.specula.method = job["method"]
         scene.specula.samples = 0  # Cycles' number
@@ -39,8 +40,8 @@ def prepare(job: dict):
     return scene
 
 
-def prepare_cycles(scene) -> None:
-    """Plain path tracing of every sample on the processor."""
+def prepare_cycles(scene, shadow_caustics: bool) -> None:
+    """Path tracing of every sample on the processor; manifold walks only if they are asked for."""
     cycles = scene.cycles
     cycles.device = "CPU"
     cycles.use_denoising = False
@@ -48,9 +49,9 @@ def prepare_cycles(scene) -> None:
     cycles.time_limit = 0.0
     for name in CYCLES_DEFAULTS:
         cycles.property_unset(name)
-    # Without flagged casters there is no manifold walk, which no method of the other side does.
-    for obj in scene.objects:
-        obj.cycles.is_caustics_caster = False
+    if not shadow_caustics:  # without flagged casters there is no walk
+        for obj in scene.objects:
+            obj.cycles.is_caustics_caster = False
 
 
 def rendered(scene, samples: int, engine: str) -> dict:

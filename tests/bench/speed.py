@@ -401,7 +401,7 @@ def main() -> int:
         flush=True,
     )
     results, started, before = [], time.time(), _machine.CpuTimes.now()
-    progress = Progress(measurement.guess(args.rounds) for measurement in measurements)
+    progress = Progress("speed", (measurement.guess(args.rounds) for measurement in measurements))
     for measurement in measurements:
         results.append(measure(measurement, args.rounds, progress))
         progress.clear()

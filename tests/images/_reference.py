@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reference images: EXR files with the mean and its standard error, both half floats.
+"""Reference images: EXR files with the mean and its standard error, both half floats; the bench's
+with the manifold's share of the mean as well.
 
 The standard error and not the variance, which would leave the range of half floats.
 """
@@ -14,6 +15,7 @@ import OpenImageIO as oiio
 
 FOLDER = Path(__file__).resolve().parent / "references"
 CHANNELS = ("R", "G", "B", "error.R", "error.G", "error.B")
+CAUSTICS_CHANNELS = ("caustics.R", "caustics.G", "caustics.B")
 DITHER_SEED = 0
 PREFIX = "specula:"  # of the file's attributes
 
@@ -25,6 +27,7 @@ class Reference:
     mean: np.ndarray
     variance: np.ndarray  # of the mean, that of rounding to half floats included
     about: dict[str, str]
+    caustics: np.ndarray | None = None
 
     @property
     def samples(self) -> int:
@@ -32,13 +35,24 @@ class Reference:
         return int(self.about["samples"])
 
 
-def write(path: Path, mean: np.ndarray, variance: np.ndarray, about: dict[str, str]) -> None:
+def write(
+    path: Path,
+    mean: np.ndarray,
+    variance: np.ndarray,
+    about: dict[str, str],
+    caustics: np.ndarray | None = None,
+) -> None:
     """Writes arrays as in `Reference`; `about` becomes attributes of the file."""
+    for values in (mean, np.sqrt(variance)):
+        if not (np.abs(values) < np.finfo(np.float16).max).all():
+            raise ValueError(f"{path}: a pixel is too bright for half floats, or not finite")
     rounded, rounding_variance = dithered(mean)
     error = np.sqrt(variance + rounding_variance)
-    pixels = np.concatenate([rounded, error], axis=2)[::-1].astype(np.float16)
-    spec = oiio.ImageSpec(pixels.shape[1], pixels.shape[0], len(CHANNELS), "half")
-    spec.channelnames = CHANNELS
+    layers = [rounded, error] if caustics is None else [rounded, error, caustics]
+    channels = CHANNELS if caustics is None else CHANNELS + CAUSTICS_CHANNELS
+    pixels = np.concatenate(layers, axis=2)[::-1].astype(np.float16)
+    spec = oiio.ImageSpec(pixels.shape[1], pixels.shape[0], len(channels), "half")
+    spec.channelnames = channels
     spec.attribute("compression", "zip")
     for key, value in about.items():
         spec.attribute(PREFIX + key, value)
@@ -53,16 +67,20 @@ def read(path: Path) -> Reference:
     if not file:
         raise OSError(f"{path}: {oiio.geterror()}")
     spec = file.spec()
-    if spec.channelnames != CHANNELS:
-        raise OSError(f"{path}: channels {spec.channelnames}")
+    found = tuple(spec.channelnames)  # in the file's order
+    if set(found) not in (set(CHANNELS), set(CHANNELS + CAUSTICS_CHANNELS)):
+        raise OSError(f"{path}: channels {found}")
+    channels = CHANNELS if len(found) == len(CHANNELS) else CHANNELS + CAUSTICS_CHANNELS
     pixels = np.asarray(file.read_image("float"), np.float64)[::-1]
+    pixels = pixels[..., [found.index(channel) for channel in channels]]
     file.close()
     about = {
         item.name.removeprefix(PREFIX): str(item.value)
         for item in spec.extra_attribs
         if item.name.startswith(PREFIX)
     }
-    return Reference(pixels[..., :3], pixels[..., 3:] ** 2, about)
+    caustics = pixels[..., 6:] if len(channels) > len(CHANNELS) else None
+    return Reference(pixels[..., :3], pixels[..., 3:6] ** 2, about, caustics)
 
 
 def dithered(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -1,0 +1,166 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What `./dev bench` makes of images and times, and the order in which it renders."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from tests.bench import _metrics, _schedule
+from tests.bench._methods import GROUPS, METHODS
+from tests.bench._metrics import Slope
+
+SHAPE = (64, 64, 3)
+
+
+@pytest.fixture
+def random():
+    return np.random.default_rng(1)
+
+
+@pytest.fixture
+def truth(random):
+    return 0.2 + random.random(SHAPE)
+
+
+def noisy(random, truth, deviation=0.3):
+    return truth + deviation * random.standard_normal(SHAPE)
+
+
+def exact(truth):
+    return np.zeros_like(truth)
+
+
+def test_mse_is_the_variance_of_unbiased_noise(random, truth):
+    found = _metrics.errors(noisy(random, truth), truth, exact(truth))
+    assert found.mse == pytest.approx(0.09, abs=4.0 * found.mse_error)
+    assert found.mse_error == pytest.approx(0.09 * np.sqrt(2.0 / 3.0) / 64.0, rel=0.2)
+
+
+def test_noise_of_the_reference_is_no_error_of_the_image(random, truth):
+    variance = np.full(SHAPE, 0.04)
+    found = _metrics.errors(noisy(random, truth), noisy(random, truth, 0.2), variance)
+    assert found.mse == pytest.approx(0.09, abs=4.0 * found.mse_error)
+
+
+def test_relative_mse_does_not_depend_on_exposure(random, truth):
+    image = noisy(random, truth)
+    once = _metrics.errors(image, truth, exact(truth))
+    brighter = _metrics.errors(10.0 * image, 10.0 * truth, exact(truth))
+    assert brighter.rel_mse == pytest.approx(once.rel_mse)
+    assert brighter.mse == pytest.approx(100.0 * once.mse)
+
+
+def test_trimming_takes_the_outliers_and_little_else(random, truth):
+    image = noisy(random, truth)
+    clean = _metrics.errors(image, truth, exact(truth))
+    image[5, 7] += 1000.0
+    hit = _metrics.errors(image, truth, exact(truth))
+    assert hit.mse > 100.0 * clean.mse
+    assert hit.mse_trimmed == pytest.approx(clean.mse, rel=0.02)
+    assert hit.rel_mse_trimmed == pytest.approx(clean.rel_mse, rel=0.05)
+    assert hit.bias > 0.2
+    assert abs(hit.bias_z) < 2.0  # a single pixel proves nothing
+    assert abs(hit.bias_trimmed) < 0.05
+
+
+@pytest.mark.parametrize(("factor", "biased"), [(1.0, False), (0.98, True), (1.02, True)])
+def test_two_percent_of_energy_show_in_the_bias(random, truth, factor, biased):
+    found = _metrics.errors(factor * noisy(random, truth, 0.1), truth, exact(truth))
+    assert (abs(found.bias_z) > 4.0) == biased
+    assert found.bias == pytest.approx(factor - 1.0, abs=0.01)
+
+
+def test_masked_errors_are_those_of_the_pixels_inside(random, truth):
+    image = noisy(random, truth)
+    mask = np.zeros(SHAPE[:2], bool)
+    mask[10:20, 30:50] = True
+    inside = _metrics.errors(image, truth, exact(truth), mask)
+    cut = (slice(10, 20), slice(30, 50))
+    assert inside == _metrics.errors(image[cut], truth[cut], exact(truth)[cut])
+
+
+@pytest.mark.parametrize("shared", [0.0, 0.2])
+def test_seeds_that_share_noise_are_found(random, truth, shared):
+    common = shared * random.standard_normal(SHAPE)
+    images = [noisy(random, truth) + common for _ in range(3)]
+    found, error = _metrics.shared_error(images, truth)
+    assert found == pytest.approx(shared**2, abs=4.0 * error)
+    assert (found > 4.0 * error) == (shared > 0.0)
+
+
+def test_dependent_pixels_are_judged_by_seeds():
+    assert _metrics.cautious_z(50.0, [0.03, 0.01, 0.02]) == pytest.approx(np.sqrt(3.0) * 2.0)
+    assert _metrics.cautious_z(-1.0, [-0.02, -0.021]) == -1.0
+    assert _metrics.cautious_z(50.0, [0.03]) == 0.0
+
+
+def test_outliers_of_the_reference_are_trimmed_as_well(random, truth):
+    reference, variance = truth.copy(), np.zeros(SHAPE)
+    reference[5, 7] += 10.0
+    variance[5, 7] = 400.0  # so that the error less the variance is very negative
+    found = _metrics.errors(noisy(random, truth), reference, variance)
+    assert found.mse < 0.05
+    assert found.mse_trimmed == pytest.approx(0.09, rel=0.05)
+
+
+def test_slope_of_a_power_law():
+    x = [1.0, 2.0, 4.0, 8.0]
+    slope = _metrics.log_slope(x, [3.0 / value for value in x], [0.03 / value for value in x])
+    assert slope.value == pytest.approx(-1.0)
+    # Errors of 1 % over logarithms with a sum of squares of 5 (ln 2)^2.
+    assert slope.error == pytest.approx(0.01 / (np.sqrt(5.0) * np.log(2.0)))
+    assert isinstance(slope, Slope)
+
+
+def test_slope_trusts_points_by_their_errors():
+    slope = _metrics.log_slope([1.0, 2.0, 4.0], [1.0, 0.5, 10.0], [0.001, 0.001, 100.0])
+    assert slope.value == pytest.approx(-1.0, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("target", "text"), [(0.5, "2"), (0.25, "4"), (2.0, "< 1"), (0.01, "> 4"), (0.7071, "1.41")]
+)
+def test_time_to_a_target_is_interpolated_never_extrapolated(target, text):
+    assert _metrics.time_to_reach(target, [1.0, 2.0, 4.0], [1.0, 0.5, 0.25]) == text
+
+
+def test_estimate_over_seeds():
+    found = _metrics.estimate([1.0, 2.0, 3.0])
+    assert (found.mean, found.count) == (2.0, 3)
+    assert found.error == pytest.approx(1.0 / np.sqrt(3.0))
+    assert _metrics.estimate([1.0]).error is None
+
+
+def test_caustics_are_where_they_matter(truth):
+    caustics = np.zeros(SHAPE)
+    caustics[:8] = 0.5 * truth[:8]
+    caustics[8:16] = 0.01 * truth[8:16]
+    mask = _metrics.caustics_mask(truth, caustics)
+    assert mask[:8].all()
+    assert not mask[8:].any()
+
+
+def test_display_is_srgb():
+    shown = _metrics.display(np.array([0.0, 0.001, 0.214, 1.0, 7.0]), 1.0)
+    np.testing.assert_allclose(shown, [0.0, 0.01292, 0.5, 1.0, 1.0], atol=1e-3)
+
+
+def test_everything_takes_turns_and_seeds_end_one_by_one():
+    scenes = [SimpleNamespace(name="a"), SimpleNamespace(name="b")]
+    methods = ("x", "y", "z")
+    tasks = _schedule.plan(scenes, methods, (1.0, 2.0), (1, 2), 2)
+    keys = [(task.seed, task.budget, task.scene.name, task.method) for task in tasks]
+    assert len(set(keys)) == len(keys) == 2 * 2 * 2 * 3
+    assert [key[:3] for key in keys] == sorted(key[:3] for key in keys)
+    assert {keys[i][3] for i in range(0, len(keys), 3)} == set(methods)  # who comes first
+
+
+def test_methods_fit_into_their_charts():
+    for group in GROUPS:
+        members = [method for method in METHODS.values() if group in method.groups]
+        assert 2 <= len(members) <= 8
+        looks = [(method.color, method.marker, method.line) for method in members]
+        assert len({look[:2] for look in looks}) == len(looks)
+        # Neither colour alone nor marker and line alone may be needed.
+        assert len({look[1:] for look in looks}) == len(looks)

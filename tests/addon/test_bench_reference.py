@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How `./dev bench reference` puts its parts together, and what it stores."""
+
+import json
+
+import numpy as np
+import pytest
+
+from tests.bench import reference
+from tests.images import _reference
+
+COUNTS = (5, 2, 9)  # samples of each part
+SHAPE = (3, 4, 3)
+
+
+def add_part(folder, seed, samples, caustics):
+    """As _reference_job.py leaves it."""
+    np.savez(
+        folder / f"{seed}.npz",
+        mean=samples.mean(axis=0),
+        variance=samples.var(axis=0, ddof=1) / len(samples),
+        caustics=caustics,
+    )
+    report = {"samples": len(samples), "seconds": 2.0, "seed": seed}
+    (folder / f"{seed}.json").write_text(json.dumps(report))
+
+
+def test_merged_parts_have_the_moments_of_all_samples(tmp_path):
+    samples = np.random.default_rng(1).random((sum(COUNTS), *SHAPE))
+    caustics = 0.5 * samples
+    parts, start = reference.Parts(tmp_path), 0
+    assert parts.next_seed() == reference.FIRST_SEED
+    for count in COUNTS:
+        chunk = slice(start, start + count)
+        add_part(tmp_path, parts.next_seed(), samples[chunk], caustics[chunk].mean(axis=0))
+        parts, start = reference.Parts(tmp_path), start + count
+    assert parts.next_seed() == reference.FIRST_SEED + len(COUNTS)
+    assert parts.seconds == 2.0 * len(COUNTS)
+    mean, variance, manifold, count = parts.merged()
+    assert count == len(samples)
+    np.testing.assert_allclose(mean, samples.mean(axis=0))
+    np.testing.assert_allclose(variance, samples.var(axis=0, ddof=1) / len(samples))
+    np.testing.assert_allclose(manifold, caustics.mean(axis=0))
+
+
+@pytest.mark.parametrize("layers", [2, 3])
+def test_a_reference_is_read_as_it_was_written(tmp_path, layers):
+    mean, variance, caustics = np.random.default_rng(2).random((3, *SHAPE))
+    written = caustics if layers == 3 else None
+    _reference.write(tmp_path / "a.exr", mean, variance, {"samples": "7"}, written)
+    found = _reference.read(tmp_path / "a.exr")
+    assert found.samples == 7
+    np.testing.assert_allclose(found.mean, mean, rtol=1e-3)
+    np.testing.assert_allclose(found.variance, variance, rtol=3e-3)
+    if layers == 3:
+        np.testing.assert_allclose(found.caustics, caustics, rtol=1e-3, atol=1e-6)
+    else:
+        assert found.caustics is None
+
+
+def test_a_sun_that_half_floats_cannot_hold_is_refused(tmp_path):
+    mean = np.full(SHAPE, 1e6)
+    with pytest.raises(ValueError, match="half floats"):
+        _reference.write(tmp_path / "a.exr", mean, np.zeros(SHAPE), {})

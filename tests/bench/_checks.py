@@ -1,0 +1,132 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the bench checks of itself, and says on its page."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from tests.bench import _metrics
+from tests.bench._machine import BUSY_SHARE
+from tests.bench._methods import METHODS
+from tests.bench._summary import BUDGET_TOLERANCE, REFERENCE_FACTOR, Point, SceneResult
+
+SLOPE_Z = 3.0  # standard errors
+SHARED_Z = 4.0
+STEEPEST = 1.5  # what stratification of a few of many dimensions could give
+BIAS_Z = 4.0
+
+
+@dataclass(frozen=True)
+class Check:
+    name: str
+    passed: bool
+    text: str
+
+
+def checks(scenes: Sequence[SceneResult], budget: float) -> list[Check]:
+    """All that apply."""
+    found = [
+        *_slopes(scenes),
+        *_seeds(scenes),
+        _times(scenes, budget),
+        _references(scenes),
+        _quiet(scenes),
+    ]
+    return [*found, *_biases(scenes)]
+
+
+def _path_traced(scenes: Sequence[SceneResult]) -> Iterator[tuple[str, SceneResult, list[Point]]]:
+    """Title, scene and measurable points of each path tracer where no more is needed."""
+    for scene in scenes:
+        for name, curve in scene.curves.items():
+            points = [p for p in curve.points if p.regions["image"].measurable()]
+            if METHODS[name].path_traced and "caustics" not in scene.regions and points:
+                yield f"{scene.name}, {METHODS[name].full_label}", scene, points
+
+
+def _slopes(scenes: Sequence[SceneResult]) -> Iterator[Check]:
+    """A path tracer's error falls as 1/time, or faster, as long as its samples are stratified."""
+    for title, _, points in _path_traced(scenes):
+        if len(points) < 2:
+            continue
+        slope = _metrics.log_slope(
+            [p.render_seconds for p in points],
+            [p.regions["image"].mse for p in points],
+            [p.regions["image"].mse_error for p in points],
+        )
+        faster = slope.value + 1.0 < -SLOPE_Z * slope.error
+        text = f"MSE ~ time^({slope.value:.3f} ± {slope.error:.3f})"
+        text += ", faster: samples are stratified" if faster else ""
+        passed = -STEEPEST <= slope.value <= -1.0 + SLOPE_Z * slope.error
+        yield Check(f"{title}: error falls as 1/time", passed, text)
+
+
+def _seeds(scenes: Sequence[SceneResult]) -> Iterator[Check]:
+    """Over independent images it must hold to the letter: the MSE of the mean of n seeds is 1/n of
+    theirs. Then they share nothing but the reference's own error, of which a bound is stored."""
+    for title, scene, points in _path_traced(scenes):
+        found = [p.regions["image"].shared for p in points]
+        found = [shared for shared in found if shared]
+        if not found:
+            continue
+        bound = scene.reference["mse"]["image"]
+        passed = all(
+            -SHARED_Z * error <= shared <= bound + SHARED_Z * error for shared, error in found
+        )
+        shares = (p.regions["image"].shared[0] / p.regions["image"].mse for p in points)
+        text = f"seeds share at most {max(shares):.1%} of their error"
+        yield Check(f"{title}: the error of a mean of n seeds is 1/n of theirs", passed, text)
+
+
+def _times(scenes: Sequence[SceneResult], budget: float) -> Check:
+    """At the budget of the tables everyone took as long."""
+    late = [
+        f"{scene.name} {name} {point.render_seconds / budget - 1.0:+.0%}"
+        for scene in scenes
+        for name, curve in scene.curves.items()
+        if curve.charted and (point := curve.at(budget)) and not point.in_time
+    ]
+    title = f"all charted times at {budget:g} s are within {BUDGET_TOLERANCE:.1%} of it"
+    return Check(title, not late, "; ".join(late) or "yes")
+
+
+def _references(scenes: Sequence[SceneResult]) -> Check:
+    """How far below the smallest measured error each reference's own is."""
+    near = []
+    for scene in scenes:
+        for region, own in scene.reference["mse"].items():
+            curves = [curve for curve in scene.curves.values() if curve.charted]
+            errors = [p.regions[region].mse for curve in curves for p in curve.points]
+            if errors and own and min(errors) / own < REFERENCE_FACTOR:
+                near.append(f"{scene.name}, {region}: {max(0.0, min(errors)) / own:.1f}x")
+    title = f"references' own errors are {REFERENCE_FACTOR:g}x below the smallest measured ones"
+    return Check(title, not near, "; ".join(near) or "yes")
+
+
+def _quiet(scenes: Sequence[SceneResult]) -> Check:
+    """Who else was busy."""
+    points = [p for scene in scenes for curve in scene.curves.values() for p in curve.points]
+    disturbed = sum(point.others_share > BUSY_SHARE for point in points)
+    text = f"{disturbed} of {len(points)} points were disturbed"
+    return Check("no other program took the processors' time", disturbed == 0, text)
+
+
+def _biases(scenes: Sequence[SceneResult]) -> list[Check]:
+    """Our unbiased methods have the reference's mean, after the longest time and in all seeds.
+
+    Path tracing has not found enough of caustics to be judged: what it has missed shows neither in
+    its mean nor in its variance.
+    """
+    wrong = []
+    for scene in scenes:
+        for name, curve in scene.curves.items():
+            method = METHODS[name]
+            sees_all = not method.path_traced or "caustics" not in scene.regions
+            if method.family != "specula" or not method.unbiased or not sees_all:
+                continue
+            errors = curve.points[-1].regions["image"] if curve.points else None
+            if errors and abs(errors.bias_z) > BIAS_Z:
+                wrong.append(f"{scene.name} {name} {errors.bias:+.2%} (z = {errors.bias_z:+.1f})")
+    title = f"Specula's unbiased methods have the reference's mean (|z| < {BIAS_Z:g})"
+    return [Check(title, not wrong, "; ".join(wrong) or "yes")]

@@ -1,0 +1,170 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Runs in a child process, in today's Blender: renders one image for a time, and reports both.
+
+The last argument is a JSON file, the job: `scene` (path), `engine`, `size`, `threads`, `seconds`
+(of rendering), `seed`, `image` (.npy to write: (H, W, 3) float32, linear, bottom row first) and
+`result` (the JSON file to write); and optionally
+  specula          properties of `scene.specula`
+  cycles           properties of `scene.cycles`
+  shadow_caustics  whether Cycles walks where the scene's flags say so
+  light_factor     on the power of every lamp
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import sys
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+from tests.bench._render_job import prepare
+
+ENDLESS = 1 << 20  # samples: time ends the render
+TIME_TOLERANCE = 0.025  # of the budget: two methods are then within 5 % of each other
+SAMPLE = re.compile(r"\bSample (\d+)/\d+")
+
+
+@dataclass
+class Rendered:
+    """One call of the renderer."""
+
+    call_seconds: float  # export or synchronisation, trees and all
+    render_seconds: float  # of sampling
+    samples: float  # per pixel
+    stats: dict = field(default_factory=dict)
+
+
+class CyclesClock:
+    """Reads from Cycles' status lines when sampling began and ended, and how far it came."""
+
+    def __enter__(self):
+        self.begin = self.end = None
+        self.samples = 0
+        bpy.app.handlers.render_stats.append(self._line)
+        return self
+
+    def __exit__(self, *_) -> None:
+        bpy.app.handlers.render_stats.remove(self._line)
+
+    def _line(self, text: str, *_) -> None:
+        now = time.perf_counter()
+        if match := SAMPLE.search(text):
+            self.begin = now if self.begin is None else self.begin
+            self.end = now
+            self.samples = max(self.samples, int(match[1]))
+
+
+def render_cycles(scene, seconds: float, samples: int = ENDLESS) -> Rendered:
+    """Renders for `seconds`, or so many samples if `seconds` is 0."""
+    scene.cycles.time_limit, scene.cycles.samples = seconds, samples
+    start = time.perf_counter()
+    with CyclesClock() as clock:
+        bpy.ops.render.render()
+    call = time.perf_counter() - start
+    if not clock.samples:
+        raise RuntimeError("Cycles reported no sample")
+    return Rendered(call, clock.end - clock.begin, clock.samples)
+
+
+def render_cycles_in_time(scene, job: dict) -> Rendered:
+    """Where Cycles' own limit is too coarse, once more, with as many samples as fit at its rate;
+    what is closer to the time stays."""
+    seconds = job["seconds"]
+
+    def missed(rendered: Rendered) -> float:
+        return abs(rendered.render_seconds / seconds - 1.0)
+
+    limited = render_cycles(scene, seconds)
+    write_image(scene, job["image"])
+    fitting = max(1, round(limited.samples * seconds / limited.render_seconds))
+    # Equal where a single sample is longer than the tolerance.
+    if missed(limited) <= TIME_TOLERANCE or fitting == limited.samples:
+        return limited
+    again = render_cycles(scene, 0.0, fitting)
+    if missed(again) >= missed(limited):
+        return limited
+    write_image(scene, job["image"])
+    return again
+
+
+def render_specula(scene, job: dict) -> Rendered:
+    from specula import statistics
+
+    scene.specula.time_limit, scene.specula.samples = job["seconds"], ENDLESS
+    start = time.perf_counter()
+    bpy.ops.render.render()
+    call = time.perf_counter() - start
+    stats = statistics.last[scene.name, scene.view_layers[0].name]
+    width, height = scene.render.resolution_x, scene.render.resolution_y
+    samples = stats.render_stats["samples"] / (width * height)
+    write_image(scene, job["image"])
+    return Rendered(call, stats.render_seconds, samples, stats.render_stats)
+
+
+def configure(scene, job: dict) -> None:
+    """What the method and the seed ask for."""
+    for group in ("cycles", "specula"):
+        for name, value in job.get(group, {}).items():
+            setattr(getattr(scene, group), name, value)
+    scene.cycles.seed = job["seed"]
+    scene.cycles.use_animated_seed = False
+    if job["engine"] == "SPECULA":
+        scene.specula.seed = job["seed"]
+    for light in bpy.data.lights:
+        light.energy *= job.get("light_factor", 1.0)
+
+
+def write_image(scene, path: str) -> None:
+    """The last render, by way of a file: the render result has no pixels."""
+    settings = scene.render.image_settings
+    settings.file_format, settings.color_depth = "OPEN_EXR", "32"
+    exr = f"{path}.exr"
+    bpy.data.images["Render Result"].save_render(exr, scene=scene)
+    image = bpy.data.images.load(exr)
+    image.colorspace_settings.name = "Non-Color"
+    width, height = image.size
+    pixels = np.empty(width * height * image.channels, np.float32)
+    image.pixels.foreach_get(pixels)
+    os.remove(exr)
+    pixels = pixels.reshape(height, width, image.channels)[..., :3]
+    np.save(path, np.ascontiguousarray(pixels))
+
+
+def peak_memory() -> int:
+    """Bytes, of this process."""
+    for line in Path("/proc/self/status").read_text().splitlines():
+        if line.startswith("VmHWM:"):
+            return int(line.split()[1]) * 1024
+    raise RuntimeError("no VmHWM in /proc/self/status")
+
+
+def main(job: dict) -> None:
+    start = time.perf_counter()
+    scene = prepare(job)
+    configure(scene, job)
+    opened = time.perf_counter() - start
+    render = render_cycles_in_time if job["engine"] == "CYCLES" else render_specula
+    rendered = render(scene, job)
+    report = {
+        "load_seconds": opened + rendered.call_seconds - rendered.render_seconds,
+        "render_seconds": rendered.render_seconds,
+        "samples": rendered.samples,
+        "peak_memory": peak_memory(),
+        "stats": rendered.stats,
+    }
+    with open(job["result"], "w") as file:
+        json.dump(report, file)
+
+
+if __name__ == "__main__":
+    with open(sys.argv[-1]) as job_file:
+        main(json.load(job_file))
+    sys.stdout.flush()
+    # bpy may crash as the interpreter goes down, after the work is done.
+    os._exit(0)

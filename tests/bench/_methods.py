@@ -1,0 +1,202 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The methods that are compared: a row for each, ours and the others'."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from tests.bench import _children
+from tools import venvs
+from tools.common import DevError
+
+
+@dataclass(frozen=True)
+class Family:
+    """A renderer: where its child processes run (of _children.HOSTS), and which script."""
+
+    label: str
+    where: str
+    script: str
+    line: str  # style of its lines in charts, as Matplotlib names them
+    described: bool = False  # the script reads what Specula exports, not the .blend
+
+    def missing(self) -> str:
+        """Why it cannot run here; empty if it can. Sets up what it runs in."""
+        if not (_children.HERE / self.script).exists():
+            return "there is no program for it in tests/bench/"
+        try:
+            _children.HOSTS[self.where](self.script, Path())
+        except DevError as error:
+            return str(error)
+        return ""
+
+
+FAMILIES = {
+    "specula": Family("Specula", "specula in bpy", "_image_job.py", "-"),
+    "cycles": Family(f"Cycles {venvs.BPY_VERSION}", "bpy", "_image_job.py", "--"),
+    "luxcore": Family("LuxCore", "luxcore", "_luxcore_job.py", ":", described=True),
+}
+
+# Groups of at most eight methods that share a chart, and their titles.
+GROUPS = {
+    "best": "ours and the others'",
+    "variants": "constraints and stages",
+    "sets": "numbers of walks of the biased method",
+    "luxcore": "LuxCore",
+}
+
+# Okabe and Ito's colours, which colour-blind readers can tell apart, without their yellow, which
+# is too pale for a line.
+BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
+BLUE, VERMILLION, PURPLE, GREY = "#0072B2", "#D55E00", "#CC79A7", "#767676"
+
+# Of Specula; a scene may say otherwise.
+DEFAULT_WALK = {"constraint": "ANGLE_DIFFERENCE", "two_stage": True}
+# Of Cycles: what would change its mean, and has no counterpart in Specula.
+NOTHING_TAKEN_AWAY = {
+    "sample_clamp_direct": 0.0,
+    "sample_clamp_indirect": 0.0,
+    "blur_glossy": 0.0,
+    "light_sampling_threshold": 0.0,
+}
+
+MNEE_NOTE = (
+    "Cycles' walks ignore normal maps, refract only, and drop reflected caustics at receivers"
+)
+
+
+@dataclass(frozen=True)
+class Method:
+    name: str  # on the command line and in files
+    label: str
+    family: str  # of FAMILIES
+    job: dict = field(hash=False)  # what the child is told beside scene, time and seed
+    groups: tuple[str, ...]
+    color: str
+    marker: str
+    unbiased: bool = True
+    path_traced: bool = False  # its error falls as 1/time from the first sample on
+    correlated: bool = False  # errors of neighbouring pixels depend on each other
+    leaves_out: str = ""  # light paths that it does not have by design
+    hidden: bool = False  # runs only if it is named: for tests of the bench itself
+
+    @property
+    def line(self) -> str:
+        return FAMILIES[self.family].line
+
+    @property
+    def full_label(self) -> str:
+        return f"{FAMILIES[self.family].label} {self.label}"
+
+
+def _specula(name, label, groups, color, marker, light_factor=1.0, **settings) -> Method:
+    method = settings["method"]
+    return Method(
+        name,
+        label,
+        "specula",
+        {"engine": "SPECULA", "method": method, "specula": settings, "light_factor": light_factor},
+        groups,
+        color,
+        marker,
+        unbiased=method != "SMS_BIASED" and light_factor == 1.0,
+        path_traced=method == "PT",
+        hidden=light_factor != 1.0,
+    )
+
+
+def _unbiased(name, label, groups, color, marker, constraint, two_stage) -> Method:
+    settings = {"method": "SMS_UNBIASED", "constraint": constraint, "two_stage": two_stage}
+    return _specula(name, label, groups, color, marker, **settings)
+
+
+def _biased(walks: int, color: str, marker: str, *groups: str) -> Method:
+    settings = {"method": "SMS_BIASED", "set_size": walks, **DEFAULT_WALK}
+    return _specula(
+        f"biased-{walks}", f"SMS biased, {walks} walks", groups, color, marker, **settings
+    )
+
+
+def _cycles(name, label, color, marker, **changes) -> Method:
+    settings = {"use_guiding": name == "cycles-guiding"} | NOTHING_TAKEN_AWAY
+    job = {"engine": "CYCLES", "cycles": settings}
+    biased = "shadow_caustics" in changes
+    return Method(
+        name,
+        label,
+        "cycles",
+        job | changes,
+        ("best",),
+        color,
+        marker,
+        unbiased=not biased,
+        path_traced=name == "cycles-pt",
+        leaves_out=MNEE_NOTE if biased else "",
+    )
+
+
+def _lux(name, label, color, marker, *groups, unbiased=True, correlated=False) -> Method:
+    return Method(
+        name,
+        label,
+        "luxcore",
+        {"method": name},
+        groups,
+        color,
+        marker,
+        unbiased=unbiased,
+        correlated=correlated,
+    )
+
+
+METHODS = {
+    method.name: method
+    for method in (
+        _specula("pt", "path tracing", ("best", "variants"), BLACK, "o", method="PT"),
+        _unbiased(
+            "sms",
+            "SMS unbiased",
+            ("best", "variants", "sets", "luxcore"),
+            *(VERMILLION, "s", "ANGLE_DIFFERENCE", True),
+        ),
+        _unbiased(
+            "sms-one", "SMS, one stage", ("variants",), ORANGE, "v", "ANGLE_DIFFERENCE", False
+        ),
+        _unbiased("sms-half", "SMS, half-vector", ("variants",), BLUE, "^", "HALF_VECTOR", True),
+        _unbiased(
+            "sms-half-one",
+            "SMS, half-vector, one stage",
+            ("variants",),
+            *(SKY, "D", "HALF_VECTOR", False),
+        ),
+        _biased(4, SKY, "v", "sets"),
+        _biased(8, BLUE, "^", "sets"),
+        _biased(16, GREEN, "D", "best", "sets"),
+        _biased(32, PURPLE, "P", "sets"),
+        _cycles("cycles-pt", "path tracing", BLUE, "o"),
+        _cycles("cycles-guiding", "path guiding", SKY, "^"),
+        _cycles("cycles-mnee", "shadow caustics", PURPLE, "X", shadow_caustics=True),
+        _lux("lux-light", "light tracing", ORANGE, "v", "best", "luxcore"),
+        _lux("lux-cache", "photon cache", GREY, "P", "luxcore", unbiased=False, correlated=True),
+        _lux("lux-bidir-sobol", "bidirectional", SKY, "<", "luxcore"),
+        _lux(
+            "lux-bidir-metropolis",
+            "bidir. Metropolis",
+            *(GREY, ">", "best", "luxcore"),
+            correlated=True,
+        ),
+        # Two percent too dark: the bias must show.
+        _specula("pt-dim", "dimmed", (), GREY, "x", light_factor=0.98, method="PT"),
+    )
+}
+
+QUICK = ("pt", "sms", "biased-16", "cycles-pt", "cycles-mnee", "lux-light")
+SMS, CYCLES = "sms", "cycles-pt"  # what each method is held against, beside the best of LuxCore
+
+
+def missing(names: Iterable[str]) -> dict[str, str]:
+    """Families among the methods `names` that cannot run here, and why."""
+    families = dict.fromkeys(METHODS[name].family for name in names)
+    return {family: why for family in families if (why := FAMILIES[family].missing())}

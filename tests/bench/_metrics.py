@@ -1,0 +1,186 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is said of the difference between an image and its reference. NumPy alone.
+
+Images are (H, W, 3) float64, linear.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+WORST = 1e-3  # share of the pixels that the trimmed figures leave out
+# The denominator's floor of the relative error, as a share of the reference's mean square: what is
+# nearly black must not decide.
+RELATIVE_FLOOR = 0.01
+LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+CAUSTICS_SHARE = 0.05  # of a pixel's light, from which on it belongs to the caustics
+
+
+@dataclass(frozen=True)
+class Errors:
+    """Of one image, or one region. The reference's own variance is subtracted from `mse`, the
+    relative one likewise; `mse_error` is the standard error of `mse` over the pixels. Biases are
+    relative to the reference's mean, `bias_z` in standard deviations. `trimmed`: without the worst
+    WORST of the pixels."""
+
+    mse: float
+    mse_error: float
+    mse_trimmed: float
+    rel_mse: float
+    rel_mse_trimmed: float
+    bias: float
+    bias_z: float
+    bias_trimmed: float
+    bias_trimmed_z: float
+
+
+def errors(
+    image: np.ndarray, mean: np.ndarray, variance: np.ndarray, mask: np.ndarray | None = None
+) -> Errors:
+    """Of `image` against a reference with `mean` and `variance` of the mean; `mask` (H, W)."""
+    inside = np.ones(image.shape[:2], bool) if mask is None else mask
+    mean, variance = mean[inside], variance[inside]  # (N, 3)
+    difference = image[inside] - mean
+    floor = RELATIVE_FLOOR * (mean**2).mean()
+    squares, kept = _less_noise(difference, variance, np.ones_like(mean))
+    relative, kept_relative = _less_noise(difference, variance, 1.0 / (mean**2 + floor))
+    signed = difference @ LUMINANCE
+    kept_signed = _kept(signed**2 + variance @ LUMINANCE**2)
+    brightness = (mean @ LUMINANCE).mean()
+    bias, z = _bias(signed, brightness)
+    bias_trimmed, z_trimmed = _bias(signed[kept_signed], brightness)
+    return Errors(
+        mse=float(squares.mean()),
+        mse_error=float(squares.std() / math.sqrt(len(squares))),
+        mse_trimmed=float(squares[kept].mean()),
+        rel_mse=float(relative.mean()),
+        rel_mse_trimmed=float(relative[kept_relative].mean()),
+        bias=bias,
+        bias_z=z,
+        bias_trimmed=bias_trimmed,
+        bias_trimmed_z=z_trimmed,
+    )
+
+
+def _less_noise(
+    difference: np.ndarray, variance: np.ndarray, weight: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Squared error of each pixel less the reference's variance, and which pixels trimming keeps:
+    an outlier may be the image's or the reference's."""
+    squares = ((difference**2 - variance) * weight).mean(axis=1)
+    return squares, _kept(((difference**2 + variance) * weight).mean(axis=1))
+
+
+def _kept(badness: np.ndarray) -> np.ndarray:
+    """Indices of all but the worst."""
+    count = len(badness) - math.ceil(WORST * len(badness))
+    return np.argpartition(badness, count - 1)[:count] if count > 0 else np.arange(len(badness))
+
+
+def _bias(signed: np.ndarray, brightness: float) -> tuple[float, float]:
+    """Mean difference, relative; and in its standard deviations.
+
+    Pixels are independent of each other and, without bias, of mean zero: the sum of their squares
+    is the variance of their sum, whatever the distribution, and the reference's noise is in it.
+    """
+    deviation = math.sqrt(float((signed**2).sum()))
+    z = float(signed.sum()) / deviation if deviation > 0.0 else 0.0
+    return float(signed.mean()) / brightness if brightness > 0.0 else 0.0, z
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """Mean over seeds, and its standard error; one seed has none."""
+
+    mean: float
+    error: float | None
+    count: int
+
+
+def estimate(values: Sequence[float]) -> Estimate:
+    """Of one value for each seed."""
+    count = len(values)
+    error = float(np.std(values, ddof=1) / math.sqrt(count)) if count > 1 else None
+    return Estimate(float(np.mean(values)), error, count)
+
+
+def cautious_z(pixel_z: float, biases: Sequence[float]) -> float:
+    """z-score of a bias where neighbouring pixels depend on each other, so that `pixel_z` is too
+    large: the smaller of it and that of the mean of `biases`, one for each seed."""
+    found = estimate(biases)
+    if not found.error:  # a single seed knows nothing of its spread
+        return 0.0
+    return min(pixel_z, found.mean / found.error, key=abs)
+
+
+def shared_error(images: Sequence[np.ndarray], mean: np.ndarray) -> tuple[float, float]:
+    """Mean product of different images' differences to the reference, and its standard error.
+
+    Of images that are unbiased and independent of each other, as seeds should be, they share the
+    reference's own squared error and nothing else: only then does the error of their mean fall as
+    1 over their number, that is as 1/time.
+    """
+    count = len(images)
+    together = sum(image - mean for image in images) ** 2
+    alone = sum((image - mean) ** 2 for image in images)
+    products = ((together - alone) / (count * (count - 1))).mean(axis=-1)
+    return float(products.mean()), float(products.std() / math.sqrt(products.size))
+
+
+@dataclass(frozen=True)
+class Slope:
+    """Exponent of a power law, and its standard error."""
+
+    value: float
+    error: float
+
+
+def log_slope(x: Sequence[float], y: Sequence[float], y_error: Sequence[float]) -> Slope:
+    """Of y ~ x^slope, by least squares over logarithms, weighted by the standard errors of y."""
+    log_x, log_y = np.log(x), np.log(y)
+    weight = (np.asarray(y) / np.asarray(y_error)) ** 2
+    centred = log_x - np.average(log_x, weights=weight)
+    spread = float((weight * centred**2).sum())
+    return Slope(float((weight * centred * log_y).sum()) / spread, 1.0 / math.sqrt(spread))
+
+
+def time_to_reach(target: float, times: Sequence[float], values: Sequence[float]) -> str:
+    """When an error that falls over `times` is `target`, in seconds: a number by interpolation of
+    logarithms, or `< ` the first or `> ` the last time; nothing is extrapolated."""
+    if values[0] <= target:
+        return f"< {times[0]:.3g}"
+    for i in range(1, len(values)):
+        if 0.0 < values[i] <= target:
+            share = math.log(values[i - 1] / target) / math.log(values[i - 1] / values[i])
+            return f"{times[i - 1] * (times[i] / times[i - 1]) ** share:.3g}"
+    return f"> {times[-1]:.3g}"
+
+
+def caustics_mask(mean: np.ndarray, caustics: np.ndarray) -> np.ndarray:
+    """(H, W): where caustics (H, W, 3) are more than CAUSTICS_SHARE of `mean`."""
+    return (caustics @ LUMINANCE) > CAUSTICS_SHARE * (mean @ LUMINANCE)
+
+
+def exposure(mean: np.ndarray) -> float:
+    """Factor that brings all but the brightest of a reference below white."""
+    bright = float(np.percentile(mean @ LUMINANCE, 97.0))
+    return 0.9 / bright if bright > 0.0 else 1.0
+
+
+def display(image: np.ndarray, factor: float) -> np.ndarray:
+    """sRGB in [0, 1], float32, of a linear image times `factor`."""
+    linear = np.clip(np.asarray(image, np.float64) * factor, 0.0, 1.0)
+    curve = 1.055 * np.maximum(linear, 1e-12) ** (1.0 / 2.4) - 0.055
+    return np.where(linear <= 0.0031308, 12.92 * linear, curve).astype(np.float32)
+
+
+def flip(image: np.ndarray, mean: np.ndarray, factor: float) -> float:
+    """Mean of the FLIP error map of what `display` shows; 0 to 1."""
+    import flip_evaluator
+
+    reference, test = display(mean, factor), display(image, factor)
+    return float(flip_evaluator.evaluate(reference, test, "LDR", applyMagma=False)[1])

@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Runs in a child process, in today's Blender with the addon: one part of a reference.
+
+The last argument is a JSON file, the job: `scene` (path), `size`, `method` (Specula's), `threads`,
+`seconds` (about how long to sample), `seed`, `image` (.npz to write: mean, variance of the mean,
+caustics, all (H, W, 3) float64, bottom row first) and `result` (the JSON file to write).
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import os
+import sys
+
+import bpy
+import numpy as np
+
+from specula.export.desc import Method
+from specula.export.log import ExportLog
+from specula.export.scene import export_scene
+from specula.export.settings import export_settings
+from specula.upload import upload
+from tests.images._render import prepare, render
+
+PROBE_SAMPLES = 4  # from which the rate of the rest is taken
+NAME = "reference"
+
+
+def main(job: dict) -> None:
+    scene = prepare(job)
+    scene.render.engine = "SPECULA"  # some of what is exported depends on the engine
+    log = ExportLog()
+    exported = export_scene(bpy.context.evaluated_depsgraph_get(), log)
+    settings = dataclasses.replace(
+        export_settings(scene),
+        method=Method[job["method"]],
+        seed=job["seed"],
+        threads=job["threads"],
+        time_limit=0.0,
+    )
+
+    def rendered(native_scene, samples: int) -> dict:
+        changed = dataclasses.replace(settings, samples=samples)
+        return render(native_scene, job["size"], NAME, changed, {})
+
+    with upload(exported) as native_scene:
+        native_scene.commit(job["threads"])
+        probe = json.loads(rendered(native_scene, PROBE_SAMPLES)[f"{NAME}/stats"])
+        samples = max(2, round(PROBE_SAMPLES * job["seconds"] / probe["seconds"]))
+        arrays = rendered(native_scene, samples)
+    stats = json.loads(arrays.pop(f"{NAME}/stats"))
+    np.savez(job["image"], **{key.rpartition("/")[2]: value for key, value in arrays.items()})
+    report = {"samples": samples, "seconds": stats["seconds"], "stats": stats}
+    with open(job["result"], "w") as file:
+        json.dump(report | {"warnings": log.warnings}, file)
+
+
+if __name__ == "__main__":
+    with open(sys.argv[-1]) as job_file:
+        main(json.load(job_file))
+    sys.stdout.flush()
+    # bpy may crash as the interpreter goes down, after the work is done.
+    os._exit(0)

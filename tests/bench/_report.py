@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The files that a bench leaves: index.html, summary.json, summary.csv, charts/."""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict
+from pathlib import Path
+
+from tests.bench import _charts, _page
+from tests.bench._checks import Check
+from tests.bench._methods import GROUPS, METHODS
+from tests.bench._page import Picture
+from tests.bench._scenes import Scene
+from tests.bench._standings import BASELINES, standing
+from tests.bench._store import Record, Task
+from tests.bench._summary import SceneResult
+
+CROP = 96  # pixels, shown twice as large
+
+
+def write(
+    folder: Path,
+    about: dict,
+    scenes: Sequence[Scene],
+    results: Sequence[SceneResult],
+    records: Mapping[Task, Record],
+    checks: Sequence[Check],
+) -> Path:
+    """Writes everything; returns the page."""
+    charts = folder / "charts"
+    charts.mkdir(parents=True, exist_ok=True)
+    budget = max(about["budgets"])
+    drawings, pictures = {}, {}
+    for scene, result in zip(scenes, results, strict=True):
+        drawings[result.name] = [
+            _charts.save(
+                _charts.error_chart(result, curves, GROUPS[group]),
+                charts / f"{result.name}_{group}",
+            )
+            for group, curves in _charts.charted_groups(result).items()
+        ]
+        pictures[result.name] = list(_pictures(scene, result, records, budget))
+    document = {
+        "about": about,
+        "checks": [asdict(check) for check in checks],
+        "standings": _standings(results, budget),
+        "scenes": [asdict(result) for result in results],
+    }
+    (folder / "summary.json").write_text(json.dumps(document, indent=1) + "\n")
+    with open(folder / "summary.csv", "w", newline="") as file:
+        rows = list(_rows(results))
+        writer = csv.DictWriter(file, rows[0].keys() if rows else ["scene"])
+        writer.writeheader()
+        writer.writerows(rows)
+    page = folder / "index.html"
+    page.write_text(_page.render(about, results, checks, drawings, pictures))
+    return page
+
+
+def _pictures(
+    scene: Scene, result: SceneResult, records: Mapping[Task, Record], budget: float
+) -> Iterator[Picture]:
+    """Reference, whole and its crop, then the crop of each method after the longest time."""
+    mean = scene.reference.mean
+    caustics = None if scene.caustics is None else scene.reference.caustics
+    row, column = _charts.crop_window(mean, caustics, CROP)
+
+    def crop(image):
+        return _charts.png(image[row : row + CROP, column : column + CROP], result.exposure, 2)
+
+    yield Picture("reference, whole", _charts.png(mean, result.exposure))
+    yield Picture("reference", crop(mean))
+    for name, curve in result.curves.items():
+        first = next((r for t, r in records.items() if _is(t, scene, name, budget)), None)
+        point = curve.at(budget)
+        if first and point:
+            label = f"{METHODS[name].full_label}, {point.render_seconds:.1f}\u00a0s"
+            yield Picture(label, crop(first.image()), f"FLIP {point.flip.mean:.3f}")
+
+
+def _is(task: Task, scene: Scene, method: str, budget: float) -> bool:
+    return (task.scene.name, task.method, task.budget) == (scene.name, method, budget)
+
+
+def _standings(results: Sequence[SceneResult], budget: float) -> dict:
+    """Method -> baseline -> region -> Standing."""
+    names = dict.fromkeys(name for result in results for name in result.curves)
+    return {
+        name: {
+            against: {
+                region: asdict(found)
+                for region in _charts.REGION_TITLES
+                if (found := standing(results, name, against, region, budget))
+            }
+            for against in BASELINES
+        }
+        for name in names
+    }
+
+
+def _rows(results: Sequence[SceneResult]) -> Iterator[dict]:
+    """A row for each scene, method, budget and region."""
+    for result in results:
+        for name, curve in result.curves.items():
+            for point in curve.points:
+                values = asdict(point)
+                regions = values.pop("regions")
+                flip = values.pop("flip")
+                for region, errors in regions.items():
+                    yield (
+                        {"scene": result.name, "method": name, "charted": curve.charted}
+                        | values
+                        | {"flip": flip["mean"], "flip_error": flip["error"], "region": region}
+                        | errors
+                    )

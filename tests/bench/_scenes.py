@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The scenes that are measured, and the references that they are held against."""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from tests.bench import _metrics
+from tests.images import _reference
+from tools.common import ROOT, DevError
+
+BLENDS = ROOT / "blend_scenes"
+REFERENCES = ROOT / "tests" / "bench" / "references"
+QUICK = ("cornell", "ring", "swimming_pool")
+# Of the pixels: smaller caustics are not looked at by themselves.
+LEAST_CAUSTICS = 0.002
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A .blend file and its reference, whose size is that of every image of the scene."""
+
+    name: str
+    blend: Path
+    reference_path: Path
+
+    @functools.cached_property
+    def digest(self) -> str:
+        return hashlib.sha256(self.blend.read_bytes()).hexdigest()
+
+    @functools.cached_property
+    def reference(self) -> _reference.Reference:
+        return _reference.read(self.reference_path)
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width, height."""
+        height, width, _ = self.reference.mean.shape
+        return width, height
+
+    @functools.cached_property
+    def caustics(self) -> np.ndarray | None:
+        """(H, W) mask of the pixels with caustics; None if there are next to none."""
+        if self.reference.caustics is None:
+            return None
+        mask = _metrics.caustics_mask(self.reference.mean, self.reference.caustics)
+        return mask if mask.mean() >= LEAST_CAUSTICS else None
+
+    @functools.cached_property
+    def regions(self) -> dict[str, np.ndarray | None]:
+        """Name -> mask, None for all pixels."""
+        if self.caustics is None:
+            return {"image": None}
+        return {"image": None, "caustics": self.caustics, "rest": ~self.caustics}
+
+
+def named(name: str) -> Scene:
+    """One of blend_scenes/."""
+    scene = Scene(name, BLENDS / f"{name}.blend", REFERENCES / f"{name}.exr")
+    if not scene.blend.exists():
+        raise DevError(f"there is no {scene.blend.relative_to(ROOT)}")
+    if not scene.reference_path.exists():
+        raise DevError(
+            f"'{name}' has no reference; make it with: ./dev bench reference {name} --seconds 600"
+        )
+    return scene
+
+
+def with_references() -> list[str]:
+    """Names of the scenes of blend_scenes/ that have one."""
+    return sorted(p.stem for p in BLENDS.glob("*.blend") if (REFERENCES / f"{p.stem}.exr").exists())

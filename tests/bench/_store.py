@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What was rendered already: a report and an image for each run, found by what went into it."""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import json
+import os
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from tests.bench import _children
+from tests.bench._machine import CpuTimes
+from tests.bench._methods import FAMILIES, METHODS
+from tests.bench._scenes import Scene
+from tools import venvs
+from tools.common import BUILD, ROOT
+
+FOLDER = BUILD / "bench" / "error"
+EXPORT_SCRIPT = "_export_job.py"
+# A child that takes so many seconds beside so many times its budget has failed.
+PATIENCE, PATIENCE_FACTOR = 300.0, 4.0
+
+
+@dataclass(frozen=True)
+class Task:
+    """One image to be rendered."""
+
+    scene: Scene
+    method: str  # of _methods.METHODS
+    budget: float  # s of rendering
+    seed: int
+    threads: int
+
+    @property
+    def name(self) -> str:
+        return f"{self.scene.name}_{self.method}_{self.budget:g}s_{self.seed}"
+
+
+@dataclass(frozen=True)
+class Record:
+    """A task's outcome; the image is read when it is asked for."""
+
+    report: dict  # of the child: load_seconds, render_seconds, samples, peak_memory, stats
+    wall_seconds: float
+    others_share: float  # of the processors' time that other programs took meanwhile
+    image_path: Path
+
+    def image(self) -> np.ndarray:
+        """(H, W, 3) float64."""
+        return np.load(self.image_path).astype(np.float64)
+
+
+def find(task: Task) -> Record | None:
+    """What an earlier run left."""
+    path = _path(task)
+    if not path.exists():
+        return None
+    return Record(**json.loads(path.read_text()), image_path=path.with_suffix(".npy"))
+
+
+def render(task: Task) -> Record:
+    """Renders in a child process; raises MeasurementError."""
+    FOLDER.mkdir(parents=True, exist_ok=True)
+    family = FAMILIES[METHODS[task.method].family]
+    path = _path(task)
+    image = path.with_suffix(".npy")
+    job = METHODS[task.method].job | {
+        "scene": str(task.scene.blend),
+        "size": task.scene.size,
+        "threads": task.threads,
+        "seconds": task.budget,
+        "seed": task.seed,
+        "image": str(image),
+    }
+    if family.described:
+        job["description"] = str(_description(task.scene))
+    before = CpuTimes.now()
+    limit = PATIENCE + PATIENCE_FACTOR * task.budget
+    run = _children.run(path.stem, family.where, family.script, job, FOLDER, limit)
+    stored = {
+        "report": run.report,
+        "wall_seconds": run.wall_seconds,
+        "others_share": before.others_share(CpuTimes.now()),
+    }
+    fresh = path.with_suffix(".new")
+    fresh.write_text(json.dumps(stored))
+    fresh.replace(path)  # only what is complete counts
+    return Record(**stored, image_path=image)
+
+
+def _path(task: Task) -> Path:
+    key = {
+        "scene": task.scene.digest,
+        "size": task.scene.size,
+        "job": METHODS[task.method].job,
+        "budget": task.budget,
+        "seed": task.seed,
+        "threads": task.threads,
+        "program": program_digest(METHODS[task.method].family),
+    }
+    digest = hashlib.sha256(json.dumps(key, sort_keys=True).encode()).hexdigest()[:16]
+    return FOLDER / f"{task.name}_{digest}.json"
+
+
+@functools.cache
+def program_digest(family: str) -> str:
+    """Of all that an image of this family depends on beside the scene and the job."""
+    scripts = [_children.HERE / FAMILIES[family].script, _children.HERE / "_render_job.py"]
+    if family == "specula":
+        return _digest([*scripts, *_libraries(), *sorted((ROOT / "addon").rglob("*.py"))])
+    if family == "luxcore":
+        scripts = [_children.HERE / name for name in (EXPORT_SCRIPT, "_description.py")]
+        scripts += sorted(_children.HERE.glob("_luxcore*.py"))
+        exported = sorted((ROOT / "addon" / "export").glob("*.py"))
+        return _digest([*scripts, *sorted(venvs.REQUIREMENTS.glob("luxcore*.txt")), *exported])
+    return f"{venvs.BPY_VERSION} {_digest(scripts)}"
+
+
+def _libraries() -> list[Path]:
+    return sorted(Path(os.environ["SPECULA_LIBRARY_DIR"]).glob("*.so"))
+
+
+def _digest(paths: Iterable[Path]) -> str:
+    whole = hashlib.sha256()
+    for path in paths:
+        whole.update(hashlib.sha256(path.read_bytes()).digest())
+    return whole.hexdigest()
+
+
+def _description(scene: Scene) -> Path:
+    """The pickle of what Specula exports of the scene, for renderers that read no .blend."""
+    width, height = scene.size
+    program = program_digest("luxcore")[:8]
+    stem = f"{scene.name}_{width}x{height}_{scene.digest[:8]}_{program}"
+    path = FOLDER / f"{stem}.pickle"
+    if not path.exists():
+        fresh = path.with_suffix(".new")
+        job = {"scene": str(scene.blend), "size": scene.size, "description": str(fresh)}
+        _children.run(f"export_{stem}", "specula in bpy", EXPORT_SCRIPT, job, FOLDER)
+        fresh.replace(path)
+    return path

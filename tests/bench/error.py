@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How much error is left after how much time, for every method on every scene.
+
+Renders every scene by every method for every time, several times over; each render is a process of
+its own. What is rendered is kept in build/bench/error (about 1 MB a render) and found again, so
+that an interrupted bench goes on where it was. At the end it writes DIR/index.html, summary.json,
+summary.csv and charts/.
+
+`./dev bench reference SCENE` renders what a scene is held against; `./dev bench speed` measures
+samples per second instead of errors.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import shutil
+import signal
+import sys
+import time
+from pathlib import Path
+
+from tests.bench import _checks, _machine, _methods, _report, _scenes, _schedule, _summary
+from tests.bench._ratios import MeasurementError
+from tools import host
+from tools.common import BUILD, DevError, locked
+
+BUDGETS = (1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0)
+QUICK_BUDGETS = (1.0, 4.0)
+SEEDS, QUICK_SEEDS = 3, 2
+DEFAULT_OUT = BUILD / "bench" / "report"
+
+
+def arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        prog="./dev bench",
+        description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument(
+        "--out", type=Path, default=DEFAULT_OUT, metavar="DIR", help="(%(default)s)"
+    )
+    parser.add_argument("--quick", action="store_true", help="a look, in less than ten minutes")
+    parser.add_argument("--scenes", help="names, separated by commas (all with a reference)")
+    own = {"type": Path, "action": "append", "default": []}
+    parser.add_argument("--blend", metavar="FILE", help="a scene of your own, and", **own)
+    parser.add_argument("--reference", metavar="EXR", help="what it is held against", **own)
+    parser.add_argument("--methods", help=f"of: {' '.join(_methods.METHODS)}")
+    parser.add_argument("--budgets", help="seconds of rendering, separated by commas")
+    parser.add_argument("--seeds", type=int, help="renders of each (3, quick 2)")
+    parser.add_argument("--threads", type=int, default=len(os.sched_getaffinity(0)))
+    args = parser.parse_args()
+    if len(args.blend) != len(args.reference):
+        parser.error("each --blend needs a --reference")
+    args.seeds = args.seeds or (QUICK_SEEDS if args.quick else SEEDS)
+    args.budgets = budgets(parser, args)
+    args.methods = chosen_methods(parser, args)
+    return args
+
+
+def budgets(parser: argparse.ArgumentParser, args: argparse.Namespace) -> list[float]:
+    if not args.budgets:
+        return list(QUICK_BUDGETS if args.quick else BUDGETS)
+    try:
+        values = sorted({float(text) for text in args.budgets.split(",")})
+    except ValueError:
+        parser.error("--budgets are numbers, separated by commas")
+    if values[0] <= 0.0:
+        parser.error("--budgets are positive")
+    return values
+
+
+def chosen_methods(parser: argparse.ArgumentParser, args: argparse.Namespace) -> list[str]:
+    if args.methods:
+        names = split(args.methods)
+        for name in names:
+            if name not in _methods.METHODS:
+                parser.error(f"no method '{name}'; there are: {' '.join(_methods.METHODS)}")
+        return names
+    names = [name for name, method in _methods.METHODS.items() if not method.hidden]
+    return [name for name in names if not args.quick or name in _methods.QUICK]
+
+
+def chosen_scenes(args: argparse.Namespace) -> list[_scenes.Scene]:
+    scenes = []
+    for blend, reference in zip(args.blend, args.reference, strict=True):
+        for path in (blend, reference):
+            if not path.is_file():
+                raise DevError(f"there is no file {path}")
+        scenes.append(_scenes.Scene(blend.stem, blend.resolve(), reference))
+    if args.scenes or not args.blend:
+        available = _scenes.with_references()
+        quick = [name for name in _scenes.QUICK if name in available]
+        names = split(args.scenes) if args.scenes else quick if args.quick else available
+        scenes += [_scenes.named(name) for name in names]
+    if not scenes:
+        raise DevError("no scene has a reference; ./dev bench reference NAME makes one")
+    if len({scene.name for scene in scenes}) < len(scenes):
+        raise DevError("two scenes have the same name")
+    return scenes
+
+
+def split(text: str) -> list[str]:
+    """Names, separated by commas, each once."""
+    return list(dict.fromkeys(name.strip() for name in text.split(",") if name.strip()))
+
+
+def warn(message: str) -> None:
+    print(f"bench: warning: {message}", file=sys.stderr, flush=True)
+
+
+def freeze_library() -> None:
+    """Children load a copy of the native library: a build meanwhile must not change a method."""
+    copy = BUILD / "bench" / "error-lib"
+    shutil.rmtree(copy, ignore_errors=True)
+    shutil.copytree(host.library_folder(), copy)
+    os.environ["SPECULA_LIBRARY_DIR"] = str(copy)
+
+
+def raise_interrupt(*_: object) -> None:
+    """Signal handler: SIGTERM ends the run as Ctrl-C does, so that no child stays behind."""
+    raise KeyboardInterrupt
+
+
+def main() -> int:
+    args = arguments()
+    signal.signal(signal.SIGTERM, raise_interrupt)
+    scenes = chosen_scenes(args)
+    freeze_library()
+    missing = _methods.missing(args.methods)
+    methods = [name for name in args.methods if _methods.METHODS[name].family not in missing]
+    for family, why in missing.items():
+        warn(f"{_methods.FAMILIES[family].label} is left out: {why}")
+    if not methods:
+        raise DevError("none of the methods can run here")
+    started = time.time()
+    load = _machine.load_average()
+    if load > _machine.BUSY_LOAD:
+        warn(f"the load average is {load:.1f}: other programs disturb the measurement")
+    seeds = range(1, args.seeds + 1)
+    tasks = _schedule.plan(scenes, methods, args.budgets, seeds, args.threads)
+    records, failures = _schedule.render_all(tasks)
+    for (scene, method), why in failures.items():
+        warn(f"{scene}, {method}: {why}")
+    results = [
+        _summary.scene_result(scene, methods, args.budgets, records, failures) for scene in scenes
+    ]
+    longest = max(args.budgets)
+    checks = _checks.checks(results, longest)
+    about = {
+        "date": time.strftime("%Y-%m-%d %H:%M UTC", time.gmtime(started)),
+        "processor": _machine.processor(),
+        "threads": args.threads,
+        "load_average": load,
+        "budgets": args.budgets,
+        "seeds": args.seeds,
+        "quick": args.quick,
+        "command": f"./dev bench {' '.join(sys.argv[1:])}".strip(),
+        "missing": {_methods.FAMILIES[name].label: why for name, why in missing.items()},
+        "minutes": (time.time() - started) / 60.0,
+    }
+    page = _report.write(args.out, about, scenes, results, records, checks)
+    for check in checks:
+        print(f"{'pass' if check.passed else 'FAIL'}  {check.name}: {check.text}")
+    print(page)
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    try:
+        with locked(BUILD / "bench" / "error.lock"):  # two at once would measure each other
+            code = main()
+    except (DevError, MeasurementError) as error:
+        print(f"dev: error: {error}", file=sys.stderr)
+        code = 1
+    except KeyboardInterrupt:
+        code = 130
+    sys.exit(code)

@@ -1,0 +1,177 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Renders the reference of a scene, which `./dev bench` holds every method against.
+
+The method is unbiased, and nothing is clamped. What is rendered is kept in build/bench/references
+in parts, each with a seed of its own: another run of the same scene and method adds to them, until
+they have so many seconds of rendering together. The reference is the mean of all; its variance is
+estimated from every sample, that of rounding to half floats included.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import json
+import os
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+
+from tests.bench import _children, _scenes, _store
+from tests.bench._children import Progress
+from tests.bench._ratios import MeasurementError
+from tests.images import _reference
+from tools.common import BUILD, DevError, locked
+
+FOLDER = BUILD / "bench" / "references"
+LONG_SIDE = 256  # pixels
+PART_SECONDS = 60.0  # of rendering that an interrupt can lose
+FIRST_SEED = 500_000  # far from those of what is measured
+OVERHEAD = 5.0  # s of a child beside rendering
+PATH_TRACED = ("cornell",)  # where path tracing converges; elsewhere the unbiased manifold is used
+METHODS = ("PT", "SMS_UNBIASED")
+
+
+class Parts:
+    """What was rendered so far: moments of all samples."""
+
+    def __init__(self, folder: Path):
+        self.folder = folder
+        self.reports = [json.loads(path.read_text()) for path in sorted(folder.glob("*.json"))]
+
+    @property
+    def seconds(self) -> float:
+        return sum(report["seconds"] for report in self.reports)
+
+    def next_seed(self) -> int:
+        return max((report["seed"] + 1 for report in self.reports), default=FIRST_SEED)
+
+    def merged(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, int]:
+        """Mean, variance of the mean, caustics, samples."""
+        count, mean, squares, caustics = 0, 0.0, 0.0, 0.0
+        for report in self.reports:
+            with np.load(self.folder / f"{report['seed']}.npz") as part:
+                samples = report["samples"]
+                total = count + samples
+                delta = part["mean"] - mean
+                squares += part["variance"] * samples * (samples - 1.0)
+                squares += delta**2 * (count * samples / total)
+                mean += delta * (samples / total)
+                caustics += (part["caustics"] - caustics) * (samples / total)
+                count = total
+        return mean, squares / (count * (count - 1.0)), caustics, count
+
+
+def render_part(blend: Path, job: dict, parts: Parts) -> None:
+    """Adds one part to the folder."""
+    seed = parts.next_seed()
+    image = parts.folder / f"{seed}.npz"
+    run = _children.run(
+        f"part-{seed}",
+        "specula in bpy",
+        "_reference_job.py",
+        job | {"scene": str(blend), "seed": seed, "image": str(image)},
+        parts.folder,
+    )
+    report = run.report | {"seed": seed}
+    path = parts.folder / f"{seed}.json"
+    fresh = path.with_suffix(".new")
+    fresh.write_text(json.dumps(report))
+    fresh.replace(path)  # only what is complete counts
+    parts.reports.append(report)
+
+
+def write(path: Path, blend: Path, method: str, parts: Parts) -> None:
+    """The EXR, and a line on how good it is."""
+    mean, variance, caustics, samples = parts.merged()
+    about = {
+        "scene": blend.stem,
+        "sceneDigest": hashlib.sha256(blend.read_bytes()).hexdigest(),
+        "method": method,
+        "samples": str(samples),
+        "seeds": " ".join(str(report["seed"]) for report in parts.reports),
+        "seconds": f"{parts.seconds:.0f}",
+        "date": time.strftime("%Y-%m-%d"),
+    }
+    path.parent.mkdir(parents=True, exist_ok=True)
+    _reference.write(path, mean, variance, about, caustics)
+    stored = _reference.read(path)
+    relative = np.sqrt(stored.variance.mean() / (stored.mean**2).mean())
+    print(
+        f"{path}: {path.stat().st_size} bytes, {samples} samples per pixel in "
+        f"{parts.seconds:.0f} s, mean squared error {stored.variance.mean():.3g} "
+        f"(root: {relative:.2%} of the picture's root mean square)"
+    )
+
+
+def image_size(text: str, blend: Path) -> tuple[int, int]:
+    """Of `--size WxH`, else of the scene, scaled to LONG_SIDE."""
+    if text:
+        width, _, height = text.partition("x")
+        return int(width), int(height)
+    report = _children.run("size", "bpy", "_size_job.py", {"scene": str(blend)}, FOLDER).report
+    width, height = report["size"]
+    scale = LONG_SIDE / max(width, height)
+    return max(1, round(width * scale)), max(1, round(height * scale))
+
+
+def arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        prog="./dev bench reference",
+        description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("scene", help="a name of blend_scenes/, or a .blend file")
+    parser.add_argument("--seconds", type=float, default=600.0, help="of rendering in all")
+    parser.add_argument("--method", choices=METHODS, help="default: PT where it converges")
+    parser.add_argument("--size", default="", metavar="WxH", help="pixels (long side 256)")
+    parser.add_argument("--threads", type=int, default=len(os.sched_getaffinity(0)))
+    parser.add_argument("--out", type=Path, metavar="EXR", help="(tests/bench/references)")
+    args = parser.parse_args()
+    if args.seconds <= 0.0:
+        parser.error("--seconds must be positive")
+    return args
+
+
+def main() -> int:
+    args = arguments()
+    given = Path(args.scene)
+    blend = given if given.suffix == ".blend" else _scenes.BLENDS / f"{args.scene}.blend"
+    if not blend.is_file():
+        raise DevError(f"there is no {blend}")
+    blend = blend.resolve()
+    method = args.method or ("PT" if blend.stem in PATH_TRACED else "SMS_UNBIASED")
+    FOLDER.mkdir(parents=True, exist_ok=True)
+    size = image_size(args.size, blend)
+    digest = hashlib.sha256(blend.read_bytes()).hexdigest()[:12]
+    library = _store.program_digest("specula")[:8]  # a wrong estimator must not leave its parts
+    folder = FOLDER / f"{blend.stem}-{method.lower()}-{size[0]}x{size[1]}-{digest}-{library}"
+    folder.mkdir(exist_ok=True)
+    parts = Parts(folder)
+    job = {"size": size, "method": method, "threads": args.threads}
+    todo = args.seconds - parts.seconds
+    progress = Progress("reference", [todo * (1.0 + OVERHEAD / PART_SECONDS)])
+    while (left := args.seconds - parts.seconds) > 0.05 * PART_SECONDS or not parts.reports:
+        progress.show(f"{blend.stem}, {method}, {parts.seconds:.0f} of {args.seconds:.0f} s")
+        before = parts.seconds
+        # The last two share what is left: a short part costs as much beside rendering.
+        seconds = left / 2.0 if PART_SECONDS < left < 1.5 * PART_SECONDS else left
+        render_part(blend, job | {"seconds": min(PART_SECONDS, seconds)}, parts)
+        progress.advance((parts.seconds - before) * (1.0 + OVERHEAD / PART_SECONDS))
+    progress.clear()
+    write(args.out or _scenes.REFERENCES / f"{blend.stem}.exr", blend, method, parts)
+    return 0
+
+
+if __name__ == "__main__":
+    try:
+        with locked(BUILD / "bench" / "reference.lock"):
+            code = main()
+    except (DevError, MeasurementError) as error:
+        print(f"dev: error: {error}", file=sys.stderr)
+        code = 1
+    except KeyboardInterrupt:
+        code = 130
+    sys.exit(code)

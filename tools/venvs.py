@@ -72,3 +72,8 @@ def bpy_python(version: str = BPY_VERSION) -> Path:
 def quality_python() -> Path:
     """Python of the environment that holds clang-format and ruff."""
     return ensure("quality", (REQUIREMENTS / "quality.txt").read_text())
+
+
+def luxcore_python() -> Path:
+    """Python of the environment that holds LuxCore, which the bench compares with."""
+    return ensure("luxcore", (REQUIREMENTS / "luxcore.txt").read_text())

@@ -1,0 +1,144 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Runs in a child process, in LuxCore's Python: renders a scene for some seconds.
+
+The last argument is a JSON file, the job: `description` (what _export_job.py wrote), `method` (of
+METHODS), `size` ([width, height], pixels; the description's), `threads`, `seconds` (of rendering),
+`seed`, `image` (.npy to write: (H, W, 3) float32, linear Rec.709, W/m^2/sr, bottom row first),
+`result` (JSON file to write: `load_seconds`, `render_seconds`, `samples` per pixel, `peak_memory`
+in bytes); optionally `bounces`.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+import time
+from pathlib import Path
+
+sys.path[0] = str(Path(__file__).resolve().parents[2])
+
+import numpy as np  # noqa: E402
+import pyluxcore  # noqa: E402
+
+from tests.bench import _description, _luxcore  # noqa: E402
+
+POLL = 0.02  # s between looks at the clock
+BOUNCES = 12  # as the example scenes have it
+FILTER_WIDTH = 1.5  # pixels to either side, Specula's and Blender's default
+
+PATH = {
+    "renderengine.type": "PATHCPU",
+    "sampler.type": "SOBOL",
+}
+BIDIR = {"renderengine.type": "BIDIRCPU"}
+
+# What LuxCore's documentation recommends for caustics, each with its own defaults otherwise.
+METHODS = {
+    "lux-light": PATH | {"path.hybridbackforward.enable": True},
+    "lux-cache": PATH | {"path.photongi.caustic.enabled": True},
+    "lux-bidir-sobol": BIDIR | {"sampler.type": "SOBOL"},
+    "lux-bidir-metropolis": BIDIR | {"sampler.type": "METROPOLIS"},
+}
+
+
+def configuration(job: dict) -> dict:
+    """LuxCore's render settings: nothing is clamped, denoised or tone mapped."""
+    bounces = job.get("bounces", BOUNCES)
+    return {
+        **METHODS[job["method"]],
+        "native.threads.count": job["threads"],
+        "renderengine.seed": 1 + job["seed"],  # 0 is refused
+        "film.width": job["size"][0],
+        "film.height": job["size"][1],
+        "film.filter.type": "BLACKMANHARRIS",
+        "film.filter.width": FILTER_WIDTH,
+        "film.outputs.0.type": "RGB_IMAGEPIPELINE",
+        "film.imagepipelines.0.0.type": "NOP",
+        "path.clamping.variance.maxvalue": 0.0,
+        # LuxCore counts vertices, of which there is one more than bounces.
+        **{
+            f"path.pathdepth.{kind}": bounces + 1
+            for kind in ("total", "diffuse", "glossy", "specular")
+        },
+        "path.maxdepth": bounces + 1,
+        "light.maxdepth": bounces + 1,
+    }
+
+
+def properties(values: dict):
+    """LuxCore's object for a dictionary of numbers, texts and lists."""
+    result = pyluxcore.Properties()
+    for key, value in values.items():
+        result.Set(pyluxcore.Property(key, value))
+    return result
+
+
+def build(translation):
+    """The LuxCore scene."""
+    scene = pyluxcore.Scene()
+    for name, pixels in translation.images.items():
+        height, width, channels = pixels.shape
+        scene.DefineImageMap(name, pixels, 1.0, channels, width, height)
+    for name, (positions, triangles, normals, uvs) in translation.meshes.items():
+        scene.DefineMeshExt(
+            name,
+            np.ascontiguousarray(positions, np.float32),
+            np.ascontiguousarray(triangles, np.uint32),
+            None if normals is None else np.ascontiguousarray(normals, np.float32),
+            None if uvs is None else [np.ascontiguousarray(uvs, np.float32)],
+        )
+    scene.Parse(properties(translation.properties))
+    return scene
+
+
+def render(scene, job: dict) -> tuple[np.ndarray, float, float]:
+    """Image, seconds of rendering and samples per pixel. What a method prepares (photons) counts
+    as rendering."""
+    session = pyluxcore.RenderSession(pyluxcore.RenderConfig(properties(configuration(job)), scene))
+    start = time.perf_counter()
+    session.Start()
+    while (elapsed := time.perf_counter() - start) < job["seconds"]:
+        time.sleep(min(POLL, job["seconds"] - elapsed))
+    session.UpdateStats()
+    session.Stop()
+    seconds = time.perf_counter() - start
+
+    samples = session.GetStats().Get("stats.renderengine.pass").GetFloat()
+    width, height = job["size"]
+    pixels = np.empty(height * width * 3, np.float32)
+    session.GetFilm().GetOutputFloat(pyluxcore.FilmOutputType.RGB_IMAGEPIPELINE, pixels, 0, True)
+    return pixels.reshape(height, width, 3), seconds, samples
+
+
+def peak_memory() -> int:
+    """Bytes that this process has had at most."""
+    status = Path("/proc/self/status").read_text()
+    return 1024 * int(status.split("VmHWM:")[1].split()[0])
+
+
+def main(job: dict) -> None:
+    # LuxCore traces photons on all processors that it sees, whatever its settings say.
+    os.sched_setaffinity(0, sorted(os.sched_getaffinity(0))[: job["threads"]])
+    start = time.perf_counter()
+    pyluxcore.Init()
+    scene = build(_luxcore.translate(_description.load(job["description"])))
+    load_seconds = time.perf_counter() - start
+    pixels, seconds, samples = render(scene, job)
+    np.save(job["image"], pixels)
+    report = {
+        "load_seconds": load_seconds,
+        "render_seconds": seconds,
+        "samples": samples,
+        "peak_memory": peak_memory(),
+    }
+    with open(job["result"], "w") as file:
+        json.dump(report, file)
+
+
+if __name__ == "__main__":
+    with open(sys.argv[-1]) as job_file:
+        main(json.load(job_file))
+    sys.stdout.flush()
+    # LuxCore crashes as the interpreter goes down, after the work is done.
+    os._exit(0)

@@ -13,12 +13,7 @@ import numpy as np
 
 from tests.bench._description import desc
 from tests.bench._luxcore_materials import Materials, add_world, value
-from tests.bench._luxcore_textures import (
-    Translation,
-    UntranslatedError,
-    image_name,
-    linear_pixels,
-)
+from tests.bench._luxcore_textures import Translation, UntranslatedError
 
 LAMP_SIDES = 64  # of the polygon for a round area light
 # Of the icosahedron for a point light: 80 triangles. In LuxCore 2.11 a mesh of 320 lights nothing.
@@ -33,10 +28,6 @@ def translate(scene) -> Translation:
     add_instances(scene, translation)
     for index, light in enumerate(scene.lights):
         add_light(light, f"lamp{index}", translation)
-    files = {value for key, value in translation.properties.items() if key.endswith(".file")}
-    for index, image in enumerate(scene.images):
-        if image_name(index) in files:
-            translation.images[image_name(index)] = linear_pixels(image)
     return translation
 
 

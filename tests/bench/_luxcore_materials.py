@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from tests.bench._luxcore_textures import Inputs, Translation, image_name, is_constant
+from tests.bench._luxcore_textures import Inputs, Translation, doubled, is_constant, linear_pixels
 
 SMOOTH = 1e-4  # roughness below which Specula takes a microfacet surface for a mirror
 # Emission below which there is none, W/m^2/sr.
@@ -29,7 +29,7 @@ class Materials:
         """LuxCore's name of the scene's material `index`."""
         if index not in self._names:
             self._names[index] = f"material{index}"
-            inputs = Inputs(self._scene.materials[index], self._names[index], self._translation)
+            inputs = Inputs(self._scene, index, self._names[index], self._translation)
             source = inputs.linked(0, "Surface")
             if source is None:
                 self._set(self._names[index], type="matte", kd=value((0.0, 0.0, 0.0)))
@@ -166,8 +166,8 @@ def add_world(scene, translation: Translation) -> None:
     environment = scene.environment
     if environment is None:
         return
-    material = scene.materials[environment.material]
-    inputs = Inputs(material, "world", translation)
+    inputs = Inputs(scene, environment.material, "world", translation)
+    material = inputs.material
     source = inputs.linked(0, "Surface")
     if source is None:
         return
@@ -197,10 +197,11 @@ def _add_image(inputs: Inputs, index: int, strength: float, translation: Transla
     if node.options != {"projection": "EQUIRECTANGULAR", "interpolation": "Linear"}:
         raise inputs.fail(index, f"{node.options} is not translated")
     _check_direction(inputs, index)
+    translation.images["sky"] = doubled(linear_pixels(inputs.images[node.image]))
     translation.set(
         "scene.lights.world",
         type="infinite",
-        file=image_name(node.image),
+        file="sky",
         gamma=1.0,
         storage="float",
         gain=[strength] * 3,

@@ -61,7 +61,26 @@ def add_camera(camera, translation: Translation) -> None:
     )
 
 
-# --------------------------------------------------------------------------------- meshes
+def casters(scene) -> list:
+    """The instances that cast caustics."""
+    roles = (desc.CausticsRole.CASTER, desc.CausticsRole.BOTH)
+    return [instance for instance in scene.instances if instance.caustics_role in roles]
+
+
+def view_width(scene) -> float:
+    """How wide the picture is at the casters (of a scene without any: at all objects), metres."""
+    middles = []
+    for instance in casters(scene) or scene.instances:
+        positions = scene.meshes[instance.mesh].positions
+        middle = 0.5 * (positions.min(axis=0) + positions.max(axis=0))
+        middles.append(instance.transform[:, :3] @ middle + instance.transform[:, 3])
+    view = scene.camera.transform
+    distance = abs((np.mean(middles, axis=0) - view[:, 3]) @ view[:, 2])
+    left, right, _, _ = scene.camera.viewplane
+    return float(distance * (right - left) * scene.camera.crop[2] / scene.camera.width)
+
+
+# ------------------------------------------------------------------------------------------- meshes
 
 
 def add_instances(scene, translation: Translation) -> None:
@@ -136,7 +155,7 @@ def bake(arrays: tuple, transform: np.ndarray) -> tuple:
     return positions @ matrix.T + transform[:, 3], triangles, normals, uvs
 
 
-# --------------------------------------------------------------------------------- lights
+# ------------------------------------------------------------------------------------------- lights
 
 
 def add_light(light, name: str, translation: Translation) -> None:

@@ -3,8 +3,8 @@
 scene to a file, for another renderer to read.
 
 The last argument is a JSON file, the job: `scene` (path), `size` ([width, height], pixels),
-`description` (the pickle of a `specula.export.desc.SceneDesc` to write, its images decoded), `result` (the JSON file to
-write: `warnings`, what the export says it falls back from).
+`description` (file to write: the pickle of a `specula.export.desc.SceneDesc`, its images decoded),
+`result` (the JSON file to write: `warnings`, what the export says it falls back from).
 """
 
 from __future__ import annotations

@@ -14,6 +14,7 @@ import json
 import os
 import sys
 import time
+import traceback
 from pathlib import Path
 
 sys.path[0] = str(Path(__file__).resolve().parents[2])
@@ -26,8 +27,8 @@ from tests.bench import _description, _luxcore  # noqa: E402
 POLL = 0.02  # s between looks at the clock
 BOUNCES = 12  # as the example scenes have it
 # Specula's pixel filters. The first, over 1.5 pixels to either side, is the default of both Blender
-# and this job. What LuxCore splats (all of lux-bidir-*, the caustics of lux-light) it spreads further
-# than the filter says: next to an edge 18% come from beyond it in place of 12%.
+# and this job. What LuxCore splats (all of lux-bidir-*, the caustics of lux-light) it spreads
+# further than the filter says: a pixel next to an edge has 18% from beyond it in place of 12%.
 FILTERS = {
     "BLACKMAN_HARRIS": {"film.filter.type": "BLACKMANHARRIS", "film.filter.width": 1.5},
     "BOX": {"film.filter.type": "NONE"},
@@ -47,12 +48,10 @@ METHODS = {
     "lux-bidir-metropolis": BIDIR | {"sampler.type": "METROPOLIS"},
 }
 
-# Radii of the photon cache over the picture's width at the casters. At 5.4 m they are the 75 mm that
-# LuxCore's Blender addon starts with, the 3 mm at which it stops shrinking them, and about what
-# LuxCore finds itself, in some seconds, for where photons can be seen.
+# Radii of the photon cache over the picture's width at the casters. At 5.4 m they are the 75 mm
+# that LuxCore's Blender addon starts with, the 3 mm at which it stops shrinking them, and about
+# what LuxCore finds itself, in some seconds, for where photons can be seen.
 CAUSTIC_RADIUS, LEAST_RADIUS, VISIBILITY_RADIUS = 0.014, 0.00056, 0.022
-
-
 # Photons traced at most in one pass over the scene; 100,000 stored ones end it before.
 PHOTONS = 2_000_000
 
@@ -122,14 +121,14 @@ def render(scene, view_width: float, job: dict) -> tuple[np.ndarray, float, floa
     session.Start()
     while (elapsed := time.perf_counter() - start) < job["seconds"]:
         time.sleep(min(POLL, job["seconds"] - elapsed))
+    # Read before it stops: a photon pass that is under way would be waited for.
     session.UpdateStats()
-    session.Stop()
-    seconds = time.perf_counter() - start
-
     samples = session.GetStats().Get("stats.renderengine.pass").GetFloat()
     width, height = job["size"]
     pixels = np.empty(height * width * 3, np.float32)
     session.GetFilm().GetOutputFloat(pyluxcore.FilmOutputType.RGB_IMAGEPIPELINE, pixels, 0, True)
+    seconds = time.perf_counter() - start
+    session.Stop()
     return pixels.reshape(height, width, 3), seconds, samples
 
 
@@ -162,8 +161,14 @@ def main(job: dict) -> None:
 
 
 if __name__ == "__main__":
-    with open(sys.argv[-1]) as job_file:
-        main(json.load(job_file))
+    try:
+        with open(sys.argv[-1]) as job_file:
+            main(json.load(job_file))
+        code = 0
+    except Exception:
+        traceback.print_exc()
+        code = 1
     sys.stdout.flush()
-    # LuxCore crashes as the interpreter goes down, after the work is done.
-    os._exit(0)
+    sys.stderr.flush()
+    # LuxCore crashes as the interpreter goes down, and would hide the code and the last words.
+    os._exit(code)

@@ -10,11 +10,19 @@ import math
 
 import numpy as np
 
-from tests.bench._luxcore_textures import Inputs, Translation, doubled, is_constant, linear_pixels
+from tests.bench._description import desc
+from tests.bench._luxcore_textures import (
+    Inputs,
+    Translation,
+    UntranslatedError,
+    doubled,
+    is_constant,
+    linear_pixels,
+)
 
-SMOOTH = 1e-4  # roughness below which Specula takes a microfacet surface for a mirror
-# Emission below which there is none, W/m^2/sr.
-DARK = 1e-9
+# Roughness below which a surface is a mirror to single precision.
+SMOOTH = 0.0045
+DARK = 1e-9  # emission that is none, W/m^2/sr
 
 
 class Materials:
@@ -56,7 +64,7 @@ class Materials:
         roughness = inputs.scalar(index, "Roughness")
         if roughness < SMOOTH:
             return {"type": "mirror", "kr": value(color), **inputs.normal(index)}
-        return {**_metal(color, roughness), **inputs.normal(index)}
+        return {**_metal(inputs, index, color, roughness), **inputs.normal(index)}
 
     def _glass(self, inputs: Inputs, index: int, name: str) -> dict:
         if inputs.scalar(index, "Roughness") >= SMOOTH:
@@ -99,8 +107,9 @@ class Materials:
         normal = inputs.normal(index)
         if metallic == 1.0:
             if roughness < SMOOTH:
+                # Without Schlick's rise to white, which counts at grazing angles alone.
                 return {"type": "mirror", "kr": value(color), **normal}
-            return {**_metal(color, roughness), **normal}
+            return {**_metal(inputs, index, color, roughness), **normal}
         if metallic != 0.0 or roughness < SMOOTH:
             raise inputs.fail(index, "a smooth or partly metallic coat has no equal in LuxCore")
         ior = inputs.scalar(index, "IOR")
@@ -140,10 +149,12 @@ SHADERS = {
 }
 
 
-def _metal(color, roughness: float) -> dict:
+def _metal(inputs: Inputs, index: int, color, roughness: float) -> dict:
     """Facets of the same distribution, shadowed by Schlick's approximation, a conductor's
     reflectance: within some percent of Blender's. (LuxCore's "disney" is closer on paper, but in
     version 2.11 its value has one cosine more than what it samples.)"""
+    if not is_constant(color):
+        raise inputs.fail(index, "rough metal with a texture as its colour is not translated")
     return {
         "type": "metal2",
         "n": value([(1.0 + math.sqrt(c)) / (1.0 - math.sqrt(min(c, 0.999))) for c in color]),
@@ -166,6 +177,8 @@ def add_world(scene, translation: Translation) -> None:
     environment = scene.environment
     if environment is None:
         return
+    if environment.visibility != desc.Visibility.ALL:
+        raise UntranslatedError(f"world: ray visibility {environment.visibility!r} has no equal")
     inputs = Inputs(scene, environment.material, "world", translation)
     material = inputs.material
     source = inputs.linked(0, "Surface")

@@ -35,8 +35,8 @@ FILTERS = {
 }
 
 PATH = {"renderengine.type": "PATHCPU", "sampler.type": "SOBOL"}
-# Without Russian roulette: with it LuxCore 2.11's bidirectional tracer gains light, 10% of the median
-# in the Cornell box with plain walls; without, it agrees with its path tracer.
+# Without Russian roulette: with it LuxCore 2.11's bidirectional tracer gains light, 10% of the
+# median in the Cornell box with plain walls; without, it agrees with its path tracer.
 BIDIR = {"renderengine.type": "BIDIRCPU", "path.russianroulette.depth": 1000}
 
 METHODS = {

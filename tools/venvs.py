@@ -77,3 +77,8 @@ def quality_python() -> Path:
 def bench_python() -> Path:
     """Python of the environment in which ./dev bench draws and compares images."""
     return ensure("bench", (REQUIREMENTS / "bench.txt").read_text())
+
+
+def luxcore_python() -> Path:
+    """Python of the environment that holds LuxCore, which the bench compares with."""
+    return ensure("luxcore", (REQUIREMENTS / "luxcore.txt").read_text())

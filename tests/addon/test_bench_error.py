@@ -148,12 +148,22 @@ def test_display_is_srgb():
 
 def test_everything_takes_turns_and_seeds_end_one_by_one():
     scenes = [SimpleNamespace(name="a"), SimpleNamespace(name="b")]
-    methods = ("x", "y", "z")
+    methods = ("pt", "sms", "lux-light")
     tasks = _schedule.plan(scenes, methods, (1.0, 2.0), (1, 2), 2)
     keys = [(task.seed, task.budget, task.scene.name, task.method) for task in tasks]
     assert len(set(keys)) == len(keys) == 2 * 2 * 2 * 3
     assert [key[:3] for key in keys] == sorted(key[:3] for key in keys)
     assert {keys[i][3] for i in range(0, len(keys), 3)} == set(methods)  # who comes first
+
+
+def test_what_renders_something_else_is_not_rendered():
+    scenes = [SimpleNamespace(name="cornell"), SimpleNamespace(name="ring")]
+    tasks = _schedule.plan(scenes, ("sms", "lux-light"), (1.0,), (1,), 2)
+    assert [(task.scene.name, task.method) for task in tasks] == [
+        ("cornell", "sms"),
+        ("ring", "lux-light"),
+        ("ring", "sms"),
+    ]
 
 
 def test_methods_fit_into_their_charts():

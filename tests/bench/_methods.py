@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from tests.bench import _children
+from tests.bench import _children, _luxcore
 from tools import venvs
 from tools.common import DevError
 
@@ -194,6 +194,13 @@ METHODS = {
 
 QUICK = ("pt", "sms", "biased-16", "cycles-pt", "cycles-mnee", "lux-light")
 SMS, CYCLES = "sms", "cycles-pt"  # what each method is held against, beside the best of LuxCore
+
+
+def other_model(method: str, scene: str) -> str:
+    """Why a method would not render the same thing, by what is known; empty if it would."""
+    if METHODS[method].family == "luxcore":
+        return _luxcore.DIFFERENT_MODELS.get(scene, "")
+    return ""
 
 
 def missing(names: Iterable[str]) -> dict[str, str]:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from tests.bench import _store
 from tests.bench._children import Progress
+from tests.bench._methods import other_model
 from tests.bench._ratios import MeasurementError
 from tests.bench._scenes import Scene
 from tests.bench._store import Record, Task
@@ -23,14 +24,18 @@ def plan(
 ) -> list[Task]:
     """All methods take turns within a scene and budget, each time another one first: what else the
     machine does hits all of them. A seed is complete before the next one starts, so that an
-    interrupted run has whole curves to show."""
+    interrupted run has whole curves to show. What renders something else is left out."""
     tasks, turn = [], 0
     for seed in seeds:
         for budget in budgets:
             for scene in scenes:
                 first = turn % len(methods)
                 order = [*methods[first:], *methods[:first]]
-                tasks += [Task(scene, name, budget, seed, threads) for name in order]
+                tasks += [
+                    Task(scene, name, budget, seed, threads)
+                    for name in order
+                    if not other_model(name, scene.name)
+                ]
                 turn += 1
     return tasks
 

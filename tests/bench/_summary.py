@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from tests.bench import _metrics
-from tests.bench._methods import METHODS
+from tests.bench._methods import METHODS, other_model
 from tests.bench._metrics import Errors, Estimate
 from tests.bench._scenes import Scene
 from tests.bench._store import Record, Task
@@ -157,10 +157,11 @@ def scene_result(
                 record
                 for task, record in records.items()
                 if (task.scene.name, task.method, task.budget) == (scene.name, name, budget)
+                and record.report["samples"] > 0  # photons may take all the time there is
             ]
             if found:
                 curve.points.append(_point(scene, name, budget, found, factor))
-        curve.differs = _difference(curve, scene)
+        curve.differs = other_model(name, scene.name) or _difference(curve, scene)
     _set_targets(result, max(budgets))
     return result
 

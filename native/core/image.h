@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Images as the host hands them over, and their lookup. image.cpp is the only user of OpenImageIO.
+// Images as the host hands them over, and their lookup.
 #pragma once
 
 #include "math/dual.h"

@@ -54,7 +54,17 @@ CASES = {
             detects=0.4,
             detects_together=0.15,
         ),
-        Case("swimming_pool", (96, 54), 12288, 256, 64, texels=16, max_bounces=3),
+        Case(
+            "swimming_pool",
+            (96, 54),
+            12288,
+            256,
+            64,
+            texels=16,
+            max_bounces=3,
+            detects=0.15,
+            detects_together=0.08,
+        ),
         Case("cornell", (64, 64), 8192, 1024),
     )
 }

@@ -48,34 +48,27 @@ struct PathHistory {
         chain       // then one delta interaction that the manifold owns
     };
     Stage stage = Stage::unconnected;
-    Vec3 x, ng;                   // the vertex of the smooth scattering
-    float pdf_omega = 0.0f;       // of that scattering
+    TracedChain chain;            // as far as it has come
     bool receiver = false;        // x may begin a chain (role, closures, bounces left)
     bool through_caster = false;  // passed straight through part of a caster since x
-    SurfaceHit vertex{};          // of the chain
-    Interaction interaction = Interaction::reflection;
-    float lobe_probability = 0.0f;  // of all closures that scatter there, as delta_lobe() states it
 
     void append_smooth(const Surface& surface, float pdf, bool may_receive) {
         stage = Stage::scattered;
-        x = surface.p;
-        ng = surface.ng;
-        pdf_omega = pdf;
+        chain = {.x = surface.p, .ng = surface.ng, .pdf_omega = pdf};
         receiver = may_receive;
         through_caster = false;
     }
     // Whether the manifold shares the chain that this delta interaction continues; the caller then
-    // sets lobe_probability.
+    // sets chain.lobe_probability.
     bool append_delta(const SurfaceHit& hit, const ClosureSample& sample,
                       const ManifoldSettings& settings, const CasterSet& casters) {
         const Interaction turn =
             sample.refracted ? Interaction::refraction : Interaction::reflection;
-        const ChainClass chain{receiver, hit.instance, sample.on_caster_normal, turn,
-                               through_caster};
-        const bool owned = stage == Stage::scattered && manifold_owns(settings, casters, chain);
+        const ChainClass kind{receiver, hit.instance, sample.on_caster_normal, turn, through_caster};
+        const bool owned = stage == Stage::scattered && manifold_owns(settings, casters, kind);
         stage = owned ? Stage::chain : Stage::unconnected;
-        vertex = hit;
-        interaction = turn;
+        chain.vertex = hit;
+        chain.interaction = turn;
         return owned;
     }
     void append_transparent(const Instance& instance) {

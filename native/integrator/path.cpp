@@ -54,11 +54,10 @@ struct PathTracer {
         switch (history.stage) {
             case PathHistory::Stage::unconnected: return 1.0f;
             case PathHistory::Stage::scattered:
-                return history.pdf_omega / (history.pdf_omega + pdf_direct);
+                return history.chain.pdf_omega / (history.chain.pdf_omega + pdf_direct);
             case PathHistory::Stage::chain:
-                return path_tracing_share(scene(), world.casters, history.x, history.ng,
-                                          history.pdf_omega, history.vertex, history.interaction,
-                                          history.lobe_probability, end, cos_y, pdf_light_point);
+                return path_tracing_share(scene(), world.casters, history.chain, end, cos_y,
+                                          pdf_light_point);
         }
         return 1.0f;
     }
@@ -108,7 +107,7 @@ struct PathTracer {
         if (is_black(radiance)) return radiance;
         float pdf_direct = 0.0f, pdf_point = 0.0f, cos_y = 0.0f;
         if (history.stage == PathHistory::Stage::scattered)
-            pdf_direct = pdf_direct_lamp(world.lights, history.x, ray.direction, hit);
+            pdf_direct = pdf_direct_lamp(world.lights, history.chain.x, ray.direction, hit);
         if (history.stage == PathHistory::Stage::chain) {
             const LightDesc& lamp = scene().lights[hit.light];
             const Vec3 n =
@@ -124,7 +123,8 @@ struct PathTracer {
         if (is_black(surface.closures.emission)) return Spectrum(0.0f);
         float pdf_direct = 0.0f, pdf_point = 0.0f;
         if (history.stage == PathHistory::Stage::scattered)
-            pdf_direct = pdf_direct_surface(world.lights, scene(), history.x, ray.direction, hit);
+            pdf_direct =
+                pdf_direct_surface(world.lights, scene(), history.chain.x, ray.direction, hit);
         if (history.stage == PathHistory::Stage::chain)
             pdf_point = pdf_light_point_surface(world.lights, hit.surface);
         return surface.closures.emission * weight_of(pdf_direct, pdf_point,
@@ -200,7 +200,7 @@ struct PathTracer {
         if (!next.delta)
             history.append_smooth(surface, next.pdf_omega, receives);
         else if (history.append_delta(surface.hit, next, settings.manifold, world.casters))
-            history.lobe_probability = lobe_probability(surface, next);
+            history.chain.lobe_probability = lobe_probability(surface, next);
         ray_kind = ray_kind_after(next.kind);
         ray = {offset_origin({surface.p, surface.ng, surface.p_error}, next.wi), next.wi, 0.0f,
                kInfinity};

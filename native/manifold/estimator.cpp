@@ -160,19 +160,20 @@ bool manifold_owns(const ManifoldSettings& settings, const CasterSet& casters,
                                                         : settings.refractions;
 }
 
-float path_tracing_share(const Scene& scene, const CasterSet& casters, const Vec3& x, const Vec3& ng,
-                         float pdf_omega, const SurfaceHit& hit, Interaction interaction,
-                         float lobe_probability, const ChainEnd& end, float cos_y, float light_pdf) {
+float path_tracing_share(const Scene& scene, const CasterSet& casters, const TracedChain& chain,
+                         const ChainEnd& end, float cos_y, float light_pdf) {
     if (!(light_pdf > 0.0f)) return 1.0f;
-    const float caster = caster_probability(casters, casters.of_instance[hit.instance], x, ng, end);
+    const uint32_t index = casters.of_instance[chain.vertex.instance];
+    const float caster = caster_probability(casters, index, chain.x, chain.ng, end);
     if (!(caster > 0.0f)) return 1.0f;
-    const CasterPatch patch = evaluate_caster(scene, hit, false);
-    const float eta = eta_seen_from(patch.ng, x - patch.p, scene.material_of(hit).specular.ior);
-    const std::optional<double> g = geometry_term(interaction, eta, x, patch, end);
+    const CasterPatch patch = evaluate_caster(scene, chain.vertex, false);
+    const float eta =
+        eta_seen_from(patch.ng, chain.x - patch.p, scene.material_of(chain.vertex).specular.ior);
+    const std::optional<double> g = geometry_term(chain.interaction, eta, chain.x, patch, end);
     if (!g) return 1.0f;
     const ChainDensities densities{static_cast<double>(light_pdf) * static_cast<double>(caster),
-                                   static_cast<double>(pdf_omega) *
-                                       static_cast<double>(lobe_probability) * *g *
+                                   static_cast<double>(chain.pdf_omega) *
+                                       static_cast<double>(chain.lobe_probability) * *g *
                                        static_cast<double>(cos_y)};
     return 1.0f - manifold_share(densities);
 }

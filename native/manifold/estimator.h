@@ -47,13 +47,20 @@ inline float manifold_share(const ChainDensities& p) {
     return static_cast<float>(p.manifold / (p.manifold + p.path_tracing));
 }
 
-// Path tracing's share of a chain that it found: from x (scattered with pdf_omega) by `hit` on a
-// caster, whose lobe it took with `lobe_probability`, to the point `end` of a light that it could
-// also have drawn with density `light_pdf` (as LightPoint::pdf). `cos_y` is the cosine at y, 1 for
+// A chain as path tracing runs along it: a smooth scattering at x, then a caster's lobe.
+struct TracedChain {
+    Vec3 x, ng;              // ng on the side of the path that arrived
+    float pdf_omega = 0.0f;  // of the scattering at x
+    SurfaceHit vertex{};     // on the caster
+    Interaction interaction = Interaction::reflection;
+    float lobe_probability = 0.0f;  // of all closures that scatter there, as delta_lobe() states it
+};
+
+// Path tracing's share of a chain that it found, to the point `end` of a light that it could also
+// have drawn with density `light_pdf` (as LightPoint::pdf). `cos_y` is the cosine at y, 1 for
 // distant lights.
-float path_tracing_share(const Scene& scene, const CasterSet& casters, const Vec3& x, const Vec3& ng,
-                         float pdf_omega, const SurfaceHit& hit, Interaction interaction,
-                         float lobe_probability, const ChainEnd& end, float cos_y, float light_pdf);
+float path_tracing_share(const Scene& scene, const CasterSet& casters, const TracedChain& chain,
+                         const ChainEnd& end, float cos_y, float light_pdf);
 
 // One estimate of the radiance from `receiver` towards its wo. [Zeltner20 Alg. 2] or, biased, [Alg.
 // 3].

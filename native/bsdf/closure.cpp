@@ -213,6 +213,14 @@ bool has_smooth_closure(const ClosureList& list) {
     return false;
 }
 
+bool has_smooth_transmission(const ClosureList& list) {
+    for (int i = 0; i < list.count; ++i) {
+        const auto* glass = std::get_if<MicrofacetDielectric>(&list.closures[i].kind);
+        if (glass != nullptr && glass->refracts && !is_delta(list.closures[i].kind)) return true;
+    }
+    return false;
+}
+
 void ClosureList::clear() {
     count = 0;
     emission = Spectrum(0.0f);

@@ -105,6 +105,8 @@ struct ClosureList {
 bool is_delta(const ClosureKind& kind);
 // Any closure that next event estimation can connect to.
 bool has_smooth_closure(const ClosureList& list);
+// Any of those that sends light through the surface.
+bool has_smooth_transmission(const ClosureList& list);
 
 // The bounce counters and visibility flags that Blender knows.
 enum class BounceKind : uint8_t { diffuse, glossy, transmission, transparent };

@@ -51,6 +51,7 @@ ImageFile read(const std::string& name, OIIO::ImageInput& input) {
     const OIIO::ImageSpec& spec = input.spec();
     if (spec.width < 1 || spec.height < 1 || spec.nchannels < 1)
         fail_image(ErrorKind::io, name, "has no pixels");
+    if (spec.depth > 1 || spec.deep) fail_image(ErrorKind::io, name, "is not a flat image");
     Image image;
     image.name = name;
     image.width = static_cast<uint32_t>(spec.width);

@@ -54,7 +54,9 @@ struct PathHistory {
 
     void append_smooth(const Surface& surface, float pdf, bool may_receive) {
         stage = Stage::scattered;
-        chain = {.x = surface.p, .ng = surface.ng, .pdf_omega = pdf};
+        chain = {.x = surface.p,
+                 .sides = {surface.ng, has_smooth_transmission(surface.closures)},
+                 .pdf_omega = pdf};
         receiver = may_receive;
         through_caster = false;
     }

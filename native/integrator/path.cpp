@@ -63,25 +63,25 @@ struct PathTracer {
     }
 
     // A lamp without shadow shines through everything: rays, which do not, leave it to those who
-    // connect to it.
-    bool is_left_to_connections(uint32_t lamp) const {
-        if ((light_visibility(world.lights, lamp) & kVisibleShadow) != 0) return false;
-        return history.stage == PathHistory::Stage::scattered ||
-               (history.stage == PathHistory::Stage::chain && scene().lights[lamp].feeds_caustics);
+    // connect to it, if there is one.
+    float weight_of_lamp(uint32_t lamp, float pdf_direct, float pdf_light_point,
+                         const ChainEnd& end, float cos_y) const {
+        const float weight = weight_of(pdf_direct, pdf_light_point, end, cos_y);
+        const bool casts_shadow = (light_visibility(world.lights, lamp) & kVisibleShadow) != 0;
+        return casts_shadow || weight == 1.0f ? weight : 0.0f;
     }
 
     // The world and every sun with a disc, in the direction of a ray that leaves the scene.
     Spectrum emission_from_afar() const {
         Spectrum sum = emission_of_world();
         for (const uint32_t sun : world.lights.disc_suns) {
-            if ((light_visibility(world.lights, sun) & ray_kind) == 0 || is_left_to_connections(sun))
-                continue;
+            if ((light_visibility(world.lights, sun) & ray_kind) == 0) continue;
             const Spectrum radiance =
                 lamp_radiance(world.lights.lamps[sun], Vec3(0.0f), ray.direction * -1.0f);
             if (is_black(radiance)) continue;
-            sum += radiance * weight_of(pdf_direct_sun(world.lights, sun, ray.direction),
-                                        pdf_light_point_sun(world.lights, sun, ray.direction),
-                                        {true, Vec3(0.0f), ray.direction}, 1.0f);
+            sum += radiance * weight_of_lamp(sun, pdf_direct_sun(world.lights, sun, ray.direction),
+                                             pdf_light_point_sun(world.lights, sun, ray.direction),
+                                             {true, Vec3(0.0f), ray.direction}, 1.0f);
         }
         return sum;
     }
@@ -100,7 +100,6 @@ struct PathTracer {
     }
 
     Spectrum emission_of_lamp(const Hit& hit) const {
-        if (is_left_to_connections(hit.light)) return Spectrum(0.0f);
         const Vec3 p = ray.origin + ray.direction * hit.t;
         const Spectrum radiance =
             lamp_radiance(world.lights.lamps[hit.light], p, ray.direction * -1.0f);
@@ -109,14 +108,15 @@ struct PathTracer {
         if (history.stage == PathHistory::Stage::scattered)
             pdf_direct = pdf_direct_lamp(world.lights, history.chain.x, ray.direction, hit);
         if (history.stage == PathHistory::Stage::chain) {
-            const LightDesc& lamp = scene().lights[hit.light];
-            const Vec3 n =
-                lamp.type == LightType::area ? lamp.axis() : normalize(p - lamp.position());
+            const auto* area = std::get_if<AreaLamp>(&world.lights.lamps[hit.light]);
+            const Vec3 n = area != nullptr ? area->normal
+                                           : normalize(p - scene().lights[hit.light].position());
             cos_y = -dot(n, ray.direction);
             // The manifold sees lamps from outside alone.
             if (cos_y > 0.0f) pdf_point = pdf_light_point_lamp(world.lights, hit);
         }
-        return radiance * weight_of(pdf_direct, pdf_point, {false, p, Vec3(0.0f)}, cos_y);
+        return radiance *
+               weight_of_lamp(hit.light, pdf_direct, pdf_point, {false, p, Vec3(0.0f)}, cos_y);
     }
 
     Spectrum emission_of_surface(const Hit& hit, const Surface& surface) const {
@@ -167,11 +167,18 @@ struct PathTracer {
                bounces.leaves_room_for_chain(settings.limits);
     }
 
+    // Throughput included.
     Spectrum caustic_radiance(const Surface& surface, const Sampler& sampler) {
-        return manifold_radiance(scene(), world.lights, world.casters, settings.manifold,
-                                 {surface.p, surface.p_error, surface.ng, surface.wo,
-                                  &surface.closures, bounces.transparent_left(settings.limits)},
-                                 sampler, stats.manifold);
+        ManifoldStats& counts = stats.manifold;
+        const uint64_t capped = counts.capped;
+        const Spectrum caustic =
+            throughput *
+            manifold_radiance(scene(), world.lights, world.casters, settings.manifold,
+                              {surface.p, surface.p_error, surface.ng, surface.wo,
+                               &surface.closures, bounces.transparent_left(settings.limits)},
+                              sampler, counts);
+        if (counts.capped > capped) counts.capped_energy += static_cast<double>(luminance(caustic));
+        return caustic;
     }
 
     // ---- going on; each tells whether the path does
@@ -274,7 +281,7 @@ PathSample path_radiance(const RenderScene& world, const IntegratorSettings& set
         out.radiance += path.throughput * path.direct_radiance(surface, here);
         const bool receives = path.may_receive(surface);
         if (receives) {
-            const Spectrum caustic = path.throughput * path.caustic_radiance(surface, here);
+            const Spectrum caustic = path.caustic_radiance(surface, here);
             out.radiance += caustic;
             out.caustics += caustic;
         }

@@ -66,11 +66,13 @@ void measure_slopes(const Scene& scene, Caster& caster) {
 }
 
 // Bound, up to a factor that is common to all casters, of what a caster throws from `end` at x.
-float contribution_bound(const Caster& caster, const Vec3& x, const Vec3& ng, const ChainEnd& end) {
+float contribution_bound(const Caster& caster, const Vec3& x, const ReceiverSides& sides,
+                         const ChainEnd& end) {
     const Vec3 to_caster = caster.center - x;
-    const Vec3& half = caster.half_extent;
+    const Vec3 &half = caster.half_extent, &ng = sides.ng;
     const float reach = std::abs(half.x * ng.x) + std::abs(half.y * ng.y) + std::abs(half.z * ng.z);
-    if (dot(to_caster, ng) <= -reach) return 0.0f;  // wholly below the horizon
+    const bool wholly_below = dot(to_caster, ng) <= -reach;
+    if (wholly_below && !sides.below) return 0.0f;
     const float r2 = sqr(caster.radius), d2 = length_squared(to_caster);
     float cosine = 1.0f, seen = 1.0f;
     if (d2 > r2) {
@@ -78,7 +80,7 @@ float contribution_bound(const Caster& caster, const Vec3& x, const Vec3& ng, co
                     cos_center = dot(to_caster, ng) / d;
         // Largest cosine inside the sphere's cone.
         const float cos_sphere = safe_sqrt(1.0f - sqr(sin_sphere));
-        if (cos_center < cos_sphere)
+        if (cos_center < cos_sphere && !sides.below)
             cosine = cos_center * cos_sphere + safe_sqrt(1.0f - sqr(cos_center)) * sin_sphere;
         seen = r2 / d2;
     }
@@ -96,10 +98,11 @@ struct BoundSum {
     float total = 0.0f;
     uint32_t possible = 0;
 };
-BoundSum sum_bounds(const CasterSet& set, const Vec3& x, const Vec3& ng, const ChainEnd& end) {
+BoundSum sum_bounds(const CasterSet& set, const Vec3& x, const ReceiverSides& sides,
+                    const ChainEnd& end) {
     BoundSum sum;
     for (const Caster& caster : set.casters) {
-        const float b = contribution_bound(caster, x, ng, end);
+        const float b = contribution_bound(caster, x, sides, end);
         sum.total += b;
         sum.possible += b > 0.0f ? 1 : 0;
     }
@@ -135,14 +138,14 @@ SurfaceHit sample_on(const Caster& caster, Pcg& pcg) {
     return {caster.instance, triangle, b.x, b.y};
 }
 
-CasterChoice choose_caster(const CasterSet& set, const Vec3& x, const Vec3& ng, const ChainEnd& end,
-                           float u) {
-    const BoundSum sum = sum_bounds(set, x, ng, end);
+CasterChoice choose_caster(const CasterSet& set, const Vec3& x, const ReceiverSides& sides,
+                           const ChainEnd& end, float u) {
+    const BoundSum sum = sum_bounds(set, x, sides, end);
     CasterChoice choice;
     float cumulative = 0.0f;
     for (uint32_t i = 0; i < set.casters.size(); ++i) {
         const float probability =
-            probability_from(contribution_bound(set.casters[i], x, ng, end), sum);
+            probability_from(contribution_bound(set.casters[i], x, sides, end), sum);
         if (probability == 0.0f) continue;
         choice = {i, probability};  // the last possible one also takes what rounding leaves over
         cumulative += probability;
@@ -151,10 +154,10 @@ CasterChoice choose_caster(const CasterSet& set, const Vec3& x, const Vec3& ng, 
     return choice;
 }
 
-float caster_probability(const CasterSet& set, uint32_t caster, const Vec3& x, const Vec3& ng,
-                         const ChainEnd& end) {
-    return probability_from(contribution_bound(set.casters[caster], x, ng, end),
-                            sum_bounds(set, x, ng, end));
+float caster_probability(const CasterSet& set, uint32_t caster, const Vec3& x,
+                         const ReceiverSides& sides, const ChainEnd& end) {
+    return probability_from(contribution_bound(set.casters[caster], x, sides, end),
+                            sum_bounds(set, x, sides, end));
 }
 
 }  // namespace spc

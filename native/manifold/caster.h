@@ -31,17 +31,22 @@ CasterSet build_casters(const Scene& scene);
 // A point uniform over the caster's specular area.
 SurfaceHit sample_on(const Caster& caster, Pcg& pcg);
 
-// Chance that an estimate at x (on the side of `ng`) towards `end` walks on each caster: in
-// proportion to a bound of the light that the caster can throw at x, with a floor so that no caster
-// that may contribute is ever left out. Casters wholly below the horizon of x get zero: they
-// contribute nothing.
+// Where light can arrive at a receiver.
+struct ReceiverSides {
+    Vec3 ng;
+    bool below;  // from below the horizon of `ng` too: the receiver transmits smoothly
+};
+
+// Chance that an estimate at x towards `end` walks on each caster: in proportion to a bound of the
+// light that the caster can throw at x, with a floor so that no caster that may contribute is ever
+// left out. Casters wholly below a horizon that counts get zero: they contribute nothing.
 struct CasterChoice {
     uint32_t index = kNone;  // kNone: no caster can contribute
     float probability = 0.0f;
 };
-CasterChoice choose_caster(const CasterSet& set, const Vec3& x, const Vec3& ng, const ChainEnd& end,
-                           float u);
-float caster_probability(const CasterSet& set, uint32_t caster, const Vec3& x, const Vec3& ng,
-                         const ChainEnd& end);
+CasterChoice choose_caster(const CasterSet& set, const Vec3& x, const ReceiverSides& sides,
+                           const ChainEnd& end, float u);
+float caster_probability(const CasterSet& set, uint32_t caster, const Vec3& x,
+                         const ReceiverSides& sides, const ChainEnd& end);
 
 }  // namespace spc

@@ -5,7 +5,14 @@ namespace spc {
 
 namespace {
 
+// Of a segment that touches a surface: nearer to grazing the margin would swallow the segment.
+constexpr float kLeastCosine = 1e-3f;
+
 ChainEnd end_of(const LightPoint& y) { return {y.distant, y.p, y.direction}; }
+
+ReceiverSides sides_of(const Receiver& receiver) {
+    return {receiver.ng, has_smooth_transmission(*receiver.closures)};
+}
 
 // |dw/dA_y| with the cosine at y, or per solid angle of a distant or delta light.
 std::optional<double> solid_angle_per_light_measure(const Vec3& x, const ChainRoot& root,
@@ -39,12 +46,8 @@ public:
         const Spectrum value = contribution(*root, caster_probability);
         if (is_black(value)) return value;
         const uint32_t trials = count_trials(query, *root, pcg);
-        const Spectrum estimate = value * static_cast<float>(trials);
-        if (trials >= settings_.trial_cap) {
-            ++stats_.capped;
-            stats_.capped_energy += static_cast<double>(luminance(estimate));
-        }
-        return estimate;
+        if (trials >= settings_.trial_cap) ++stats_.capped;
+        return value * static_cast<float>(trials);
     }
 
     // The sum over the different solutions of a fixed number of walks.
@@ -113,12 +116,23 @@ private:
                           kVisibleDiffuse, transparent_left, stats_.rays, Opaque::casters_too);
         if (is_black(to_vertex) || !casts_shadow()) return to_vertex;
         return to_vertex * transmittance(scene_, {root.patch.p, root.patch.ng, root.patch.p_error},
-                                         end_of(y_), kind, transparent_left, stats_.rays);
+                                         light_end(root), kind, transparent_left, stats_.rays);
+    }
+
+    // An emissive mesh does not block its own light.
+    ChainEnd light_end(const ChainRoot& root) const {
+        ChainEnd end = end_of(y_);
+        if (y_.surface.instance == kNone) return end;
+        const float cosine = std::abs(dot(y_.n, normalize(y_.p - root.patch.p)));
+        end.margin = position_error(scene_, y_.surface.instance, y_.surface.triangle) /
+                     std::max(cosine, kLeastCosine);
+        return end;
     }
 
     ChainEnd vertex_of(const ChainRoot& root) const {
         const float cosine = std::abs(dot(root.patch.ng, normalize(root.patch.p - receiver_.p)));
-        return {false, root.patch.p, Vec3(0.0f), root.patch.p_error / std::max(cosine, 1e-3f)};
+        return {false, root.patch.p, Vec3(0.0f),
+                root.patch.p_error / std::max(cosine, kLeastCosine)};
     }
 
     // Whether occluders stop the light. Where they do not, path tracing leaves the chains to the
@@ -164,7 +178,7 @@ float path_tracing_share(const Scene& scene, const CasterSet& casters, const Tra
                          const ChainEnd& end, float cos_y, float light_pdf) {
     if (!(light_pdf > 0.0f)) return 1.0f;
     const uint32_t index = casters.of_instance[chain.vertex.instance];
-    const float caster = caster_probability(casters, index, chain.x, chain.ng, end);
+    const float caster = caster_probability(casters, index, chain.x, chain.sides, end);
     if (!(caster > 0.0f)) return 1.0f;
     const CasterPatch patch = evaluate_caster(scene, chain.vertex, false);
     const float eta =
@@ -184,7 +198,7 @@ Spectrum manifold_radiance(const Scene& scene, const LightSet& lights, const Cas
     const std::optional<LightPoint> y =
         sample_light_point(lights, scene, sampler[Domain::manifold_light].three());
     if (!y) return Spectrum(0.0f);
-    const CasterChoice choice = choose_caster(casters, receiver.p, receiver.ng, end_of(*y),
+    const CasterChoice choice = choose_caster(casters, receiver.p, sides_of(receiver), end_of(*y),
                                               sampler[Domain::manifold_caster].one());
     if (choice.index == kNone) return Spectrum(0.0f);
 

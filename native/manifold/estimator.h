@@ -49,7 +49,8 @@ inline float manifold_share(const ChainDensities& p) {
 
 // A chain as path tracing runs along it: a smooth scattering at x, then a caster's lobe.
 struct TracedChain {
-    Vec3 x, ng;              // ng on the side of the path that arrived
+    Vec3 x;
+    ReceiverSides sides{};   // of x, by the side of the path that arrived
     float pdf_omega = 0.0f;  // of the scattering at x
     SurfaceHit vertex{};     // on the caster
     Interaction interaction = Interaction::reflection;

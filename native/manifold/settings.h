@@ -40,7 +40,7 @@ struct ManifoldStats {
     uint64_t trials = 0;
     uint64_t max_trials = 0;
     uint64_t capped = 0;
-    double capped_energy = 0.0;
+    double capped_energy = 0.0;  // luminance that capped estimates gave to their pixels
 };
 
 }  // namespace spc

@@ -157,9 +157,10 @@ FilmSample Session::take_sample(uint32_t x, uint32_t y, uint32_t index, RenderSt
                                static_cast<float>(y) + 0.5f + offset.y);
     PathSample path = path_radiance(world_, settings_.integrator, ray, sampler, stats.path);
     ++stats.samples;
-    if (!is_finite(path.radiance) || !is_finite(path.caustics)) {
+    if (!is_finite(path.radiance) || !is_finite(path.caustics) || !is_finite(path.position) ||
+        !is_finite(path.normal) || !std::isfinite(path.alpha)) {
         ++stats.nan_samples;
-        path.radiance = path.caustics = Spectrum(0.0f);
+        path = PathSample{};
     }
     stats.manifold_energy += static_cast<double>(luminance(path.caustics));
     return {path.radiance, path.caustics, path.position,

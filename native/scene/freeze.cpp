@@ -92,14 +92,14 @@ void assign_caustics_roles(Scene& scene) {
     for (Instance& instance : scene.instances) {
         const CausticsRole role = instance.role;
         // Chains stand for paths of scattered rays: what hides from those casts nothing.
-        constexpr uint32_t kScattered = kVisibleDiffuse | kVisibleGlossy;
+        constexpr uint32_t kScattered = kVisibleDiffuse | kVisibleGlossy | kVisibleTransmission;
         const bool seen = (instance.visibility & kScattered) == kScattered;
         const bool asked = role == CausticsRole::automatic || role == CausticsRole::caster ||
                            role == CausticsRole::both;
         const bool may_cast = asked && seen;
         const bool may_receive = role == CausticsRole::automatic ||
                                  role == CausticsRole::receiver || role == CausticsRole::both;
-        std::string why, why_not = seen ? "" : "hidden from diffuse or glossy rays";
+        std::string why, why_not = seen ? "" : "hidden from diffuse, glossy or transmission rays";
         for (const uint32_t index : instance.materials) {
             const Material& material = scene.materials[index];
             const bool specular = material.specular.reflects || material.specular.refracts;

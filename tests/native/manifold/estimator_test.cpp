@@ -156,7 +156,7 @@ TEST(CasterChoice, FollowsItsProbabilities) {
         double sum = 0.0;
         std::vector<double> expected;
         for (uint32_t i = 0; i < 100; ++i) {
-            expected.push_back(double(caster_probability(world.casters, i, x, ng, end)));
+            expected.push_back(double(caster_probability(world.casters, i, x, {ng, false}, end)));
             sum += expected.back();
             // Only what lies wholly below the horizon may be left out.
             const Caster& caster = world.casters.casters[i];
@@ -169,7 +169,7 @@ TEST(CasterChoice, FollowsItsProbabilities) {
         constexpr int kDraws = 200000;
         for (int k = 0; k < kDraws; ++k) {
             const CasterChoice choice =
-                choose_caster(world.casters, x, ng, end, (float(k) + 0.5f) / kDraws);
+                choose_caster(world.casters, x, {ng, false}, end, (float(k) + 0.5f) / kDraws);
             ASSERT_NE(choice.index, kNone);
             EXPECT_FLOAT_EQ(choice.probability, float(expected[choice.index]));
             ++counts[choice.index];

@@ -46,11 +46,14 @@ std::vector<LightCase> finite_lights() {
     rectangle.size = Vec2(0.7f, 0.4f);
     LightDesc ellipse = rectangle;
     ellipse.shape = AreaShape::ellipse;
+    LightDesc sheared = rectangle;  // its -Z axis is no longer its normal
+    for (Vec3& row : sheared.to_world.row) row.z += 0.6f * row.x;
     return {lamp_case("sphere", point),
             lamp_case("spot", spot),
             lamp_case("sun", sun),
             lamp_case("rectangle", rectangle),
             lamp_case("ellipse", ellipse),
+            lamp_case("sheared rectangle", sheared),
             {"emissive mesh",
              [](SceneMaker& maker) {
                  maker.add(test::flat(test::square(0.3f)), test::emission(20.0f),
@@ -93,6 +96,25 @@ TEST(ManifoldEstimatorSlow, AgreesWithPathTracingForEveryLight) {
                 << light.name << " feeds no caustics";
         }
     }
+}
+
+// Frosted glass seen from below scatters what a sheet of clear glass above it refracts.
+TEST(ManifoldEstimatorSlow, ReachesReceiversThroughTheirBack) {
+    SceneMaker maker;
+    maker.add(test::square(4.0f), test::refraction(1.3f, 0.4f), {}, CausticsRole::receiver);
+    maker.add(test::square(4.0f), test::refraction(1.4f), test::translation(Vec3(0.0f, 0.0f, 0.6f)),
+              CausticsRole::caster);
+    LightDesc large = lamp(LightType::point, 100.0f);
+    large.radius = 0.3f;
+    maker.builder.add_light(large);
+    const RenderScene world = maker.finish();
+    const Ray from_below = test::ray_to({0.0f, -0.5f, -1.5f}, {0.3f, 0.1f, 0.0f});
+    const test::RadianceEstimate expected =
+        test::estimate(world, test::unlimited(), 1000000, from_below);
+    const test::RadianceEstimate actual =
+        test::estimate(world, test::unlimited(test::unbiased_manifold()), 100000, from_below, 2);
+    EXPECT_TRUE(test::same_mean(actual.radiance, expected.radiance, kFamily));
+    EXPECT_GT(actual.caustics.mean(), 0.3 * actual.radiance.mean());
 }
 
 // The same comparison must notice when the manifold's share is wrong by a twentieth.

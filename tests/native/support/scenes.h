@@ -32,10 +32,10 @@ inline Graph mirror() {
     return single_shader("bsdf_glossy",
                          {{1, "Color", {1, 1, 1, 1}}, {1, "Roughness", {0, 0, 0, 0}}});
 }
-inline Graph refraction(float ior) {
-    return single_shader(
-        "bsdf_refraction",
-        {{1, "Color", {1, 1, 1, 1}}, {1, "Roughness", {0, 0, 0, 0}}, {1, "IOR", {ior, 0, 0, 0}}});
+inline Graph refraction(float ior, float roughness = 0.0f) {
+    return single_shader("bsdf_refraction", {{1, "Color", {1, 1, 1, 1}},
+                                             {1, "Roughness", {roughness, 0, 0, 0}},
+                                             {1, "IOR", {ior, 0, 0, 0}}});
 }
 inline Graph glass(float ior) {
     return single_shader(

@@ -125,6 +125,14 @@ def test_time_to_a_target_is_interpolated_never_extrapolated(target, text):
     assert _metrics.time_to_reach(target, [1.0, 2.0, 4.0], [1.0, 0.5, 0.25]) == text
 
 
+@pytest.mark.parametrize(
+    ("values", "text"),
+    [([2.0, -0.1], "< 2"), ([2.0, -0.1, 0.1], "< 2"), ([-0.1, 2.0], "< 1"), ([2.0, 0.0], "< 2")],
+)
+def test_an_error_below_the_references_has_reached_the_target(values, text):
+    assert _metrics.time_to_reach(0.5, [1.0, 2.0, 4.0][: len(values)], values) == text
+
+
 def test_estimate_over_seeds():
     found = _metrics.estimate([1.0, 2.0, 3.0])
     assert (found.mean, found.count) == (2.0, 3)

@@ -208,7 +208,7 @@ def _work_table(scene: SceneResult, budget: float) -> str:
     head += [
         "walks that<br>succeed",
         "Bernoulli<br>trials",
-        "energy lost<br>to caps",
+        "share of capped<br>estimates",
         "peak<br>memory",
     ]
     rows = [

@@ -115,12 +115,13 @@ class SceneResult:
         return errors[1].mse / errors[0].mse
 
     def best_of(self, family: str, region: str, budget: float) -> str | None:
-        """The charted method of a renderer with the smallest error."""
+        """The charted method of a renderer with the smallest error that can be compared."""
         found = {
             name: point.regions[region].mse
             for name, curve in self.curves.items()
             if METHODS[name].family == family and curve.charted
-            if (point := curve.at(budget)) and region in point.regions
+            if (point := curve.at(budget)) and point.in_time
+            if region in point.regions and point.regions[region].measurable()
         }
         return min(found, key=found.get) if found else None
 

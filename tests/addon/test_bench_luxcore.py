@@ -231,7 +231,25 @@ def test_the_view_width_is_measured_at_the_casters():
     behind[2, 3] = -4.0
     role = desc.CausticsRole.CASTER
     base.instances.append(desc.InstanceDesc("Far", 0, behind, [0], caustics_role=role))
-    assert _luxcore.view_width(base) == pytest.approx(4.0)
+    assert _luxcore.view_width(base, Translation()) == pytest.approx(4.0)
+
+
+@pytest.mark.parametrize(
+    ("kind", "role", "casts"),
+    [
+        ("bsdf_glossy", desc.CausticsRole.AUTO, True),
+        ("bsdf_glass", desc.CausticsRole.AUTO, True),
+        ("bsdf_diffuse", desc.CausticsRole.AUTO, False),
+        ("bsdf_glossy", desc.CausticsRole.OFF, False),
+        ("bsdf_glossy", desc.CausticsRole.RECEIVER, False),
+        ("bsdf_diffuse", desc.CausticsRole.CASTER, True),
+    ],
+)
+def test_mirrors_and_glass_cast_unless_told_otherwise(kind, role, casts):
+    shader = desc.NodeDesc("Shader", kind, inputs={"Roughness": scalar(0.0)})
+    base = scene([shader], [desc.LinkDesc(1, "BSDF", 0, "Surface")])
+    base.instances[0].caustics_role = role
+    assert bool(_luxcore.casters(base, _luxcore.translate(base))) == casts
 
 
 def test_corners_become_vertices_of_their_material():

@@ -120,6 +120,15 @@ def test_smooth_metal_is_a_mirror_and_rough_metal_has_facets():
     assert (rough["type"], rough["uroughness"]) == ("metal2", "0.25")
 
 
+def test_rough_metal_reflects_its_color_at_normal_incidence():
+    color = (0.9, 0.5, 0.0)
+    inputs = {"Color": (*color, 1.0), "Roughness": scalar(0.5)}
+    found = shaded("bsdf_glossy", inputs)
+    n, k = (np.array(found[key].split(), float) for key in "nk")
+    reflected = ((n - 1.0) ** 2 + k**2) / ((n + 1.0) ** 2 + k**2)
+    assert reflected == pytest.approx(color)
+
+
 def test_a_plastic_reflects_at_normal_incidence_what_its_ior_says():
     found = shaded("bsdf_principled", {"IOR": scalar(1.5), "Specular IOR Level": scalar(0.5)})
     assert found["type"] == "glossy2"

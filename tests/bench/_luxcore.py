@@ -21,8 +21,8 @@ DIFFERENT_MODELS = {
     " lets it pass and Specula stops it: the rim of the glass sphere is 10 to 50% brighter in"
     " LuxCore, the whole picture 1 to 2%",
     "cornell": "LuxCore's rough metal shadows its facets by Schlick's approximation and draws them"
-    " from a density without their cosine: the metal box is 2 to 12% darker in LuxCore, the whole"
-    " picture 1 to 2%",
+    " from a density without their cosine: the metal box is up to about 12% darker in LuxCore, the"
+    " whole picture 2 to 3%",
 }
 
 SPECULAR = ("mirror", "glass")  # LuxCore's materials

@@ -20,6 +20,8 @@ TIME_TOLERANCE = 0.05  # within which two times are equal
 BUDGET_TOLERANCE = TIME_TOLERANCE / 2.0  # two of them may be off in opposite directions
 # From where on another renderer's mean is that of another model, not noise.
 MODEL_DIFFERENCE, MODEL_STRUCTURE, MODEL_Z = 0.02, 0.05, 4.0
+# The regions that are shown, of those that a scene has.
+REGION_TITLES = {"image": "whole image", "caustics": "caustics"}
 REFERENCE_FACTOR = 20.0  # by which a reference's error is to be below what is measured
 
 

@@ -23,6 +23,7 @@ import numpy as np  # noqa: E402
 import pyluxcore  # noqa: E402
 
 from tests.bench import _description, _luxcore  # noqa: E402
+from tests.bench._machine import peak_memory  # noqa: E402
 
 POLL = 0.02  # s between looks at the clock
 BOUNCES = 12  # as the example scenes have it
@@ -129,12 +130,6 @@ def render(scene, view_width: float, job: dict) -> tuple[np.ndarray, float, floa
     seconds = time.perf_counter() - start
     session.Stop()
     return pixels.reshape(height, width, 3), seconds, samples
-
-
-def peak_memory() -> int:
-    """Bytes that this process has had at most."""
-    status = Path("/proc/self/status").read_text()
-    return 1024 * int(status.split("VmHWM:")[1].split()[0])
 
 
 def measure(job: dict) -> dict:

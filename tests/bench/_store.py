@@ -115,6 +115,7 @@ def _path(task: Task) -> Path:
 def program_digest(family: str) -> str:
     """Of all that an image of this family depends on beside the scene and the job."""
     scripts = [_children.HERE / FAMILIES[family].script, _children.HERE / "_render_job.py"]
+    scripts.append(ROOT / "tests" / "images" / "_render.py")
     if family == "specula":
         return specula_digest(scripts)
     if family == "luxcore":

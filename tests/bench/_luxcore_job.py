@@ -5,7 +5,8 @@ The last argument is a JSON file, the job: `description` (what _export_job.py wr
 METHODS), `size` ([width, height], pixels; the description's), `threads`, `seconds` (of rendering),
 `seed`, `image` (.npy to write: (H, W, 3) float32, linear Rec.709, W/m^2/sr, bottom row first),
 `result` (JSON file to write: `load_seconds`, `render_seconds`, `samples` per pixel, `peak_memory`
-in bytes; or `untranslated` alone, why LuxCore cannot show the scene); optionally `bounces` and `filter` ("BLACKMAN_HARRIS" or "BOX").
+in bytes; or `untranslated` alone, why LuxCore cannot show the scene); optionally `bounces` and
+`filter` ("BLACKMAN_HARRIS" or "BOX").
 """
 
 from __future__ import annotations

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import os
+from typing import NoReturn
 
 from tools import host, setup, venvs
 from tools.common import PYTHON, ROOT, DevError

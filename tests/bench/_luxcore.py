@@ -15,8 +15,8 @@ from tests.bench._description import desc
 from tests.bench._luxcore_materials import Materials, add_world, value
 from tests.bench._luxcore_textures import Translation, UntranslatedError
 
-# Scenes of blend_scenes/ in which LuxCore, fully converged, differs from Specula in more than noise,
-# and why.
+# Scenes of blend_scenes/ in which LuxCore, fully converged, differs from Specula in more than
+# noise, and why.
 DIFFERENT_MODELS = {
     "refractive_sphere": "where a mapped normal sends light through the geometric surface, LuxCore"
     " lets it pass and Specula stops it: the rim of the glass sphere is 10 to 50% brighter in"

@@ -21,7 +21,6 @@ COMMANDS = {
         "bench",
         "[NAME] ARGS: error against time, or the benchmark tests/bench/NAME.py",
     ),
-    "stability": ("studies", "stability", "ARGS: run tests/stability/run.py"),
     "package": ("package", "main", "zip the addon as artists install it"),
     "blender": ("host", "blender", "ARGS: Debian's Blender with the addon enabled from the tree"),
     "bpy": ("host", "bpy", "[--version V] SCRIPT ARGS: a script in today's Blender, addon enabled"),

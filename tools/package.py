@@ -48,15 +48,13 @@ def contents(libraries: Path) -> dict[str, bytes]:
 def write_zip(target: Path, files: dict[str, bytes]) -> None:
     """Write `files` sorted and without anything that differs between two runs."""
     target.parent.mkdir(parents=True, exist_ok=True)
-    partial = target.with_suffix(".partial")
-    with zipfile.ZipFile(partial, "w", zipfile.ZIP_DEFLATED) as archive:
+    with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as archive:
         for name in sorted(files):
             entry = zipfile.ZipInfo(name, TIMESTAMP)
             entry.compress_type = zipfile.ZIP_DEFLATED
             entry.create_system = 3  # Unix, which the permissions are written for
             entry.external_attr = (0o755 if name.startswith("specula/lib/") else 0o644) << 16
             archive.writestr(entry, files[name])
-    partial.replace(target)
 
 
 def main(argv: list[str]) -> int:
@@ -71,7 +69,9 @@ def main(argv: list[str]) -> int:
     version = addon_version()
     setup.ensure("package")
     target = folder.resolve() / f"specula-{version}.zip"
-    write_zip(target, contents(build("portable")))
-    bundle.check(target)
+    partial = target.with_suffix(".partial")
+    write_zip(partial, contents(build("portable")))
+    bundle.check(partial)
+    partial.replace(target)  # an earlier package stays until this one is known to be whole
     print(target)
     return 0

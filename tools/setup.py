@@ -15,7 +15,7 @@ PACKAGES = {
         *("g++", "cmake", "ninja-build", "ccache"),
         "make",  # GCC runs the link-time optimiser in parallel through it
         *("libembree-dev", "libopenimageio-dev", "libimath-dev", "libopenexr-dev"),
-        *("libfmt-dev", "libcli11-dev"),
+        "libfmt-dev",
         "openimageio-tools",  # libopenimageio-dev's CMake files insist on its programs
     ],
     # libgl1-mesa-dri: software OpenGL, for machines without a graphics card.
@@ -31,7 +31,6 @@ PACKAGES = {
         *("python3-pytest", "python3-numpy", "python3-openimageio", "openimageio-tools"),
         *("xvfb", "xauth"),
     ],
-    "charts": ["python3-numpy", "python3-matplotlib", "python3-openimageio", "openimageio-tools"],
     "quality": ["python3-venv", "clang-tidy"],
 }
 
@@ -48,7 +47,6 @@ COMMAND_NEEDS = {
     "test bpy": ["build", "bpy"],
     "test images": ["build", "blender", "bpy", "python tests"],
     "bench": ["build", "blender", "bpy"],
-    "stability": ["build", "blender", "bpy", "charts"],
     "format": ["quality"],
     "lint": ["build", "native tests", "quality"],
 }

@@ -1,14 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What `./dev bench` makes of images and times, and the order in which it renders."""
 
-from types import SimpleNamespace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from tests.bench import _metrics, _schedule
+from tests.bench import _metrics, _schedule, _store
+from tests.bench._luxcore_textures import UntranslatedError
 from tests.bench._methods import GROUPS, METHODS
 from tests.bench._metrics import Slope
+from tests.bench._ratios import MeasurementError
+from tests.bench._scenes import BLENDS, Scene
 
 SHAPE = (64, 64, 3)
 
@@ -125,6 +128,14 @@ def test_time_to_a_target_is_interpolated_never_extrapolated(target, text):
     assert _metrics.time_to_reach(target, [1.0, 2.0, 4.0], [1.0, 0.5, 0.25]) == text
 
 
+@pytest.mark.parametrize(
+    ("values", "text"),
+    [([2.0, -0.1], "< 2"), ([2.0, -0.1, 0.1], "< 2"), ([-0.1, 2.0], "< 1"), ([2.0, 0.0], "< 2")],
+)
+def test_an_error_below_the_references_has_reached_the_target(values, text):
+    assert _metrics.time_to_reach(0.5, [1.0, 2.0, 4.0][: len(values)], values) == text
+
+
 def test_estimate_over_seeds():
     found = _metrics.estimate([1.0, 2.0, 3.0])
     assert (found.mean, found.count) == (2.0, 3)
@@ -147,7 +158,7 @@ def test_display_is_srgb():
 
 
 def test_everything_takes_turns_and_seeds_end_one_by_one():
-    scenes = [SimpleNamespace(name="a"), SimpleNamespace(name="b")]
+    scenes = [Scene(name, Path(f"{name}.blend"), None) for name in "ab"]
     methods = ("pt", "sms", "lux-light")
     tasks = _schedule.plan(scenes, methods, (1.0, 2.0), (1, 2), 2)
     keys = [(task.seed, task.budget, task.scene.name, task.method) for task in tasks]
@@ -157,13 +168,39 @@ def test_everything_takes_turns_and_seeds_end_one_by_one():
 
 
 def test_what_renders_something_else_is_not_rendered():
-    scenes = [SimpleNamespace(name="cornell"), SimpleNamespace(name="ring")]
+    scenes = [Scene(name, BLENDS / f"{name}.blend", None) for name in ("cornell", "ring")]
     tasks = _schedule.plan(scenes, ("sms", "lux-light"), (1.0,), (1,), 2)
     assert [(task.scene.name, task.method) for task in tasks] == [
         ("cornell", "sms"),
         ("ring", "lux-light"),
         ("ring", "sms"),
     ]
+
+
+def test_a_scene_of_the_users_by_the_same_name_is_rendered(tmp_path):
+    scene = Scene("cornell", tmp_path / "cornell.blend", None)
+    assert len(_schedule.plan([scene], ("lux-light",), (1.0,), (1,), 2)) == 1
+
+
+def test_what_cannot_be_shown_is_no_failure(monkeypatch):
+    errors = {"lux-light": UntranslatedError("a sun"), "sms": MeasurementError("a crash")}
+    rendered = []
+
+    def render(task):
+        rendered.append(task)
+        if task.method in errors:
+            raise errors[task.method]
+        return "record"
+
+    monkeypatch.setattr(_store, "find", lambda task: None)
+    monkeypatch.setattr(_store, "render", render)
+    scene = Scene("box", Path("box.blend"), None)
+    tasks = _schedule.plan([scene], ("pt", "sms", "lux-light"), (1.0, 2.0), (1,), 2)
+    outcome = _schedule.render_all(tasks)
+    assert [task.method for task in outcome.records] == ["pt", "pt"]
+    assert outcome.failures == {("box", "sms"): "a crash"}
+    assert outcome.untranslated == {("box", "lux-light"): "a sun"}
+    assert len(rendered) == 4  # what failed is not tried again
 
 
 def test_methods_fit_into_their_charts():

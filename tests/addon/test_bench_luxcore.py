@@ -120,6 +120,15 @@ def test_smooth_metal_is_a_mirror_and_rough_metal_has_facets():
     assert (rough["type"], rough["uroughness"]) == ("metal2", "0.25")
 
 
+def test_rough_metal_reflects_its_color_at_normal_incidence():
+    color = (0.9, 0.5, 0.0)
+    inputs = {"Color": (*color, 1.0), "Roughness": scalar(0.5)}
+    found = shaded("bsdf_glossy", inputs)
+    n, k = (np.array(found[key].split(), float) for key in "nk")
+    reflected = ((n - 1.0) ** 2 + k**2) / ((n + 1.0) ** 2 + k**2)
+    assert reflected == pytest.approx(color)
+
+
 def test_a_plastic_reflects_at_normal_incidence_what_its_ior_says():
     found = shaded("bsdf_principled", {"IOR": scalar(1.5), "Specular IOR Level": scalar(0.5)})
     assert found["type"] == "glossy2"
@@ -231,7 +240,25 @@ def test_the_view_width_is_measured_at_the_casters():
     behind[2, 3] = -4.0
     role = desc.CausticsRole.CASTER
     base.instances.append(desc.InstanceDesc("Far", 0, behind, [0], caustics_role=role))
-    assert _luxcore.view_width(base) == pytest.approx(4.0)
+    assert _luxcore.view_width(base, Translation()) == pytest.approx(4.0)
+
+
+@pytest.mark.parametrize(
+    ("kind", "role", "casts"),
+    [
+        ("bsdf_glossy", desc.CausticsRole.AUTO, True),
+        ("bsdf_glass", desc.CausticsRole.AUTO, True),
+        ("bsdf_diffuse", desc.CausticsRole.AUTO, False),
+        ("bsdf_glossy", desc.CausticsRole.OFF, False),
+        ("bsdf_glossy", desc.CausticsRole.RECEIVER, False),
+        ("bsdf_diffuse", desc.CausticsRole.CASTER, True),
+    ],
+)
+def test_mirrors_and_glass_cast_unless_told_otherwise(kind, role, casts):
+    shader = desc.NodeDesc("Shader", kind, inputs={"Roughness": scalar(0.0)})
+    base = scene([shader], [desc.LinkDesc(1, "BSDF", 0, "Surface")])
+    base.instances[0].caustics_role = role
+    assert bool(_luxcore.casters(base, _luxcore.translate(base))) == casts
 
 
 def test_corners_become_vertices_of_their_material():

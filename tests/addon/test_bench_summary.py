@@ -68,6 +68,14 @@ def test_nothing_is_compared_that_was_not_measured():
         assert result.equal_time(*pair, "image", BUDGET) is None
 
 
+@pytest.mark.parametrize("change", [{"mse": -1e-6}, {"mse": 0.5, "seconds": 1.2 * BUDGET}])
+def test_the_best_of_a_renderer_can_be_compared(change):
+    result = scene(lux_light=[point(mse=2.0)], lux_cache=[point(**change)])
+    assert result.best_of("luxcore", "image", BUDGET) == "lux-light"
+    alone = scene(lux_cache=[point(**change)])
+    assert alone.best_of("luxcore", "image", BUDGET) is None
+
+
 FLAT = SimpleNamespace(  # of mean 2 and variance 0.01
     regions={"image": None, "caustics": None, "rest": None},
     reference=SimpleNamespace(mean=np.full((4, 4, 3), 2.0), variance=np.full((4, 4, 3), 0.01)),
@@ -129,6 +137,12 @@ def falling(exponent, budgets=(2.0, 4.0, 8.0), **errors):
 
 def test_a_sound_measurement_passes_all_checks():
     assert failing(scene(pt=falling(-1.0, shared=(5e-5, 1e-3)))) == []
+
+
+def test_a_point_with_a_single_seed_does_not_hide_what_others_share():
+    points = falling(-1.0, budgets=(4.0, BUDGET), shared=(0.02, 1e-3))
+    points[0].regions["image"] = dataclasses.replace(points[0].regions["image"], shared=None)
+    assert any("seeds" in name for name in failing(scene(pt=points)))
 
 
 @pytest.mark.parametrize(("exponent", "passes"), [(-0.9, False), (-1.1, True), (-1.8, False)])

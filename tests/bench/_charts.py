@@ -17,10 +17,9 @@ from matplotlib.ticker import FuncFormatter, NullFormatter
 
 from tests.bench._methods import GROUPS, METHODS
 from tests.bench._metrics import display
-from tests.bench._summary import REFERENCE_FACTOR, Curve, SceneResult
+from tests.bench._summary import REFERENCE_FACTOR, REGION_TITLES, Curve, SceneResult
 
 PANEL_WIDTH, HEIGHT = 5.2, 4.4  # inches
-REGION_TITLES = {"image": "whole image", "caustics": "caustics only"}
 STYLE = {
     "font.size": 10,
     "axes.spines.top": False,

@@ -66,16 +66,16 @@ def _seeds(scenes: Sequence[SceneResult]) -> Iterator[Check]:
     """Over independent images it must hold to the letter: the MSE of the mean of n seeds is 1/n of
     theirs. Then they share nothing but the reference's own error, of which a bound is stored."""
     for title, scene, points in _path_traced(scenes):
-        found = [p.regions["image"].shared for p in points]
-        found = [shared for shared in found if shared]
+        found = [errors for p in points if (errors := p.regions["image"]).shared]
         if not found:
             continue
         bound = scene.reference["mse"]["image"]
         passed = all(
-            -SHARED_Z * error <= shared <= bound + SHARED_Z * error for shared, error in found
+            -SHARED_Z * error <= shared <= bound + SHARED_Z * error
+            for shared, error in (errors.shared for errors in found)
         )
-        shares = (p.regions["image"].shared[0] / p.regions["image"].mse for p in points)
-        text = f"seeds share at most {max(shares):.1%} of their error"
+        largest = max(errors.shared[0] / errors.mse for errors in found)
+        text = f"seeds share at most {largest:.1%} of their error"
         yield Check(f"{title}: the error of a mean of n seeds is 1/n of theirs", passed, text)
 
 

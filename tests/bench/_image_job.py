@@ -18,12 +18,13 @@ import re
 import sys
 import time
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import bpy
 import numpy as np
 
+from tests.bench._machine import peak_memory
 from tests.bench._render_job import prepare
+from tests.images._render import render_result
 
 ENDLESS = 1 << 20  # samples: time ends the render
 TIME_TOLERANCE = 0.025  # of the budget: two methods are then within 5 % of each other
@@ -121,27 +122,8 @@ def configure(scene, job: dict) -> None:
 
 
 def write_image(scene, path: str) -> None:
-    """The last render, by way of a file: the render result has no pixels."""
-    settings = scene.render.image_settings
-    settings.file_format, settings.color_depth = "OPEN_EXR", "32"
-    exr = f"{path}.exr"
-    bpy.data.images["Render Result"].save_render(exr, scene=scene)
-    image = bpy.data.images.load(exr)
-    image.colorspace_settings.name = "Non-Color"
-    width, height = image.size
-    pixels = np.empty(width * height * image.channels, np.float32)
-    image.pixels.foreach_get(pixels)
-    os.remove(exr)
-    pixels = pixels.reshape(height, width, image.channels)[..., :3]
-    np.save(path, np.ascontiguousarray(pixels))
-
-
-def peak_memory() -> int:
-    """Bytes, of this process."""
-    for line in Path("/proc/self/status").read_text().splitlines():
-        if line.startswith("VmHWM:"):
-            return int(line.split()[1]) * 1024
-    raise RuntimeError("no VmHWM in /proc/self/status")
+    """The last render."""
+    np.save(path, render_result(scene, path).astype(np.float32))
 
 
 def main(job: dict) -> None:

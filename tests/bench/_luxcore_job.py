@@ -5,7 +5,8 @@ The last argument is a JSON file, the job: `description` (what _export_job.py wr
 METHODS), `size` ([width, height], pixels; the description's), `threads`, `seconds` (of rendering),
 `seed`, `image` (.npy to write: (H, W, 3) float32, linear Rec.709, W/m^2/sr, bottom row first),
 `result` (JSON file to write: `load_seconds`, `render_seconds`, `samples` per pixel, `peak_memory`
-in bytes); optionally `bounces` and `filter` ("BLACKMAN_HARRIS" or "BOX").
+in bytes; or `untranslated` alone, why LuxCore cannot show the scene); optionally `bounces` and
+`filter` ("BLACKMAN_HARRIS" or "BOX").
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ import numpy as np  # noqa: E402
 import pyluxcore  # noqa: E402
 
 from tests.bench import _description, _luxcore  # noqa: E402
+from tests.bench._machine import peak_memory  # noqa: E402
 
 POLL = 0.02  # s between looks at the clock
 BOUNCES = 12  # as the example scenes have it
@@ -131,30 +133,33 @@ def render(scene, view_width: float, job: dict) -> tuple[np.ndarray, float, floa
     return pixels.reshape(height, width, 3), seconds, samples
 
 
-def peak_memory() -> int:
-    """Bytes that this process has had at most."""
-    status = Path("/proc/self/status").read_text()
-    return 1024 * int(status.split("VmHWM:")[1].split()[0])
-
-
-def main(job: dict) -> None:
-    # LuxCore traces photons on all processors that it sees, whatever its settings say.
-    os.sched_setaffinity(0, sorted(os.sched_getaffinity(0))[: job["threads"]])
+def measure(job: dict) -> dict:
+    """Renders; the report."""
     start = time.perf_counter()
     pyluxcore.Init()
     description = _description.load(job["description"])
-    if job["method"] == "lux-cache" and not _luxcore.casters(description):
+    translation = _luxcore.translate(description)
+    if job["method"] == "lux-cache" and not _luxcore.casters(description, translation):
         raise _luxcore.UntranslatedError("without casters a cache for caustics stays empty")
-    scene = build(_luxcore.translate(description))
+    scene = build(translation)
     load_seconds = time.perf_counter() - start
-    pixels, seconds, samples = render(scene, _luxcore.view_width(description), job)
+    pixels, seconds, samples = render(scene, _luxcore.view_width(description, translation), job)
     np.save(job["image"], pixels)
-    report = {
+    return {
         "load_seconds": load_seconds,
         "render_seconds": seconds,
         "samples": samples,
         "peak_memory": peak_memory(),
     }
+
+
+def main(job: dict) -> None:
+    # LuxCore traces photons on all processors that it sees, whatever its settings say.
+    os.sched_setaffinity(0, sorted(os.sched_getaffinity(0))[: job["threads"]])
+    try:
+        report = measure(job)
+    except _luxcore.UntranslatedError as error:
+        report = {"untranslated": str(error)}
     with open(job["result"], "w") as file:
         json.dump(report, file)
 

@@ -157,7 +157,9 @@ def _metal(inputs: Inputs, index: int, color, roughness: float) -> dict:
         raise inputs.fail(index, "rough metal with a texture as its colour is not translated")
     return {
         "type": "metal2",
-        "n": value([(1.0 + math.sqrt(c)) / (1.0 - math.sqrt(min(c, 0.999))) for c in color]),
+        # Of all n and k with the colour at normal incidence, ((n-1)^2 + k^2) / ((n+1)^2 + k^2), a
+        # pair that stays close to it at other angles.
+        "n": value((1.0, 1.0, 1.0)),
         "k": value([2.0 * math.sqrt(c / max(1.0 - c, 1e-3)) for c in color]),
         "uroughness": value(roughness**2),
         "vroughness": value(roughness**2),

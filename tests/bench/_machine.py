@@ -29,6 +29,12 @@ def load_average() -> float:
     return os.getloadavg()[0]
 
 
+def peak_memory() -> int:
+    """Bytes that this process has had at most."""
+    status = Path("/proc/self/status").read_text()
+    return 1024 * int(status.split("VmHWM:")[1].split()[0])
+
+
 @dataclass(frozen=True)
 class CpuTimes:
     """Seconds since some start: of all processors, of those busy, of this process and its ended

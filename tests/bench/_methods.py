@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from tests.bench import _children, _luxcore
+from tests.bench._scenes import Scene
 from tools import venvs
 from tools.common import DevError
 
@@ -196,10 +197,10 @@ QUICK = ("pt", "sms", "biased-16", "cycles-pt", "cycles-mnee", "lux-light")
 SMS, CYCLES = "sms", "cycles-pt"  # what each method is held against, beside the best of LuxCore
 
 
-def other_model(method: str, scene: str) -> str:
+def other_model(method: str, scene: Scene) -> str:
     """Why a method would not render the same thing, by what is known; empty if it would."""
-    if METHODS[method].family == "luxcore":
-        return _luxcore.DIFFERENT_MODELS.get(scene, "")
+    if METHODS[method].family == "luxcore" and scene.is_example:
+        return _luxcore.DIFFERENT_MODELS.get(scene.name, "")
     return ""
 
 

@@ -149,15 +149,18 @@ def log_slope(x: Sequence[float], y: Sequence[float], y_error: Sequence[float]) 
 
 
 def time_to_reach(target: float, times: Sequence[float], values: Sequence[float]) -> str:
-    """When an error that falls over `times` is `target`, in seconds: a number by interpolation of
-    logarithms, or `< ` the first or `> ` the last time; nothing is extrapolated."""
-    if values[0] <= target:
-        return f"< {times[0]:.3g}"
-    for i in range(1, len(values)):
-        if 0.0 < values[i] <= target:
-            share = math.log(values[i - 1] / target) / math.log(values[i - 1] / values[i])
-            return f"{times[i - 1] * (times[i] / times[i - 1]) ** share:.3g}"
-    return f"> {times[-1]:.3g}"
+    """When an error that falls over `times` is `target` > 0, in seconds: a number by interpolation
+    of logarithms, or `> ` the last time if it is never reached; nothing is extrapolated. `< ` a
+    time where that is all there is to say: it is the first one, or the error there, less that of
+    the reference, is not positive and has no logarithm."""
+    reached = next((i for i, value in enumerate(values) if value <= target), None)
+    if reached is None:
+        return f"> {times[-1]:.3g}"
+    if reached == 0 or values[reached] <= 0.0:
+        return f"< {times[reached]:.3g}"
+    before = reached - 1
+    share = math.log(values[before] / target) / math.log(values[before] / values[reached])
+    return f"{times[before] * (times[reached] / times[before]) ** share:.3g}"
 
 
 def caustics_mask(mean: np.ndarray, caustics: np.ndarray) -> np.ndarray:

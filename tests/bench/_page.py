@@ -14,10 +14,9 @@ from tests.bench._checks import Check
 from tests.bench._methods import CYCLES, METHODS, SMS
 from tests.bench._metrics import CAUSTICS_SHARE, WORST
 from tests.bench._standings import BASELINES, standing
-from tests.bench._summary import Curve, Point, SceneResult
+from tests.bench._summary import REGION_TITLES, Curve, Point, SceneResult
 
 TEMPLATE = Path(__file__).resolve().parent / "page.html"
-REGIONS = {"image": "whole image", "caustics": "caustics"}
 NONE = "&ndash;"
 
 
@@ -81,9 +80,9 @@ def _table(head: Sequence[str], rows: Sequence[Sequence[str]], caption: str = ""
 
 def _summary_table(scenes: Sequence[SceneResult], budget: float) -> str:
     """Each method against the three baselines."""
-    shown = [region for region in REGIONS if any(region in scene.regions for scene in scenes)]
+    shown = [region for region in REGION_TITLES if any(region in scene.regions for scene in scenes)]
     head = ["method"]
-    head += [f"{label},<br>{REGIONS[r]}" for label in BASELINES.values() for r in shown]
+    head += [f"{label},<br>{REGION_TITLES[r]}" for label in BASELINES.values() for r in shown]
     rows = []
     for name in dict.fromkeys(name for scene in scenes for name in scene.curves):
         cells = [escape(METHODS[name].full_label)]
@@ -152,7 +151,7 @@ def _scene(
             '<div class="crops">' + "\n".join(map(_figure, pictures)) + "</div>",
             *(
                 _region_table(scene, budget, region)
-                for region in REGIONS
+                for region in REGION_TITLES
                 if region in scene.regions
             ),
             _work_table(scene, budget),
@@ -199,7 +198,7 @@ def _region_table(scene: SceneResult, budget: float, region: str) -> str:
             escape(curve.time_to_target[region]) if region in curve.time_to_target else NONE
         )
         rows.append(cells)
-    return _table(head, rows, f"Errors at equal time, {budget:g} s, {REGIONS[region]}")
+    return _table(head, rows, f"Errors at equal time, {budget:g} s, {REGION_TITLES[region]}")
 
 
 def _work_table(scene: SceneResult, budget: float) -> str:
@@ -208,7 +207,7 @@ def _work_table(scene: SceneResult, budget: float) -> str:
     head += [
         "walks that<br>succeed",
         "Bernoulli<br>trials",
-        "energy lost<br>to caps",
+        "share of capped<br>estimates",
         "peak<br>memory",
     ]
     rows = [

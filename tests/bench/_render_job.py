@@ -15,7 +15,8 @@ import sys
 import time
 
 import bpy
-import numpy as np
+
+from tests.images._render import render_result
 
 # Cycles' settings that Specula has no counterpart for: as Blender sets them for a new scene.
 CYCLES_DEFAULTS = ("use_light_tree", "use_auto_tile", "tile_size", "sampling_pattern")
@@ -75,18 +76,6 @@ def rendered(scene, samples: int, engine: str) -> dict:
     return row
 
 
-def mean_color(scene, job: dict) -> list[float]:
-    """Mean linear RGB of the last render, by way of a file: the render result has no pixels."""
-    path = job["result"] + ".exr"
-    scene.render.image_settings.file_format = "OPEN_EXR"
-    bpy.data.images["Render Result"].save_render(path, scene=scene)
-    image = bpy.data.images.load(path)
-    pixels = np.empty(image.size[0] * image.size[1] * image.channels, np.float32)
-    image.pixels.foreach_get(pixels)
-    os.remove(path)
-    return pixels.reshape(-1, image.channels)[:, :3].mean(axis=0, dtype=np.float64).tolist()
-
-
 def main(job: dict) -> None:
     scene = prepare(job)
     render = scene.render
@@ -104,7 +93,7 @@ def main(job: dict) -> None:
         render.resolution_y * percent // 100
     )
     if job.get("mean"):
-        report["mean"] = mean_color(scene, job)
+        report["mean"] = render_result(scene, job["result"]).mean(axis=(0, 1)).tolist()
     with open(job["result"], "w") as file:
         json.dump(report, file)
 

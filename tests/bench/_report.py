@@ -16,7 +16,7 @@ from tests.bench._page import Picture
 from tests.bench._scenes import Scene
 from tests.bench._standings import BASELINES, standing
 from tests.bench._store import Record, Task
-from tests.bench._summary import SceneResult
+from tests.bench._summary import REGION_TITLES, SceneResult
 
 CROP = 96  # pixels, shown twice as large
 
@@ -92,7 +92,7 @@ def _standings(results: Sequence[SceneResult], budget: float) -> dict:
         name: {
             against: {
                 region: asdict(found)
-                for region in _charts.REGION_TITLES
+                for region in REGION_TITLES
                 if (found := standing(results, name, against, region, budget))
             }
             for against in BASELINES

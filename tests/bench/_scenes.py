@@ -38,6 +38,11 @@ class Scene:
         return _reference.read(self.reference_path)
 
     @property
+    def is_example(self) -> bool:
+        """Whether the file is one of blend_scenes/, not one of the user's by the same name."""
+        return self.blend.resolve().parent == BLENDS.resolve()
+
+    @property
     def size(self) -> tuple[int, int]:
         """Width, height."""
         height, width, _ = self.reference.mean.shape

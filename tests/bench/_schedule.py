@@ -4,9 +4,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 
 from tests.bench import _store
 from tests.bench._children import Progress
+from tests.bench._luxcore_textures import UntranslatedError
 from tests.bench._methods import other_model
 from tests.bench._ratios import MeasurementError
 from tests.bench._scenes import Scene
@@ -34,30 +36,41 @@ def plan(
                 tasks += [
                     Task(scene, name, budget, seed, threads)
                     for name in order
-                    if not other_model(name, scene.name)
+                    if not other_model(name, scene)
                 ]
                 turn += 1
     return tasks
 
 
-def render_all(tasks: Sequence[Task]) -> tuple[dict[Task, Record], dict[tuple[str, str], str]]:
-    """Records of all tasks that came to an end, rendered or found; and why the others did not, by
-    scene and method. What failed once is not tried again with another budget or seed."""
-    records = {task: record for task in tasks if (record := _store.find(task))}
-    todo = [task for task in tasks if task not in records]
-    failures: dict[tuple[str, str], str] = {}
+@dataclass
+class Outcome:
+    """Of all tasks. Texts by scene and method say why the others have no record: they failed, or
+    the renderer cannot show the scene."""
+
+    records: dict[Task, Record]
+    failures: dict[tuple[str, str], str] = field(default_factory=dict)
+    untranslated: dict[tuple[str, str], str] = field(default_factory=dict)
+
+
+def render_all(tasks: Sequence[Task]) -> Outcome:
+    """Renders what an earlier run has not left. What failed once is not tried again with another
+    budget or seed."""
+    outcome = Outcome({task: record for task in tasks if (record := _store.find(task))})
+    todo = [task for task in tasks if task not in outcome.records]
     progress = Progress("bench", (task.budget + OVERHEAD for task in todo))
     for number, task in enumerate(todo, 1):
         pair = (task.scene.name, task.method)
         guess = task.budget + OVERHEAD
-        if pair in failures:
+        if pair in outcome.failures or pair in outcome.untranslated:
             progress.skip(guess)
             continue
         progress.show(f"{number}/{len(todo)} {task.scene.name} {task.method} {task.budget:g} s")
         try:
-            records[task] = _store.render(task)
+            outcome.records[task] = _store.render(task)
         except MeasurementError as error:
-            failures[pair] = str(error)
+            outcome.failures[pair] = str(error)
+        except UntranslatedError as error:
+            outcome.untranslated[pair] = str(error)
         progress.advance(guess)
     progress.clear()
-    return records, failures
+    return outcome

@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from tests.bench import _children
+from tests.bench._luxcore_textures import UntranslatedError
 from tests.bench._machine import CpuTimes
 from tests.bench._methods import FAMILIES, METHODS
 from tests.bench._scenes import Scene
@@ -64,7 +65,8 @@ def find(task: Task) -> Record | None:
 
 
 def render(task: Task) -> Record:
-    """Renders in a child process; raises MeasurementError."""
+    """Renders in a child process; raises MeasurementError, and UntranslatedError if the renderer
+    cannot show this scene."""
     FOLDER.mkdir(parents=True, exist_ok=True)
     family = FAMILIES[METHODS[task.method].family]
     path = _path(task)
@@ -82,6 +84,8 @@ def render(task: Task) -> Record:
     before = CpuTimes.now()
     limit = PATIENCE + PATIENCE_FACTOR * task.budget
     run = _children.run(path.stem, family.where, family.script, job, FOLDER, limit)
+    if "untranslated" in run.report:
+        raise UntranslatedError(run.report["untranslated"])
     stored = {
         "report": run.report,
         "wall_seconds": run.wall_seconds,
@@ -111,8 +115,9 @@ def _path(task: Task) -> Path:
 def program_digest(family: str) -> str:
     """Of all that an image of this family depends on beside the scene and the job."""
     scripts = [_children.HERE / FAMILIES[family].script, _children.HERE / "_render_job.py"]
+    scripts.append(ROOT / "tests" / "images" / "_render.py")
     if family == "specula":
-        return _digest([*scripts, *_libraries(), *sorted((ROOT / "addon").rglob("*.py"))])
+        return specula_digest(scripts)
     if family == "luxcore":
         scripts = [_children.HERE / name for name in (EXPORT_SCRIPT, "_description.py")]
         scripts += sorted(_children.HERE.glob("_luxcore*.py"))
@@ -121,8 +126,10 @@ def program_digest(family: str) -> str:
     return f"{venvs.BPY_VERSION} {_digest(scripts)}"
 
 
-def _libraries() -> list[Path]:
-    return sorted(Path(os.environ["SPECULA_LIBRARY_DIR"]).glob("*.so"))
+def specula_digest(scripts: Iterable[Path]) -> str:
+    """Of the native libraries, the addon and the scripts that drive them."""
+    libraries = sorted(Path(os.environ["SPECULA_LIBRARY_DIR"]).glob("*.so"))
+    return _digest([*scripts, *libraries, *sorted((ROOT / "addon").rglob("*.py"))])
 
 
 def _digest(paths: Iterable[Path]) -> str:

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -13,12 +13,15 @@ from tests.bench import _metrics
 from tests.bench._methods import METHODS, other_model
 from tests.bench._metrics import Errors, Estimate
 from tests.bench._scenes import Scene
-from tests.bench._store import Record, Task
+from tests.bench._schedule import Outcome
+from tests.bench._store import Record
 
 TIME_TOLERANCE = 0.05  # within which two times are equal
 BUDGET_TOLERANCE = TIME_TOLERANCE / 2.0  # two of them may be off in opposite directions
 # From where on another renderer's mean is that of another model, not noise.
 MODEL_DIFFERENCE, MODEL_STRUCTURE, MODEL_Z = 0.02, 0.05, 4.0
+# The regions that are shown, of those that a scene has.
+REGION_TITLES = {"image": "whole image", "caustics": "caustics"}
 REFERENCE_FACTOR = 20.0  # by which a reference's error is to be below what is measured
 
 
@@ -74,7 +77,7 @@ class Curve:
     method: str
     points: list[Point] = field(default_factory=list)
     failure: str = ""
-    differs: str = ""  # why it is not charted: it renders something else
+    differs: str = ""  # why it is not charted: it renders something else, or nothing
     time_to_target: dict[str, str] = field(default_factory=dict)  # by region, s
 
     @property
@@ -115,12 +118,13 @@ class SceneResult:
         return errors[1].mse / errors[0].mse
 
     def best_of(self, family: str, region: str, budget: float) -> str | None:
-        """The charted method of a renderer with the smallest error."""
+        """The charted method of a renderer with the smallest error that can be compared."""
         found = {
             name: point.regions[region].mse
             for name, curve in self.curves.items()
             if METHODS[name].family == family and curve.charted
-            if (point := curve.at(budget)) and region in point.regions
+            if (point := curve.at(budget)) and point.in_time
+            if region in point.regions and point.regions[region].measurable()
         }
         return min(found, key=found.get) if found else None
 
@@ -129,8 +133,7 @@ def scene_result(
     scene: Scene,
     methods: Sequence[str],
     budgets: Sequence[float],
-    records: Mapping[Task, Record],
-    failures: Mapping[tuple[str, str], str],
+    outcome: Outcome,
 ) -> SceneResult:
     """Everything about one scene."""
     reference, masks = scene.reference, scene.regions
@@ -151,17 +154,21 @@ def scene_result(
         result.notes.append("the reference was made of another version of the .blend file")
     for name in methods:
         curve = result.curves[name] = Curve(name)
-        curve.failure = failures.get((scene.name, name), "")
+        curve.failure = outcome.failures.get((scene.name, name), "")
         for budget in sorted(budgets):
             found = [
                 record
-                for task, record in records.items()
+                for task, record in outcome.records.items()
                 if (task.scene.name, task.method, task.budget) == (scene.name, name, budget)
                 and record.report["samples"] > 0  # photons may take all the time there is
             ]
             if found:
                 curve.points.append(_point(scene, name, budget, found, factor))
-        curve.differs = other_model(name, scene.name) or _difference(curve, scene)
+        curve.differs = (
+            outcome.untranslated.get((scene.name, name), "")
+            or other_model(name, scene)
+            or _difference(curve, scene)
+        )
     _set_targets(result, max(budgets))
     return result
 

@@ -6,6 +6,10 @@ its own. What is rendered is kept in build/bench/error (about 1 MB a render) and
 that an interrupted bench goes on where it was. At the end it writes DIR/index.html, summary.json,
 summary.csv and charts/.
 
+The exit code is 0 if every render came to an image. It is 1 if one failed, or if a method that
+--methods names cannot run here. What LuxCore cannot show of a scene is no failure: the page says
+why it is not charted. Nor are the bench's checks of itself, which it prints and puts on the page.
+
 `./dev bench reference SCENE` renders what a scene is held against; `./dev bench speed` measures
 samples per second instead of errors.
 """
@@ -14,16 +18,12 @@ from __future__ import annotations
 
 import argparse
 import os
-import shutil
-import signal
 import sys
 import time
 from pathlib import Path
 
-from tests.bench import _checks, _machine, _methods, _report, _scenes, _schedule, _summary
-from tests.bench._ratios import MeasurementError
-from tools import host
-from tools.common import BUILD, DevError, locked
+from tests.bench import _checks, _machine, _methods, _program, _report, _scenes, _schedule, _summary
+from tools.common import BUILD, DevError
 
 BUDGETS = (1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0)
 QUICK_BUDGETS = (1.0, 4.0)
@@ -54,6 +54,7 @@ def arguments() -> argparse.Namespace:
         parser.error("each --blend needs a --reference")
     args.seeds = args.seeds or (QUICK_SEEDS if args.quick else SEEDS)
     args.budgets = budgets(parser, args)
+    args.named = bool(args.methods)  # whether the user asked for just these
     args.methods = chosen_methods(parser, args)
     return args
 
@@ -105,46 +106,28 @@ def split(text: str) -> list[str]:
     return list(dict.fromkeys(name.strip() for name in text.split(",") if name.strip()))
 
 
-def warn(message: str) -> None:
-    print(f"bench: warning: {message}", file=sys.stderr, flush=True)
-
-
-def freeze_library() -> None:
-    """Children load a copy of the native library: a build meanwhile must not change a method."""
-    copy = BUILD / "bench" / "error-lib"
-    shutil.rmtree(copy, ignore_errors=True)
-    shutil.copytree(host.library_folder(), copy)
-    os.environ["SPECULA_LIBRARY_DIR"] = str(copy)
-
-
-def raise_interrupt(*_: object) -> None:
-    """Signal handler: SIGTERM ends the run as Ctrl-C does, so that no child stays behind."""
-    raise KeyboardInterrupt
-
-
 def main() -> int:
     args = arguments()
-    signal.signal(signal.SIGTERM, raise_interrupt)
     scenes = chosen_scenes(args)
-    freeze_library()
+    _program.freeze_library("error")
     missing = _methods.missing(args.methods)
     methods = [name for name in args.methods if _methods.METHODS[name].family not in missing]
     for family, why in missing.items():
-        warn(f"{_methods.FAMILIES[family].label} is left out: {why}")
+        _program.warn("bench", f"{_methods.FAMILIES[family].label} is left out: {why}")
     if not methods:
         raise DevError("none of the methods can run here")
     started = time.time()
     load = _machine.load_average()
     if load > _machine.BUSY_LOAD:
-        warn(f"the load average is {load:.1f}: other programs disturb the measurement")
+        _program.warn(
+            "bench", f"the load average is {load:.1f}: other programs disturb the measurement"
+        )
     seeds = range(1, args.seeds + 1)
     tasks = _schedule.plan(scenes, methods, args.budgets, seeds, args.threads)
-    records, failures = _schedule.render_all(tasks)
-    for (scene, method), why in failures.items():
-        warn(f"{scene}, {method}: {why}")
-    results = [
-        _summary.scene_result(scene, methods, args.budgets, records, failures) for scene in scenes
-    ]
+    outcome = _schedule.render_all(tasks)
+    for (scene, method), why in outcome.failures.items():
+        _program.warn("bench", f"{scene}, {method}: {why}")
+    results = [_summary.scene_result(scene, methods, args.budgets, outcome) for scene in scenes]
     longest = max(args.budgets)
     checks = _checks.checks(results, longest)
     about = {
@@ -159,20 +142,12 @@ def main() -> int:
         "missing": {_methods.FAMILIES[name].label: why for name, why in missing.items()},
         "minutes": (time.time() - started) / 60.0,
     }
-    page = _report.write(args.out, about, scenes, results, records, checks)
+    page = _report.write(args.out, about, scenes, results, outcome.records, checks)
     for check in checks:
         print(f"{'pass' if check.passed else 'FAIL'}  {check.name}: {check.text}")
     print(page)
-    return 1 if failures else 0
+    return 1 if outcome.failures or (args.named and missing) else 0
 
 
 if __name__ == "__main__":
-    try:
-        with locked(BUILD / "bench" / "error.lock"):  # two at once would measure each other
-            code = main()
-    except (DevError, MeasurementError) as error:
-        print(f"dev: error: {error}", file=sys.stderr)
-        code = 1
-    except KeyboardInterrupt:
-        code = 130
-    sys.exit(code)
+    sys.exit(_program.run("error", main))

@@ -19,11 +19,10 @@ from pathlib import Path
 
 import numpy as np
 
-from tests.bench import _children, _scenes, _store
+from tests.bench import _children, _program, _scenes, _store
 from tests.bench._children import Progress
-from tests.bench._ratios import MeasurementError
 from tests.images import _reference
-from tools.common import BUILD, DevError, locked
+from tools.common import BUILD, ROOT, DevError
 
 FOLDER = BUILD / "bench" / "references"
 LONG_SIDE = 256  # pixels
@@ -32,6 +31,8 @@ FIRST_SEED = 500_000  # far from those of what is measured
 OVERHEAD = 5.0  # s of a child beside rendering
 PATH_TRACED = ("cornell",)  # where path tracing converges; elsewhere the unbiased manifold is used
 METHODS = ("PT", "SMS_UNBIASED")
+SCRIPT = "_reference_job.py"
+SCRIPTS = (_children.HERE / SCRIPT, ROOT / "tests" / "images" / "_render.py")  # what renders a part
 
 
 class Parts:
@@ -71,7 +72,7 @@ def render_part(blend: Path, job: dict, parts: Parts) -> None:
     run = _children.run(
         f"part-{seed}",
         "specula in bpy",
-        "_reference_job.py",
+        SCRIPT,
         job | {"scene": str(blend), "seed": seed, "image": str(image)},
         parts.folder,
     )
@@ -144,10 +145,11 @@ def main() -> int:
     blend = blend.resolve()
     method = args.method or ("PT" if blend.stem in PATH_TRACED else "SMS_UNBIASED")
     FOLDER.mkdir(parents=True, exist_ok=True)
+    _program.freeze_library("reference")
     size = image_size(args.size, blend)
     digest = hashlib.sha256(blend.read_bytes()).hexdigest()[:12]
-    library = _store.program_digest("specula")[:8]  # a wrong estimator must not leave its parts
-    folder = FOLDER / f"{blend.stem}-{method.lower()}-{size[0]}x{size[1]}-{digest}-{library}"
+    program = _store.specula_digest(SCRIPTS)[:8]  # a wrong estimator must not leave its parts
+    folder = FOLDER / f"{blend.stem}-{method.lower()}-{size[0]}x{size[1]}-{digest}-{program}"
     folder.mkdir(exist_ok=True)
     parts = Parts(folder)
     job = {"size": size, "method": method, "threads": args.threads}
@@ -166,12 +168,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    try:
-        with locked(BUILD / "bench" / "reference.lock"):
-            code = main()
-    except (DevError, MeasurementError) as error:
-        print(f"dev: error: {error}", file=sys.stderr)
-        code = 1
-    except KeyboardInterrupt:
-        code = 130
-    sys.exit(code)
+    sys.exit(_program.run("reference", main))

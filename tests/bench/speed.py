@@ -19,20 +19,17 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
-import shutil
-import signal
 import sys
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
-from tests.bench import _children, _machine, _ratios
+from tests.bench import _children, _machine, _program, _ratios
 from tests.bench._children import Progress, Run
 from tests.bench._ratios import MeasurementError, Target
-from tools import host, venvs
-from tools.common import BUILD, ROOT, DevError, locked
+from tools import venvs
+from tools.common import BUILD, ROOT
 
 FOLDER = BUILD / "bench" / "speed"
 SCENES = ROOT / "blend_scenes"
@@ -359,31 +356,16 @@ def arguments() -> argparse.Namespace:
     return args
 
 
-def warn(message: str) -> None:
-    print(f"speed: warning: {message}", file=sys.stderr, flush=True)
-
-
 def warn_of_load(load: float) -> None:
     if load > _machine.BUSY_LOAD:
-        warn(f"the load average is {load:.1f}: other programs will make these numbers worthless")
-
-
-def freeze_library() -> None:
-    """Children load a copy of the native library: a build meanwhile must not change a side."""
-    copy = FOLDER / "lib"
-    shutil.rmtree(copy, ignore_errors=True)
-    shutil.copytree(host.library_folder(), copy)
-    os.environ["SPECULA_LIBRARY_DIR"] = str(copy)
-
-
-def raise_interrupt(*_: object) -> None:
-    """Signal handler: SIGTERM ends the run as Ctrl-C does, so that no child stays behind."""
-    raise KeyboardInterrupt
+        _program.warn(
+            "speed",
+            f"the load average is {load:.1f}: other programs will make these numbers worthless",
+        )
 
 
 def main() -> int:
     args = arguments()
-    signal.signal(signal.SIGTERM, raise_interrupt)
     load = _machine.load_average()
     warn_of_load(load)
     samples = QUICK_SAMPLES if args.quick else SAMPLES
@@ -394,7 +376,7 @@ def main() -> int:
         for measurement in MAKERS[part](samples[part])
     ]
     FOLDER.mkdir(parents=True, exist_ok=True)
-    freeze_library()
+    _program.freeze_library("speed")
     print(
         f"Specula's speed on {_machine.processor()}, load average {load:.2f} at the start"
         f"{'; QUICK: not a measurement' if args.quick else ''}",
@@ -408,7 +390,9 @@ def main() -> int:
         print(text(results[-1]), flush=True)
     others = before.others_share(_machine.CpuTimes.now())
     if others > _machine.BUSY_SHARE:
-        warn(f"other programs took {others:.0%} of the processors' time meanwhile")
+        _program.warn(
+            "speed", f"other programs took {others:.0%} of the processors' time meanwhile"
+        )
     print(summary(results))
     if args.out:
         document = {
@@ -426,12 +410,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    try:
-        with locked(BUILD / "bench" / "speed.lock"):  # two at once would measure each other
-            code = main()
-    except DevError as error:
-        print(f"dev: error: {error}", file=sys.stderr)
-        code = 1
-    except KeyboardInterrupt:
-        code = 130
-    sys.exit(code)
+    sys.exit(_program.run("speed", main))

@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the programs of the bench have in common: how they start, warn and end."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import signal
+import sys
+from collections.abc import Callable
+
+from tests.bench._ratios import MeasurementError
+from tools import host
+from tools.common import BUILD, DevError, locked
+
+
+def warn(program: str, message: str) -> None:
+    print(f"{program}: warning: {message}", file=sys.stderr, flush=True)
+
+
+def freeze_library(program: str) -> None:
+    """Children load a copy of the native library: a build meanwhile must not change what is
+    measured."""
+    copy = BUILD / "bench" / f"{program}-lib"
+    shutil.rmtree(copy, ignore_errors=True)
+    shutil.copytree(host.library_folder(), copy)
+    os.environ["SPECULA_LIBRARY_DIR"] = str(copy)
+
+
+def raise_interrupt(*_: object) -> None:
+    """Signal handler: SIGTERM ends the run as Ctrl-C does, so that no child stays behind."""
+    raise KeyboardInterrupt
+
+
+def run(program: str, main: Callable[[], int]) -> int:
+    """Exit code of `main`, which runs once at a time: two at once would measure each other."""
+    signal.signal(signal.SIGTERM, raise_interrupt)
+    try:
+        with locked(BUILD / "bench" / f"{program}.lock"):
+            return main()
+    except (DevError, MeasurementError) as error:
+        print(f"dev: error: {error}", file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        return 130

@@ -55,7 +55,7 @@ public:
         const ChainQuery query{receiver_.p, end_of(y_), &caster};
         std::vector<ChainRoot> found;
         Spectrum sum(0.0f);
-        for (uint32_t walk = 0; walk < settings_.set_size; ++walk) {
+        for (uint32_t walk = 0; walk < settings_.set_size && !is_cancelled(); ++walk) {
             const std::optional<ChainRoot> root = random_walk(scene_, settings_, query, pcg, stats_);
             if (!root) continue;
             const auto known = [&](const ChainRoot& other) {
@@ -141,10 +141,15 @@ private:
         return (light_visibility(lights_, y_.light) & kVisibleShadow) != 0;
     }
 
+    bool is_cancelled() const {
+        return settings_.cancelled != nullptr &&
+               settings_.cancelled->load(std::memory_order_relaxed);
+    }
+
     // E[number of walks until the root comes again] = 1 / p_k: a geometric distribution, counted.
     uint32_t count_trials(const ChainQuery& query, const ChainRoot& root, Pcg& pcg) {
         uint32_t trials = 1;
-        for (; trials < settings_.trial_cap; ++trials) {
+        for (; trials < settings_.trial_cap && !is_cancelled(); ++trials) {
             const std::optional<ChainRoot> again =
                 random_walk(scene_, settings_, query, pcg, stats_);
             if (again && same_root(settings_, root, *again)) break;

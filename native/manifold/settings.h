@@ -2,6 +2,7 @@
 // What a render asks of the manifold, its tolerances, and what it counts.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 
 namespace spc {
@@ -28,6 +29,8 @@ struct ManifoldSettings {
     float identity_factor = 4.0f;
     // Bernoulli trials; beyond, the estimate keeps what it counted and reports it.
     uint32_t trial_cap = 1u << 16;
+    // Once set, estimates end where they are; whoever sets it throws their samples away.
+    const std::atomic<bool>* cancelled = nullptr;
 };
 
 struct ManifoldStats {

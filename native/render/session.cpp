@@ -53,6 +53,7 @@ Session::Session(const RenderScene& world, const RenderSettings& settings)
       pass_count_(count_passes(settings.samples)),
       tile_passes_(film_.tile_count()),
       start_(Clock::now()) {
+    settings_.integrator.manifold.cancelled = &cancelled_;
     active_workers_ = worker_count(settings.threads);
     const uint32_t count = active_workers_;
     try {
@@ -138,8 +139,10 @@ bool Session::render_pixels(uint32_t tile, uint32_t first, uint32_t count,
             for (uint32_t i = 0; i < count; ++i) {
                 // Every pixel gets its first samples, however short the time.
                 if (first > 0 ? should_stop() : must_stop()) return false;
-                accumulate(pixel, take_sample(crop[0] + b.x0 + x, crop[1] + b.y0 + y,
-                                              settings_.first_sample + first + i, stats));
+                const FilmSample sample = take_sample(crop[0] + b.x0 + x, crop[1] + b.y0 + y,
+                                                      settings_.first_sample + first + i, stats);
+                if (cancelled_.load(std::memory_order_relaxed)) return false;  // cut short, perhaps
+                accumulate(pixel, sample);
             }
         }
         const bool limited = settings_.time_limit > 0.0f && first > 0;

@@ -73,7 +73,7 @@ private:
     double seconds() const;
 
     const RenderScene& world_;
-    const RenderSettings settings_;
+    RenderSettings settings_;  // constant but for what the constructor adds
     const PixelFilter filter_;
     Film film_;
     const uint32_t pass_count_;

@@ -118,7 +118,7 @@ std::optional<ConstraintValue> evaluate_constraint(Constraint constraint, Intera
                                                    const CasterPatch& vertex, const ChainEnd& end) {
     const Vec3 to_x = x - vertex.p;
     const float distance_x = length(to_x);
-    float distance_y;
+    float distance_y = 0.0f;
     const Vec3 wo = end.from(vertex.p, distance_y);
     if (!(distance_x > 0.0f) || !(distance_y > 0.0f)) return std::nullopt;
     const DirectionDual wi_dual = direction_to(to_x * (1.0f / distance_x), distance_x, vertex);
@@ -176,7 +176,7 @@ std::optional<double> geometry_term(Interaction interaction, float eta, const Ve
     const double s = end.distant ? 0.0 : length(Vec3d(end.p) - p);
     double column[2][2];
     for (int j = 0; j < 2; ++j) {
-        const Vec3d dd = turn[static_cast<size_t>(j)];
+        const Vec3d& dd = turn[static_cast<size_t>(j)];
         const Vec3d dp = (dd - d * (dot(dd, ng) / dng)) * t;
         const double bu = dot(dp, pu), bv = dot(dp, pv);
         const double du = (bu * vv - bv * uv) / det_uv, dv = (bv * uu - bu * uv) / det_uv;

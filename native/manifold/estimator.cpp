@@ -75,7 +75,7 @@ private:
         const ClosureEval at_x = eval(*receiver_.closures, receiver_.ng, receiver_.wo, wi);
         if (is_black(at_x.f_cos)) return Spectrum(0.0f);
 
-        float distance_y;
+        float distance_y = 0.0f;
         const Vec3 to_light = end_of(y_).from(root.patch.p, distance_y);
         const Vec3 away = to_light * -1.0f;
         const std::optional<double> jacobian =

@@ -52,7 +52,7 @@ std::optional<Seed> seed_at(const Scene& scene, const ManifoldSettings& settings
                             const NormalTarget& first) {
     const Vec3 p = surface_position(scene, hit),
                ng = front_normal(scene, hit.instance, hit.triangle);
-    float distance_y;
+    float distance_y = 0.0f;
     const float side_x = dot(ng, query.x - p), side_y = dot(ng, query.end.from(p, distance_y));
     const Interaction interaction =
         side_x * side_y > 0.0f ? Interaction::reflection : Interaction::refraction;

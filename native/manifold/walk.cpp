@@ -138,7 +138,7 @@ std::optional<ChainRoot> walk_from(const Scene& scene, const ManifoldSettings& s
     const std::optional<Iterate> end = walk.run(start, NormalTarget{});
     if (!end) return std::nullopt;
 
-    float distance_y;
+    float distance_y = 0.0f;
     const Vec3 wi = normalize(query.x - end->patch.p), wo = query.end.from(end->patch.p, distance_y);
     if (!sides_agree(end->patch, wi, wo, seed.interaction)) return std::nullopt;
     // Another material, or the back of the surface, where the walk took another index ratio for

@@ -22,7 +22,8 @@ inline Vec2 cos_sin_octant(float angle) {
 
 // (cos, sin) of u turns, u in [0, 1].
 inline Vec2 unit_circle(float u) {
-    const int quarter = static_cast<int>(4.0f * u + 0.5f);
+    // u is not negative, and halfway either quarter will do.
+    const int quarter = static_cast<int>(4.0f * u + 0.5f);  // NOLINT(bugprone-incorrect-roundings)
     const Vec2 p = detail::cos_sin_octant((u - 0.25f * static_cast<float>(quarter)) * (2.0f * kPi));
     switch (quarter & 3) {
         case 0: return p;

@@ -8,18 +8,9 @@ namespace spc {
 namespace {
 
 void bound(const Scene& scene, Caster& caster) {
-    const Instance& instance = scene.instances[caster.instance];
-    Vec3 lower(kInfinity), upper(-kInfinity);
-    const Mesh& mesh = scene.meshes[instance.mesh];
-    for (const Vec3& object : mesh.positions) {
-        const Vec3 p = instance.object_to_world.point(object);
-        for (int i = 0; i < 3; ++i) {
-            lower[i] = std::min(lower[i], p[i]);
-            upper[i] = std::max(upper[i], p[i]);
-        }
-    }
-    caster.center = (lower + upper) * 0.5f;
-    caster.half_extent = (upper - lower) * 0.5f;
+    const Bounds bounds = scene.bounds_of(caster.instance);
+    caster.center = (bounds.lower + bounds.upper) * 0.5f;
+    caster.half_extent = (bounds.upper - bounds.lower) * 0.5f;
     caster.radius = length(caster.half_extent);
 }
 

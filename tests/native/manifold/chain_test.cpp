@@ -157,6 +157,21 @@ TEST_P(BothConstraints, FlatRefractionIsSnellsPoint) {
         1.0 / (across / sin1 * cos2 * dx_dtheta), "G");
 }
 
+// Without a change of index light goes straight on, and wi + eta wo has no direction.
+TEST_P(BothConstraints, FindsTheStraightLineAtAnIndexOfOne) {
+    for (const float ior : {1.0f, 1.0005f}) {
+        SceneMaker maker;
+        maker.add(test::square(5.0f), test::refraction(ior));
+        const RenderScene world = maker.finish();
+        const ChainEnd end{false, Vec3(1.5f, 0.0f, 2.0f), {}};
+        const Found found =
+            find_root(world, settings_with(GetParam()), Vec3(0.0f, 0.0f, -1.0f), end);
+        ASSERT_TRUE(found.root) << ior;
+        EXPECT_EQ(found.others, 0);
+        EXPECT_LT(length(found.root->patch.p - Vec3(0.5f, 0.0f, 0.0f)), 1e-3f) << ior;
+    }
+}
+
 TEST_P(BothConstraints, NoChainWhereTotalReflectionForbidsIt) {
     SceneMaker maker;
     maker.add(test::square(50.0f), test::refraction(1.5f));

@@ -188,6 +188,7 @@ SceneStats = _struct(
 RenderSettings = _struct(
     "spc_render_settings",
     ("method", c_uint32),
+    ("light_tracing", c_uint32),
     ("constraint", c_uint32),
     ("two_stage", c_uint32),
     ("set_size", c_uint32),
@@ -231,6 +232,8 @@ RenderStats = _struct(
     ("capped_energy", c_double),
     ("manifold_energy", c_double),
     ("nan_samples", c_uint64),
+    ("light_paths", c_uint64),
+    ("splats", c_uint64),
 )
 
 _HANDLE = c_void_p

@@ -140,6 +140,8 @@ class SPECULA_PT_sampling(SpeculaPanel, bpy.types.Panel):
             draw_note(column, resolved_method(scene))
         if scene.specula.method == "SMS_BIASED":
             column.prop(scene.specula, "set_size")
+        if scene.specula.method not in ("PT", "LT"):
+            column.prop(scene.specula, "light_tracing")
 
 
 class SPECULA_PT_advanced(SpeculaPanel, bpy.types.Panel):
@@ -150,7 +152,7 @@ class SPECULA_PT_advanced(SpeculaPanel, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context) -> bool:
-        return super().poll(context) and context.scene.specula.method != "PT"
+        return super().poll(context) and context.scene.specula.method not in ("PT", "LT")
 
     def draw(self, context):
         column = self.column()

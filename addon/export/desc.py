@@ -67,6 +67,13 @@ class Method(IntEnum):
     PT = 0
     SMS_UNBIASED = 1
     SMS_BIASED = 2
+    LT = 3
+
+
+class LightTracing(IntEnum):
+    AUTO = 0
+    ON = 1
+    OFF = 2
 
 
 class Constraint(IntEnum):
@@ -225,6 +232,7 @@ class RenderSettings:
     """As spc_render_settings. Limits and filter default to what Cycles has in a new file."""
 
     method: Method = Method.SMS_UNBIASED
+    light_tracing: LightTracing = LightTracing.AUTO
     constraint: Constraint = Constraint.ANGLE_DIFFERENCE
     two_stage: bool = True
     set_size: int = 16

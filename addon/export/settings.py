@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from . import compat
-from .desc import Constraint, Method, PixelFilter, RenderSettings
+from .desc import Constraint, LightTracing, Method, PixelFilter, RenderSettings
 
 AUTO_METHOD = Method.SMS_UNBIASED
 PREVIEW_SAMPLES = 16  # of the little renders of material and world previews
@@ -34,6 +34,7 @@ def export_settings(scene, is_preview: bool = False) -> RenderSettings:
     own = scene.specula
     settings = RenderSettings(
         method=AUTO_METHOD if own.method == "AUTO" else Method[own.method],
+        light_tracing=LightTracing[own.light_tracing],
         constraint=Constraint[own.constraint],
         two_stage=own.two_stage,
         set_size=own.set_size,

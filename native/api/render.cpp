@@ -21,7 +21,9 @@ constexpr uint32_t kMostWalks = 4096;
 constexpr float kWidestFilter = 1000.0f;
 
 void check_settings(const spc_render_settings& s) {
-    require(s.method <= SPC_METHOD_SMS_BIASED, fmt::format("unknown method {}", s.method));
+    require(s.method <= SPC_METHOD_LT, fmt::format("unknown method {}", s.method));
+    require(s.light_tracing <= SPC_LIGHT_TRACING_OFF,
+            fmt::format("unknown light tracing {}", s.light_tracing));
     require(s.constraint <= SPC_CONSTRAINT_ANGLE_DIFFERENCE,
             fmt::format("unknown constraint {}", s.constraint));
     require(s.pixel_filter <= SPC_FILTER_BLACKMAN_HARRIS,
@@ -46,13 +48,16 @@ RenderSettings to_settings(const spc_render_settings& s) {
                          s.max_transmission_bounces, s.max_transparent_bounces};
     integrator.transparent_film = s.transparent_film != 0;
     ManifoldSettings& manifold = integrator.manifold;
-    manifold.enabled = s.method != SPC_METHOD_PT;
+    manifold.enabled =
+        s.method == SPC_METHOD_SMS_UNBIASED || s.method == SPC_METHOD_SMS_BIASED;
     manifold.biased = s.method == SPC_METHOD_SMS_BIASED;
     manifold.set_size = s.set_size;
     manifold.constraint = static_cast<Constraint>(s.constraint);
     manifold.two_stage = s.two_stage != 0;
     manifold.reflections = s.caustics_reflective != 0;
     manifold.refractions = s.caustics_refractive != 0;
+    settings.light_tracing = s.method == SPC_METHOD_LT ||
+                             (manifold.enabled && s.light_tracing != SPC_LIGHT_TRACING_OFF);
     settings.first_sample = s.first_sample;
     settings.samples = s.samples;
     settings.time_limit = s.time_limit;
@@ -141,9 +146,22 @@ spc_status spc_render_get_stats(spc_session* session, spc_render_stats* stats) {
         const spc::RenderStats s = session_of(session).stats();
         checked(stats, "stats");
         const spc::ManifoldStats& m = s.path.manifold;
-        *stats = {sizeof(*stats), s.samples,       s.path.rays + m.rays, m.estimates,  m.walks,
-                  m.converged,    m.iterations,    m.trial_estimates,    m.trials,     m.max_trials,
-                  m.capped,       m.capped_energy, s.manifold_energy,    s.nan_samples};
+        *stats = {sizeof(*stats),
+                  s.samples,
+                  s.path.rays + m.rays + s.light.rays,
+                  m.estimates,
+                  m.walks,
+                  m.converged,
+                  m.iterations,
+                  m.trial_estimates,
+                  m.trials,
+                  m.max_trials,
+                  m.capped,
+                  m.capped_energy,
+                  s.manifold_energy,
+                  s.nan_samples + s.light.nan_splats,
+                  s.light.paths,
+                  s.light.splats};
     });
 }
 

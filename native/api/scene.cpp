@@ -223,7 +223,7 @@ void fill_stats(const spc_scene& handle, spc_scene_stats& stats) {
         stats.receivers += instance.receiver ? 1 : 0;
         stats.memory_bytes += instance.world_positions.size() * sizeof(Vec3);
     }
-    stats.lights = world.lights.count(scene);
+    stats.lights = world.lights.count();
     stats.commit_seconds = handle.commit_seconds;
 }
 

@@ -103,6 +103,48 @@ void Film::store_tile(uint32_t tile, std::span<const PixelSums> pixels) {
     std::copy(pixels.begin(), pixels.end(), out.begin());
 }
 
+void Film::add_light_paths(std::span<const Splat> splats, const PixelFilter& filter,
+                           uint64_t paths, double per_picture) {
+    const std::lock_guard lock(light_mutex_);
+    if (splats_.empty()) splats_.resize(pixels_.size());
+    light_paths_ += static_cast<double>(paths);
+    pictures_ += static_cast<double>(paths) / per_picture;
+    const auto pixels_near = [&](float at, uint32_t size) {
+        const float first = std::ceil(at - filter.reach() - 0.5f);
+        const float last = std::floor(at + filter.reach() - 0.5f);
+        return std::array{static_cast<int64_t>(std::max(first, 0.0f)),
+                          static_cast<int64_t>(std::min(last, static_cast<float>(size) - 1.0f))};
+    };
+    for (const Splat& splat : splats) {
+        const auto [x0, x1] = pixels_near(splat.film.x, width_);
+        const auto [y0, y1] = pixels_near(splat.film.y, height_);
+        for (int64_t y = y0; y <= y1; ++y) {
+            const float wy = filter.weight(splat.film.y - static_cast<float>(y) - 0.5f);
+            for (int64_t x = x0; x <= x1; ++x) {
+                const float w = wy * filter.weight(splat.film.x - static_cast<float>(x) - 0.5f);
+                SplatSums& sums = splats_[static_cast<size_t>(y) * width_ + static_cast<size_t>(x)];
+                for (int c = 0; c < 3; ++c) {
+                    const auto value = static_cast<double>(w * splat.value[c]);
+                    sums.value[static_cast<size_t>(c)] += value;
+                    sums.squared[static_cast<size_t>(c)] += value * value;
+                }
+            }
+        }
+    }
+}
+
+Film::LightMean Film::light_mean(size_t pixel) const {
+    LightMean mean;
+    const SplatSums& sums = splats_[pixel];
+    for (size_t c = 0; c < 3; ++c) {
+        mean.value[c] = sums.value[c] / pictures_;
+        mean.variance[c] =
+            std::max(sums.squared[c] - sums.value[c] * sums.value[c] / light_paths_, 0.0) /
+            (pictures_ * pictures_);
+    }
+    return mean;
+}
+
 void Film::read(Pass pass, std::span<float> out) const {
     const size_t channels = pass_channels(pass);
     SPC_ASSERT(out.size() == channels * width_ * height_);
@@ -117,6 +159,15 @@ void Film::read(Pass pass, std::span<float> out) const {
                 const size_t at = static_cast<size_t>(b.y0 + y) * width_ + b.x0 + x;
                 if (pixel.count > 0) write_pixel(pass, pixel, out.data() + at * channels);
             }
+    }
+    const std::lock_guard lock(light_mutex_);
+    if (splats_.empty()) return;
+    if (pass != Pass::combined && pass != Pass::caustics && pass != Pass::variance) return;
+    for (size_t at = 0; at < splats_.size(); ++at) {
+        const LightMean mean = light_mean(at);
+        for (size_t c = 0; c < 3; ++c)
+            out[at * channels + c] += static_cast<float>(
+                pass == Pass::variance ? mean.variance[c] : mean.value[c]);
     }
 }
 

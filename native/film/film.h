@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Accumulates samples of every pixel in the order of their index, so that sums do not depend on
-// threads or tiles.
+// Accumulates samples of every pixel, and what light paths splat, in the order of their index, so
+// that sums do not depend on threads or tiles.
 #pragma once
 
+#include "film/filter.h"
 #include "math/vec.h"
 
 #include <mutex>
@@ -30,6 +31,12 @@ void accumulate(PixelSums& pixel, const FilmSample& sample);
 enum class Pass : uint32_t { combined, depth, position, normal, caustics, variance, count };
 uint32_t pass_channels(Pass pass);
 
+// What light paths add at a point of the film: radiance times pixels^2.
+struct Splat {
+    Vec2 film;  // pixels of the full frame
+    Spectrum value;
+};
+
 class Film {
 public:
     static constexpr uint32_t kTileSize = 16;
@@ -48,6 +55,11 @@ public:
     std::vector<PixelSums> copy_tile(uint32_t tile) const;
     void store_tile(uint32_t tile, std::span<const PixelSums> pixels);
 
+    // A picture is the sum over `per_picture` light paths, and the mean over all that were added.
+    // `splats` of `paths` of them, relative to the film's corner.
+    void add_light_paths(std::span<const Splat> splats, const PixelFilter& filter, uint64_t paths,
+                         double per_picture);
+
     // float[height][width][channels], bottom row first.
     void read(Pass pass, std::span<float> out) const;
 
@@ -58,6 +70,18 @@ private:
     uint32_t width_, height_, tiles_across_;
     std::vector<PixelSums> pixels_;  // tile after tile; one block: too large a frame fails at once
     mutable std::vector<std::mutex> mutexes_;  // of each tile
+
+    // Of light paths, row after row; empty until there are some.
+    struct SplatSums {
+        std::array<double, 3> value{}, squared{};
+    };
+    struct LightMean {  // of a pixel
+        std::array<double, 3> value{}, variance{};
+    };
+    LightMean light_mean(size_t pixel) const;
+    mutable std::mutex light_mutex_;  // guards all of this
+    std::vector<SplatSums> splats_;
+    double light_paths_ = 0.0, pictures_ = 0.0;
 };
 
 }  // namespace spc

@@ -31,6 +31,14 @@ PixelFilter::PixelFilter(FilterKind kind, float width) {
     for (double& c : cumulative_) c /= cumulative_.back();
 }
 
+float PixelFilter::weight(float offset) const {
+    const auto cells = static_cast<double>(cumulative_.size() - 1);
+    const double at = 0.5 * (static_cast<double>(offset) / reach_ + 1.0) * cells;
+    if (!(at >= 0.0 && at < cells)) return 0.0f;
+    const auto cell = static_cast<size_t>(at);
+    return static_cast<float>((cumulative_[cell + 1] - cumulative_[cell]) * cells / (2.0 * reach_));
+}
+
 // By search instead of a table of the inverse: that would be coarse in the tails, where it is
 // steep.
 float PixelFilter::invert(float u) const {

@@ -18,10 +18,14 @@ public:
     PixelFilter(FilterKind kind, float width);
     // Offset from the pixel's centre for uniform u.
     Vec2 sample(const Vec2& u) const { return {invert(u.x), invert(u.y)}; }
+    // Density of those offsets along one axis, 1/pixel: the share of what falls there that a pixel
+    // takes.
+    float weight(float offset) const;
+    float reach() const { return static_cast<float>(reach_); }  // offsets lie within +-reach
 
 private:
     float invert(float u) const;
-    double reach_;                    // offsets lie within +-reach_
+    double reach_;
     std::vector<double> cumulative_;  // of the density, at equal steps
 };
 

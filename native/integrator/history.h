@@ -45,36 +45,35 @@ struct PathHistory {
     enum class Stage : uint8_t {
         unconnected,  // from the camera through deltas alone, or beyond a chain that nobody else can find
         scattered,  // one smooth scattering at x: shared with next event estimation
-        chain       // then one delta interaction that the manifold owns
+        chain       // then interactions with casters
     };
     Stage stage = Stage::unconnected;
-    TracedChain chain;            // as far as it has come
-    bool receiver = false;        // x may begin a chain (role, closures, bounces left)
-    bool through_caster = false;  // passed straight through part of a caster since x
+    CausticPath caustic;  // as far as it has come
 
-    void append_smooth(const Surface& surface, float pdf, bool may_receive) {
+    void append_smooth(const Surface& surface, float pdf, bool may_receive, float film_per_area) {
         stage = Stage::scattered;
-        chain = {.x = surface.p,
-                 .sides = {surface.ng, has_smooth_transmission(surface.closures)},
-                 .pdf_omega = pdf};
-        receiver = may_receive;
-        through_caster = false;
+        caustic.x = surface.p;
+        caustic.sides = {surface.ng, has_smooth_transmission(surface.closures)};
+        caustic.pdf_omega = pdf;
+        caustic.receiver = may_receive;
+        caustic.through_caster = false;
+        caustic.film_per_area = film_per_area;
+        caustic.count = 0;
     }
-    // Whether the manifold shares the chain that this delta interaction continues; the caller then
-    // sets chain.lobe_probability.
-    bool append_delta(const SurfaceHit& hit, const ClosureSample& sample,
-                      const ManifoldSettings& settings, const CasterSet& casters) {
-        const Interaction turn =
-            sample.refracted ? Interaction::refraction : Interaction::reflection;
-        const ChainClass kind{receiver, hit.instance, sample.on_caster_normal, turn, through_caster};
-        const bool owned = stage == Stage::scattered && manifold_owns(settings, casters, kind);
-        stage = owned ? Stage::chain : Stage::unconnected;
-        chain.vertex = hit;
-        chain.interaction = turn;
-        return owned;
+    // Whether the chain goes on with this delta interaction; the caller then sets the probability
+    // of its lobe.
+    bool append_delta(const SurfaceHit& hit, const ClosureSample& sample, const CasterSet& casters) {
+        const bool goes_on = stage != Stage::unconnected && sample.on_caster_normal &&
+                             casters.of_instance[hit.instance] != kNone &&
+                             caustic.count < kLongestChain;
+        stage = goes_on ? Stage::chain : Stage::unconnected;
+        if (goes_on)
+            caustic.vertices[caustic.count++] = {
+                hit, sample.refracted ? Interaction::refraction : Interaction::reflection, 0.0f};
+        return goes_on;
     }
     void append_transparent(const Instance& instance) {
-        if (stage == Stage::scattered && instance.caster) through_caster = true;
+        if (stage == Stage::scattered && instance.caster) caustic.through_caster = true;
     }
 };
 

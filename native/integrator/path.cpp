@@ -26,6 +26,7 @@ struct PathTracer {
     const RenderScene& world;
     const IntegratorSettings& settings;
     PathStats& stats;
+    Vec2 lens;
     Ray ray;
     Spectrum throughput{1.0f};
     PathHistory history{};
@@ -50,25 +51,39 @@ struct PathTracer {
     // ---- light that the path runs into. Each is weighed against the estimator that could have
     // connected to it.
 
-    float weight_of(float pdf_direct, float pdf_light_point, const ChainEnd& end, float cos_y) const {
+    // `end.pdf`: 0 where light points are never drawn there.
+    float weight_of(float pdf_direct, const LightEnd& end) const {
         switch (history.stage) {
             case PathHistory::Stage::unconnected: return 1.0f;
             case PathHistory::Stage::scattered:
-                return history.chain.pdf_omega / (history.chain.pdf_omega + pdf_direct);
-            case PathHistory::Stage::chain:
-                return path_tracing_share(scene(), world.casters, history.chain, end, cos_y,
-                                          pdf_light_point);
+                return history.caustic.pdf_omega / (history.caustic.pdf_omega + pdf_direct);
+            case PathHistory::Stage::chain: return weight_of_chain(end);
         }
         return 1.0f;
     }
 
+    float weight_of_chain(const LightEnd& end) const {
+        const Techniques techniques = techniques_of(world, settings);
+        const CausticPath& path = history.caustic;
+        if (!(end.pdf > 0.0f) ||
+            !(manifold_owns(techniques, path) || light_tracing_owns(techniques, path)))
+            return 1.0f;
+        const std::optional<CausticDensities> p = caustic_densities(techniques, path, end);
+        if (!p || p->manifold + p->light_tracing == 0.0) return 1.0f;
+        return static_cast<float>(p->path_tracing /
+                                  (p->path_tracing + p->manifold + p->light_tracing));
+    }
+
     // A lamp without shadow shines through everything: rays, which do not, leave it to those who
     // connect to it, if there is one.
-    float weight_of_lamp(uint32_t lamp, float pdf_direct, float pdf_light_point,
-                         const ChainEnd& end, float cos_y) const {
-        const float weight = weight_of(pdf_direct, pdf_light_point, end, cos_y);
-        const bool casts_shadow = (light_visibility(world.lights, lamp) & kVisibleShadow) != 0;
+    float weight_of_lamp(float pdf_direct, const LightEnd& end) const {
+        const float weight = weight_of(pdf_direct, end);
+        const bool casts_shadow = (light_visibility(world.lights, end.light) & kVisibleShadow) != 0;
         return casts_shadow || weight == 1.0f ? weight : 0.0f;
+    }
+
+    LightEnd end_afar(uint32_t light, float pdf) const {
+        return {{true, Vec3(0.0f), ray.direction}, light, false, 1.0f, pdf};
     }
 
     // The world and every sun with a disc, in the direction of a ray that leaves the scene.
@@ -79,9 +94,10 @@ struct PathTracer {
             const Spectrum radiance =
                 lamp_radiance(world.lights.lamps[sun], Vec3(0.0f), ray.direction * -1.0f);
             if (is_black(radiance)) continue;
-            sum += radiance * weight_of_lamp(sun, pdf_direct_sun(world.lights, sun, ray.direction),
-                                             pdf_light_point_sun(world.lights, sun, ray.direction),
-                                             {true, Vec3(0.0f), ray.direction}, 1.0f);
+            sum += radiance *
+                   weight_of_lamp(
+                       pdf_direct_sun(world.lights, sun, ray.direction),
+                       end_afar(sun, pdf_light_point_sun(world.lights, sun, ray.direction)));
         }
         return sum;
     }
@@ -94,9 +110,10 @@ struct PathTracer {
         const bool scattered = history.stage == PathHistory::Stage::scattered;
         const bool chain = history.stage == PathHistory::Stage::chain;
         return radiance *
-               weight_of(scattered ? pdf_direct_world(world.lights, ray.direction) : 0.0f,
-                         chain ? pdf_light_point_world(world.lights, ray.direction) : 0.0f,
-                         {true, Vec3(0.0f), ray.direction}, 1.0f);
+               weight_of(
+                   scattered ? pdf_direct_world(world.lights, ray.direction) : 0.0f,
+                   end_afar(world.lights.of_world(),
+                            chain ? pdf_light_point_world(world.lights, ray.direction) : 0.0f));
     }
 
     Spectrum emission_of_lamp(const Hit& hit) const {
@@ -106,7 +123,7 @@ struct PathTracer {
         if (is_black(radiance)) return radiance;
         float pdf_direct = 0.0f, pdf_point = 0.0f, cos_y = 0.0f;
         if (history.stage == PathHistory::Stage::scattered)
-            pdf_direct = pdf_direct_lamp(world.lights, history.chain.x, ray.direction, hit);
+            pdf_direct = pdf_direct_lamp(world.lights, history.caustic.x, ray.direction, hit);
         if (history.stage == PathHistory::Stage::chain) {
             const auto* area = std::get_if<AreaLamp>(&world.lights.lamps[hit.light]);
             const Vec3 n = area != nullptr ? area->normal
@@ -116,7 +133,8 @@ struct PathTracer {
             if (cos_y > 0.0f) pdf_point = pdf_light_point_lamp(world.lights, hit);
         }
         return radiance *
-               weight_of_lamp(hit.light, pdf_direct, pdf_point, {false, p, Vec3(0.0f)}, cos_y);
+               weight_of_lamp(pdf_direct,
+                              {{false, p, Vec3(0.0f)}, hit.light, false, cos_y, pdf_point});
     }
 
     Spectrum emission_of_surface(const Hit& hit, const Surface& surface) const {
@@ -124,12 +142,16 @@ struct PathTracer {
         float pdf_direct = 0.0f, pdf_point = 0.0f;
         if (history.stage == PathHistory::Stage::scattered)
             pdf_direct =
-                pdf_direct_surface(world.lights, scene(), history.chain.x, ray.direction, hit);
+                pdf_direct_surface(world.lights, scene(), history.caustic.x, ray.direction, hit);
         if (history.stage == PathHistory::Stage::chain)
             pdf_point = pdf_light_point_surface(world.lights, hit.surface);
-        return surface.closures.emission * weight_of(pdf_direct, pdf_point,
-                                                     {false, surface.p, Vec3(0.0f)},
-                                                     std::abs(dot(surface.ng, ray.direction)));
+        const uint32_t emitter = world.lights.emissive_of_instance[hit.surface.instance];
+        const LightEnd end{{false, surface.p, Vec3(0.0f)},
+                           emitter == kNone ? kNone : world.lights.of_emitter(emitter),
+                           false,
+                           std::abs(dot(surface.ng, ray.direction)),
+                           pdf_point};
+        return surface.closures.emission * weight_of(pdf_direct, end);
     }
 
     // ---- light that a vertex connects to
@@ -161,21 +183,30 @@ struct PathTracer {
     }
 
     bool may_receive(const Surface& surface) const {
-        return settings.manifold.enabled && !world.casters.empty() &&
+        return (settings.manifold.enabled || settings.light_tracing.guide != nullptr) &&
+               !world.casters.empty() &&
                has_smooth_closure(surface.closures) &&
                scene().instances[surface.hit.instance].receiver &&
                bounces.leaves_room_for_chain(settings.limits);
     }
 
+    // CausticPath::film_per_area at a receiver.
+    float film_per_area(const Surface& surface) const {
+        if (settings.light_tracing.guide == nullptr || bounces.total > 0) return 0.0f;
+        const std::optional<CameraView> view = scene().camera.view(surface.p, lens);
+        return view ? view->film_per_area * std::abs(dot(surface.ng, surface.wo)) : 0.0f;
+    }
+
     // Throughput included.
-    Spectrum caustic_radiance(const Surface& surface, const Sampler& sampler) {
+    Spectrum caustic_radiance(const Surface& surface, float film_per_area, const Sampler& sampler) {
         ManifoldStats& counts = stats.manifold;
         const uint64_t capped = counts.capped;
         const Spectrum caustic =
             throughput *
-            manifold_radiance(scene(), world.lights, world.casters, settings.manifold,
+            manifold_radiance(techniques_of(world, settings),
                               {surface.p, surface.p_error, surface.ng, surface.wo,
-                               &surface.closures, bounces.transparent_left(settings.limits)},
+                               &surface.closures, bounces.transparent_left(settings.limits),
+                               film_per_area},
                               sampler, counts);
         if (counts.capped > capped) counts.capped_energy += static_cast<double>(luminance(caustic));
         return caustic;
@@ -199,15 +230,16 @@ struct PathTracer {
     }
 
     bool scatter(const Hit& hit, const Surface& surface, const ClosureSample& next, bool receives,
-                 const Sampler& sampler) {
+                 float film, const Sampler& sampler) {
         throughput *= next.weight;
         if (!survive_roulette(sampler)) return false;
         if (next.kind == BounceKind::transparent) return look_through(hit);
         bounces.add(next.kind);
         if (!next.delta)
-            history.append_smooth(surface, next.pdf_omega, receives);
-        else if (history.append_delta(surface.hit, next, settings.manifold, world.casters))
-            history.chain.lobe_probability = lobe_probability(surface, next);
+            history.append_smooth(surface, next.pdf_omega, receives, film);
+        else if (history.append_delta(surface.hit, next, world.casters))
+            history.caustic.vertices[history.caustic.count - 1].probability =
+                lobe_probability(surface, next);
         ray_kind = ray_kind_after(next.kind);
         ray = {offset_origin({surface.p, surface.ng, surface.p_error}, next.wi), next.wi, 0.0f,
                kInfinity};
@@ -250,8 +282,9 @@ RenderScene prepare(std::unique_ptr<Scene> scene, uint32_t threads) {
 // owned by one estimator or shared by two with weights that sum to one: manifold/estimator.h says
 // which.
 PathSample path_radiance(const RenderScene& world, const IntegratorSettings& settings,
-                         const Ray& camera_ray, const Sampler& sampler, PathStats& stats) {
-    PathTracer path{world, settings, stats, camera_ray};
+                         const Ray& camera_ray, const Vec2& lens, const Sampler& sampler,
+                         PathStats& stats) {
+    PathTracer path{world, settings, stats, lens, camera_ray};
     PathSample out;
     Surface surface;
     for (uint32_t vertex = 0;; ++vertex) {
@@ -280,8 +313,9 @@ PathSample path_radiance(const RenderScene& world, const IntegratorSettings& set
         const Sampler here = sampler.vertex(vertex);
         out.radiance += path.throughput * path.direct_radiance(surface, here);
         const bool receives = path.may_receive(surface);
-        if (receives) {
-            const Spectrum caustic = path.caustic_radiance(surface, here);
+        const float film = receives ? path.film_per_area(surface) : 0.0f;
+        if (receives && settings.manifold.enabled) {
+            const Spectrum caustic = path.caustic_radiance(surface, film, here);
             out.radiance += caustic;
             out.caustics += caustic;
         }
@@ -293,7 +327,7 @@ PathSample path_radiance(const RenderScene& world, const IntegratorSettings& set
             out.position = surface.p;
             out.normal = surface.n;
         }
-        if (!next || !path.scatter(*hit, surface, *next, receives, here)) break;
+        if (!next || !path.scatter(*hit, surface, *next, receives, film, here)) break;
     }
     return out;
 }

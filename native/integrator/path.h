@@ -16,16 +16,17 @@ struct RenderScene {
 // `threads` 0 = all.
 RenderScene prepare(std::unique_ptr<Scene> scene, uint32_t threads = 0);
 
-// Cycles' limits: a path may scatter this often and still be lit at its last vertex.
-struct BounceLimits {
-    uint32_t total = 12, diffuse = 4, glossy = 4, transmission = 12, transparent = 8;
-};
-
 struct IntegratorSettings {
     BounceLimits limits;
     bool transparent_film = false;
     ManifoldSettings manifold;
+    LightTracing light_tracing;
 };
+
+inline Techniques techniques_of(const RenderScene& world, const IntegratorSettings& settings) {
+    return {*world.scene,      world.lights,           world.casters,
+            settings.manifold, settings.light_tracing, settings.limits};
+}
 
 struct PathStats {
     uint64_t rays = 0;
@@ -43,7 +44,9 @@ struct PathSample {
     Vec3 normal{0.0f};
 };
 
+// `lens`: what the camera's ray was made with.
 PathSample path_radiance(const RenderScene& world, const IntegratorSettings& settings,
-                         const Ray& camera_ray, const Sampler& sampler, PathStats& stats);
+                         const Ray& camera_ray, const Vec2& lens, const Sampler& sampler,
+                         PathStats& stats);
 
 }  // namespace spc

@@ -32,14 +32,6 @@ float chance(const DiscreteDistribution& selection, uint32_t light) {
     return selection.empty() ? 0.0f : selection.probability(light);
 }
 
-uint32_t world_index(const LightSet& lights) {
-    return static_cast<uint32_t>(lights.lamps.size() + lights.emissive.size());
-}
-
-uint32_t light_index_of_emitter(const LightSet& lights, uint32_t emitter) {
-    return static_cast<uint32_t>(lights.lamps.size()) + emitter;
-}
-
 std::optional<DirectSample> sample_emitter_from(const LightSet& lights, const Scene& scene,
                                                 uint32_t emitter, const Vec3& p, const Vec2& u) {
     const EmitterPoint q = sample_emitter(lights.emissive[emitter], scene, u);
@@ -54,15 +46,11 @@ std::optional<DirectSample> sample_emitter_from(const LightSet& lights, const Sc
     if (is_black(radiance)) return std::nullopt;
     const float margin = position_error(scene, q.hit.instance, q.hit.triangle) / cos;
     return DirectSample{
-        wi,    d, radiance, q.pdf_area * d2 / cos, false, light_index_of_emitter(lights, emitter),
+        wi,    d, radiance, q.pdf_area * d2 / cos, false, lights.of_emitter(emitter),
         margin};
 }
 
 }  // namespace
-
-uint32_t LightSet::count(const Scene& scene) const {
-    return static_cast<uint32_t>(scene.lights.size() + emissive.size()) + (has_world ? 1u : 0u);
-}
 
 LightSet build_lights(const Scene& scene, uint32_t threads) {
     LightSet lights;
@@ -118,7 +106,7 @@ std::optional<DirectSample> sample_direct(const LightSet& lights, const Scene& s
     if (chosen.index < lights.lamps.size()) {
         if (const std::optional<LampSample> s = sample_lamp(lights.lamps[chosen.index], p, place))
             sample = {s->wi, s->distance, s->radiance, s->density, s->delta, chosen.index};
-    } else if (chosen.index == world_index(lights)) {
+    } else if (chosen.index == lights.of_world()) {
         if (const std::optional<WorldSample> s = sample_world(lights, place))
             sample = {s->wi,        kInfinity, world_radiance(lights, scene, s->wi),
                       s->pdf_omega, false,     chosen.index};
@@ -146,12 +134,12 @@ float pdf_direct_surface(const LightSet& lights, const Scene& scene, const Vec3&
     const float d2 = length_squared(corner[0] + e1 * hit.surface.u + e2 * hit.surface.v - p);
     const float cos = std::abs(dot(normalize(cross(e1, e2)), wi));
     if (!(cos > 0.0f)) return 0.0f;
-    return chance(lights.selection, light_index_of_emitter(lights, emitter)) * pdf_area * d2 / cos;
+    return chance(lights.selection, lights.of_emitter(emitter)) * pdf_area * d2 / cos;
 }
 
 float pdf_direct_world(const LightSet& lights, const Vec3& wi) {
     if (!lights.has_world) return 0.0f;
-    const float probability = chance(lights.selection, world_index(lights));
+    const float probability = chance(lights.selection, lights.of_world());
     return probability > 0.0f ? probability * world_pdf(lights, wi) : 0.0f;
 }
 
@@ -166,37 +154,43 @@ Spectrum world_radiance(const LightSet& lights, const Scene& scene, const Vec3& 
     return evaluate_background(scene.materials[scene.environment.material], scene.images, direction);
 }
 
-std::optional<LightPoint> sample_light_point(const LightSet& lights, const Scene& scene,
-                                             const Vec3& u) {
-    if (lights.caustic_selection.empty()) return std::nullopt;
-    const DiscreteDistribution::Sample chosen = lights.caustic_selection.sample(u.x);
-    const Vec2 place(u.y, u.z);
+std::optional<LightPoint> sample_point_of_light(const LightSet& lights, const Scene& scene,
+                                                uint32_t light, const Vec2& u) {
     const Vec3 none(0.0f);
-    LightPoint y{chosen.index,      false, false, none, none, none, {kNone, 0, 0, 0},
-                 chosen.probability};
-    if (chosen.index < lights.lamps.size()) {
-        const Lamp& lamp = lights.lamps[chosen.index];
-        const LampPoint point = sample_lamp_point(lamp, place);
+    LightPoint y{light, false, false, none, none, none, {kNone, 0, 0, 0}, 0.0f};
+    if (light < lights.lamps.size()) {
+        const Lamp& lamp = lights.lamps[light];
+        const LampPoint point = sample_lamp_point(lamp, u);
         y.distant = is_sun(lamp);
         y.delta = is_delta(lamp);
         y.p = point.p;
         y.n = point.n;
         y.direction = point.direction;
-        y.pdf *= point.pdf;
-    } else if (chosen.index == world_index(lights)) {
-        const std::optional<WorldSample> s = sample_world(lights, place);
+        y.pdf = point.pdf;
+    } else if (light == lights.of_world()) {
+        const std::optional<WorldSample> s = sample_world(lights, u);
         if (!s) return std::nullopt;
         y.distant = true;
         y.direction = s->wi;
-        y.pdf *= s->pdf_omega;
+        y.pdf = s->pdf_omega;
     } else {
         const EmitterPoint q =
-            sample_emitter(lights.emissive[chosen.index - lights.lamps.size()], scene, place);
+            sample_emitter(lights.emissive[light - lights.lamps.size()], scene, u);
         y.p = q.p;
         y.n = q.n;
         y.surface = q.hit;
-        y.pdf *= q.pdf_area;
+        y.pdf = q.pdf_area;
     }
+    return y;
+}
+
+std::optional<LightPoint> sample_light_point(const LightSet& lights, const Scene& scene,
+                                             const Vec3& u) {
+    if (lights.caustic_selection.empty()) return std::nullopt;
+    const DiscreteDistribution::Sample chosen = lights.caustic_selection.sample(u.x);
+    std::optional<LightPoint> y =
+        sample_point_of_light(lights, scene, chosen.index, Vec2(u.y, u.z));
+    if (y) y->pdf *= chosen.probability;
     return y;
 }
 
@@ -220,13 +214,13 @@ float pdf_light_point_lamp(const LightSet& lights, const Hit& hit) {
 float pdf_light_point_surface(const LightSet& lights, const SurfaceHit& hit) {
     const uint32_t emitter = lights.emissive_of_instance[hit.instance];
     if (emitter == kNone) return 0.0f;
-    return chance(lights.caustic_selection, light_index_of_emitter(lights, emitter)) *
+    return chance(lights.caustic_selection, lights.of_emitter(emitter)) *
            emitter_pdf_area(lights.emissive[emitter], hit.triangle);
 }
 
 float pdf_light_point_world(const LightSet& lights, const Vec3& wi) {
     if (!lights.has_world) return 0.0f;
-    const float probability = chance(lights.caustic_selection, world_index(lights));
+    const float probability = chance(lights.caustic_selection, lights.of_world());
     return probability > 0.0f ? probability * world_pdf(lights, wi) : 0.0f;
 }
 

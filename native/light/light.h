@@ -35,7 +35,15 @@ struct LightSet {
     Spectrum world_constant{0.0f};  // valid if world_is_constant
     bool world_is_constant = false;
 
-    uint32_t count(const Scene& scene) const;
+    // Indices of lights.
+    uint32_t of_emitter(uint32_t emitter) const {
+        return static_cast<uint32_t>(lamps.size()) + emitter;
+    }
+    uint32_t of_world() const { return of_emitter(static_cast<uint32_t>(emissive.size())); }
+    bool is_distant(uint32_t light) const {
+        return light < lamps.size() ? is_sun(lamps[light]) : light == of_world();
+    }
+    uint32_t count() const { return of_world() + (has_world ? 1u : 0u); }
 };
 // `threads` 0 = all.
 LightSet build_lights(const Scene& scene, uint32_t threads = 0);
@@ -86,6 +94,9 @@ struct LightPoint {
     // of its selection.
     float pdf;
 };
+// On one light; `pdf` without the choice of the light.
+std::optional<LightPoint> sample_point_of_light(const LightSet& lights, const Scene& scene,
+                                                uint32_t light, const Vec2& u);
 // Among the lights that feed casters. u[0] selects, u[1], u[2] place.
 std::optional<LightPoint> sample_light_point(const LightSet& lights, const Scene& scene,
                                              const Vec3& u);

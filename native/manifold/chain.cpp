@@ -141,58 +141,88 @@ std::optional<ConstraintValue> evaluate_constraint(Constraint constraint, Intera
     return value;
 }
 
-std::optional<double> geometry_term(Interaction interaction, float eta, const Vec3& x,
-                                    const CasterPatch& patch, const ChainEnd& end) {
-    const Vec3d p(patch.p), pu(patch.dp_du), pv(patch.dp_dv), nu(patch.dn_du), nv(patch.dn_dv);
-    const Vec3d to_p = p - Vec3d(x);
-    const double t = length(to_p);
-    const Vec3d d = to_p / t;
-    // The normal on the side that the ray comes from.
-    const bool flip = dot(Vec3d(patch.n), d) > 0.0;
-    const Vec3d n = Vec3d(patch.n) * (flip ? -1.0 : 1.0), ng(patch.ng);
-    const double dn = dot(d, n), dng = dot(d, ng);
-    if (std::abs(dng) < 1e-9 || std::abs(dn) < 1e-9) return std::nullopt;
+namespace {
 
-    Vec3d out;
-    double mu = 0.0, dmu_factor = 0.0, ratio = 1.0;
-    if (interaction == Interaction::reflection) {
-        out = d - n * (2.0 * dn);
+// What becomes of a ray and of its two neighbours at a vertex.
+struct RayDual {
+    Vec3d d;                      // unit
+    std::array<Vec3d, 2> dp, dd;  // of position and direction, by the two turns at x
+};
+
+// Goes on to the plane of `patch`, then turns. False where there is no way on.
+bool pass_vertex(const ChainVertex& vertex, double distance, RayDual& ray, double& etendue) {
+    const CasterPatch& patch = vertex.patch;
+    const Vec3d pu(patch.dp_du), pv(patch.dp_dv), nu(patch.dn_du), nv(patch.dn_dv), ng(patch.ng);
+    const Vec3d d = ray.d;
+    // The normal on the side that the ray comes from.
+    const double side = dot(Vec3d(patch.n), d) > 0.0 ? -1.0 : 1.0;
+    const Vec3d n = Vec3d(patch.n) * side;
+    const double dn = dot(d, n), dng = dot(d, ng);
+    if (std::abs(dng) < 1e-9 || std::abs(dn) < 1e-9) return false;
+
+    const bool reflects = vertex.interaction == Interaction::reflection;
+    double mu = 0.0, dmu_factor = 0.0;
+    // Index in front over behind.
+    const double ratio = reflects ? 1.0 : 1.0 / static_cast<double>(vertex.eta);
+    if (reflects) {
+        ray.d = d - n * (2.0 * dn);
     } else {
-        ratio = 1.0 / static_cast<double>(eta);  // index in front over behind
         const double cos2 = 1.0 - ratio * ratio * (1.0 - dn * dn);
-        if (cos2 <= 0.0) return std::nullopt;
+        if (cos2 <= 0.0) return false;
         const double dn_out = -std::sqrt(cos2);  // d' . n
         mu = ratio * dn - dn_out;
         dmu_factor = ratio - ratio * ratio * dn / dn_out;
-        out = d * ratio - n * mu;
+        ray.d = d * ratio - n * mu;
     }
+    const double out_n = dot(ray.d, n), out_ng = dot(ray.d, ng);
+    // Projected solid angles by the normal that bends, over those by the geometry.
+    etendue *= ratio * ratio * std::abs(out_ng * dn / (out_n * dng));
 
-    // Two columns: the direction at x turned along e1 and e2.
-    const Frame frame_f = Frame::around(Vec3(d));
-    const std::array<Vec3d, 2> turn{Vec3d(frame_f.x), Vec3d(frame_f.y)};
     const double uu = dot(pu, pu), uv = dot(pu, pv), vv = dot(pv, pv), det_uv = uu * vv - uv * uv;
-    const Frame out_frame = Frame::around(Vec3(out));
-    const Vec3d e1(out_frame.x), e2(out_frame.y);
-    const double s = end.distant ? 0.0 : length(Vec3d(end.p) - p);
-    double column[2][2];
-    for (int j = 0; j < 2; ++j) {
-        const Vec3d& dd = turn[static_cast<size_t>(j)];
-        const Vec3d dp = (dd - d * (dot(dd, ng) / dng)) * t;
+    for (size_t j = 0; j < 2; ++j) {
+        const Vec3d dd = ray.dd[j];
+        const Vec3d free = ray.dp[j] + dd * distance;
+        const Vec3d dp = free - d * (dot(free, ng) / dng);
         const double bu = dot(dp, pu), bv = dot(dp, pv);
         const double du = (bu * vv - bv * uv) / det_uv, dv = (bv * uu - bu * uv) / det_uv;
-        const Vec3d dnormal = (nu * du + nv * dv) * (flip ? -1.0 : 1.0);
+        const Vec3d dnormal = (nu * du + nv * dv) * side;
         const double dcos = dot(dd, n) + dot(d, dnormal);
-        const Vec3d dout = interaction == Interaction::reflection
-                               ? dd - (dnormal * dn + n * dcos) * 2.0
-                               : dd * ratio - (n * (dmu_factor * dcos) + dnormal * mu);
-        const Vec3d dq = end.distant ? dout : dp + dout * s;
-        column[j][0] = dot(e1, dq);
-        column[j][1] = dot(e2, dq);
+        ray.dp[j] = dp;
+        ray.dd[j] = reflects ? dd - (dnormal * dn + n * dcos) * 2.0
+                             : dd * ratio - (n * (dmu_factor * dcos) + dnormal * mu);
     }
-    const double det = std::abs(column[0][0] * column[1][1] - column[0][1] * column[1][0]);
+    return true;
+}
+
+}  // namespace
+
+std::optional<ChainDerivative> chain_derivative(const Vec3& x, std::span<const ChainVertex> chain,
+                                                const ChainEnd& end) {
+    Vec3d from(x);
+    RayDual ray{.d = Vec3d(0.0), .dp = {Vec3d(0.0), Vec3d(0.0)}, .dd = {Vec3d(0.0), Vec3d(0.0)}};
+    double etendue = 1.0;
+    for (const ChainVertex& vertex : chain) {
+        const Vec3d along = Vec3d(vertex.patch.p) - from;
+        const double distance = length(along);
+        ray.d = along / distance;
+        if (&vertex == chain.data()) {
+            const Frame frame = Frame::around(Vec3(ray.d));
+            ray.dd = {Vec3d(frame.x), Vec3d(frame.y)};
+        }
+        if (!pass_vertex(vertex, distance, ray, etendue)) return std::nullopt;
+        from = Vec3d(vertex.patch.p);
+    }
+    const Frame frame = Frame::around(Vec3(ray.d));
+    const Vec3d e1(frame.x), e2(frame.y);
+    const double distance = end.distant ? 0.0 : length(Vec3d(end.p) - from);
+    const auto landing = [&](size_t j) {
+        return end.distant ? ray.dd[j] : ray.dp[j] + ray.dd[j] * distance;
+    };
+    const Vec3d dq1 = landing(0), dq2 = landing(1);
+    const double det = std::abs(dot(e1, dq1) * dot(e2, dq2) - dot(e2, dq1) * dot(e1, dq2));
     // On a fold all light of the chain meets: the density there is infinite, but nothing ever
     // samples it exactly.
-    return 1.0 / std::max(det, 1e-30);
+    return ChainDerivative{1.0 / std::max(det, 1e-30), etendue};
 }
 
 }  // namespace spc

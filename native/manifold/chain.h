@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One specular interaction between a receiver x and a light point y, seen as a map: its constraint,
-// which vanishes where light can pass, and its generalised geometry term.
+// Specular interactions between a receiver x and a light point y, seen as a map: the constraint of
+// one, which vanishes where light can pass, and the derivative of a chain of any length.
 #pragma once
 
 #include "light/light.h"
 #include "manifold/settings.h"
 #include "scene/surface.h"
 #include "scene/transmittance.h"
+
+#include <span>
 
 namespace spc {
 
@@ -37,10 +39,25 @@ std::optional<ConstraintValue> evaluate_constraint(Constraint constraint, Intera
                                                    float eta, const Vec3& x,
                                                    const CasterPatch& vertex, const ChainEnd& end);
 
-// |d solid angle at x / d area at y|, 1/m^2, without the cosine at y; distant ends: d solid angle
-// at x / d solid angle at the light. By ray differentials from x through the vertex [Jakob12, in another form]. Empty for a refraction that cannot be (total internal reflection) or a vertex
-// seen edge-on.
-std::optional<double> geometry_term(Interaction interaction, float eta, const Vec3& x,
-                                    const CasterPatch& patch, const ChainEnd& end);
+// A vertex of a chain, as seen from x: `eta` behind over in front.
+struct ChainVertex {
+    Interaction interaction;
+    float eta;
+    CasterPatch patch;
+};
+
+struct ChainDerivative {
+    // |d solid angle at x / d area at y|, 1/m^2, without the cosine at y; distant ends: by solid
+    // angle at the light.
+    double geometry;
+    // What the other way round differs by: |d solid angle at y / d area at x| without the cosine at
+    // x = geometry times this. (eta_x / eta_y)^2 where all normals are those of the geometry;
+    // shading normals bend the light as no real surface would, and scale it at each vertex.
+    double etendue;
+};
+// By ray differentials from x through all vertices in turn [Jakob12, in another form]. Empty for a
+// refraction that cannot be (total internal reflection) or a vertex seen edge-on.
+std::optional<ChainDerivative> chain_derivative(const Vec3& x, std::span<const ChainVertex> chain,
+                                                const ChainEnd& end);
 
 }  // namespace spc

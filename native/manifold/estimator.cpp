@@ -14,36 +14,25 @@ ReceiverSides sides_of(const Receiver& receiver) {
     return {receiver.ng, has_smooth_transmission(*receiver.closures)};
 }
 
-// |dw/dA_y| with the cosine at y, or per solid angle of a distant or delta light.
-std::optional<double> solid_angle_per_light_measure(const Vec3& x, const ChainRoot& root,
-                                                    const LightPoint& y, const Vec3& away) {
-    const std::optional<double> g =
-        geometry_term(root.interaction, root.eta, x, root.patch, end_of(y));
-    if (!g || y.distant || y.delta) return g;
-    const float cosine = dot(y.n, away);
-    const bool two_sided =
-        y.surface.instance != kNone;  // meshes shine from both sides, lamps from one
-    return *g * static_cast<double>(two_sided ? std::abs(cosine) : std::max(cosine, 0.0f));
-}
-
 // One estimate: a receiver, a light point and a caster, and walks between them.
 class Estimate {
 public:
-    Estimate(const Scene& scene, const LightSet& lights, const ManifoldSettings& settings,
-             const Receiver& receiver, const LightPoint& y, ManifoldStats& stats)
-        : scene_(scene),
-          lights_(lights),
-          settings_(settings),
+    Estimate(const Techniques& techniques, const Receiver& receiver, const LightPoint& y,
+             ManifoldStats& stats)
+        : techniques_(techniques),
+          scene_(techniques.scene),
+          lights_(techniques.lights),
+          settings_(techniques.manifold),
           receiver_(receiver),
           y_(y),
           stats_(stats) {}
 
     // One walk, weighted by how many more it takes to find the same solution again.
-    Spectrum unbiased(const Caster& caster, float caster_probability, Pcg& pcg) {
+    Spectrum unbiased(const Caster& caster, Pcg& pcg) {
         const ChainQuery query{receiver_.p, end_of(y_), &caster};
         const std::optional<ChainRoot> root = random_walk(scene_, settings_, query, pcg, stats_);
         if (!root) return Spectrum(0.0f);
-        const Spectrum value = contribution(*root, caster_probability);
+        const Spectrum value = contribution(*root);
         if (is_black(value)) return value;
         const uint32_t trials = count_trials(query, *root, pcg);
         if (trials >= settings_.trial_cap) ++stats_.capped;
@@ -51,7 +40,7 @@ public:
     }
 
     // The sum over the different solutions of a fixed number of walks.
-    Spectrum biased(const Caster& caster, float caster_probability, Pcg& pcg) {
+    Spectrum biased(const Caster& caster, Pcg& pcg) {
         const ChainQuery query{receiver_.p, end_of(y_), &caster};
         std::vector<ChainRoot> found;
         Spectrum sum(0.0f);
@@ -63,25 +52,20 @@ public:
             };
             if (std::any_of(found.begin(), found.end(), known)) continue;
             found.push_back(*root);
-            sum += contribution(*root, caster_probability);
+            sum += contribution(*root);
         }
         return sum;
     }
 
 private:
     // What one solution contributes; zero if something stands in its way.
-    Spectrum contribution(const ChainRoot& root, float caster_probability) {
+    Spectrum contribution(const ChainRoot& root) {
         const Vec3 wi = normalize(root.patch.p - receiver_.p);
         const ClosureEval at_x = eval(*receiver_.closures, receiver_.ng, receiver_.wo, wi);
         if (is_black(at_x.f_cos)) return Spectrum(0.0f);
-
         float distance_y = 0.0f;
         const Vec3 to_light = end_of(y_).from(root.patch.p, distance_y);
         const Vec3 away = to_light * -1.0f;
-        const std::optional<double> jacobian =
-            solid_angle_per_light_measure(receiver_.p, root, y_, away);
-        if (!jacobian || !(*jacobian > 0.0)) return Spectrum(0.0f);
-
         Surface surface;
         evaluate_surface(scene_, root.hit, wi * -1.0f, surface);
         const DeltaLobe lobe = delta_lobe(surface.closures, surface.ng, surface.wo, to_light,
@@ -89,18 +73,21 @@ private:
         if (is_black(lobe.throughput)) return Spectrum(0.0f);
         const Spectrum radiance = radiance_at(lights_, scene_, y_, away);
         if (is_black(radiance)) return Spectrum(0.0f);
-        const Spectrum through = passes(root);
-        if (is_black(through)) return Spectrum(0.0f);
 
-        const double manifold_density =
-            static_cast<double>(y_.pdf) * static_cast<double>(caster_probability);
-        const double path_density = y_.delta || !casts_shadow()
-                                        ? 0.0
-                                        : static_cast<double>(at_x.pdf_omega) *
-                                              static_cast<double>(lobe.probability) * *jacobian;
-        // J / p_m times the share p_m / (p_m + p_pt), in a form that stays finite on a fold.
-        const auto weight = static_cast<float>(*jacobian / (manifold_density + path_density));
-        return at_x.f_cos * lobe.throughput * radiance * through * weight;
+        CausticPath path;
+        path.x = receiver_.p;
+        path.sides = sides_of(receiver_);
+        path.pdf_omega = at_x.pdf_omega;
+        path.receiver = true;
+        path.film_per_area = receiver_.film_per_area;
+        path.count = 1;
+        path.vertices[0] = {root.hit, root.interaction, lobe.probability};
+        const std::optional<CausticDensities> densities =
+            caustic_densities(techniques_, path, light_end(y_, away));
+        if (!densities || !(densities->geometry > 0.0)) return Spectrum(0.0f);
+        const Spectrum through = passes(root);
+        return at_x.f_cos * lobe.throughput * radiance * through *
+               static_cast<float>(densities->scale());
     }
 
     // Fraction of light that passes along both segments of a chain.
@@ -116,11 +103,11 @@ private:
                           kVisibleDiffuse, transparent_left, stats_.rays, Opaque::casters_too);
         if (is_black(to_vertex) || !casts_shadow()) return to_vertex;
         return to_vertex * transmittance(scene_, {root.patch.p, root.patch.ng, root.patch.p_error},
-                                         light_end(root), kind, transparent_left, stats_.rays);
+                                         end_of_light(root), kind, transparent_left, stats_.rays);
     }
 
     // An emissive mesh does not block its own light.
-    ChainEnd light_end(const ChainRoot& root) const {
+    ChainEnd end_of_light(const ChainRoot& root) const {
         ChainEnd end = end_of(y_);
         if (y_.surface.instance == kNone) return end;
         const float cosine = std::abs(dot(y_.n, normalize(y_.p - root.patch.p)));
@@ -160,6 +147,7 @@ private:
         return trials;
     }
 
+    const Techniques& techniques_;
     const Scene& scene_;
     const LightSet& lights_;
     const ManifoldSettings& settings_;
@@ -170,38 +158,12 @@ private:
 
 }  // namespace
 
-bool manifold_owns(const ManifoldSettings& settings, const CasterSet& casters,
-                   const ChainClass& chain) {
-    if (!settings.enabled || !chain.receiver || !chain.on_caster_normal || chain.through_caster)
-        return false;
-    if (casters.of_instance[chain.instance] == kNone) return false;
-    return chain.interaction == Interaction::reflection ? settings.reflections
-                                                        : settings.refractions;
-}
-
-float path_tracing_share(const Scene& scene, const CasterSet& casters, const TracedChain& chain,
-                         const ChainEnd& end, float cos_y, float light_pdf) {
-    if (!(light_pdf > 0.0f)) return 1.0f;
-    const uint32_t index = casters.of_instance[chain.vertex.instance];
-    const float caster = caster_probability(casters, index, chain.x, chain.sides, end);
-    if (!(caster > 0.0f)) return 1.0f;
-    const CasterPatch patch = evaluate_caster(scene, chain.vertex, false);
-    const float eta =
-        eta_seen_from(patch.ng, chain.x - patch.p, scene.material_of(chain.vertex).specular.ior);
-    const std::optional<double> g = geometry_term(chain.interaction, eta, chain.x, patch, end);
-    if (!g) return 1.0f;
-    const ChainDensities densities{static_cast<double>(light_pdf) * static_cast<double>(caster),
-                                   static_cast<double>(chain.pdf_omega) *
-                                       static_cast<double>(chain.lobe_probability) * *g *
-                                       static_cast<double>(cos_y)};
-    return 1.0f - manifold_share(densities);
-}
-
-Spectrum manifold_radiance(const Scene& scene, const LightSet& lights, const CasterSet& casters,
-                           const ManifoldSettings& settings, const Receiver& receiver,
+Spectrum manifold_radiance(const Techniques& techniques, const Receiver& receiver,
                            const Sampler& sampler, ManifoldStats& stats) {
+    const CasterSet& casters = techniques.casters;
     const std::optional<LightPoint> y =
-        sample_light_point(lights, scene, sampler[Domain::manifold_light].three());
+        sample_light_point(techniques.lights, techniques.scene,
+                           sampler[Domain::manifold_light].three());
     if (!y) return Spectrum(0.0f);
     const CasterChoice choice = choose_caster(casters, receiver.p, sides_of(receiver), end_of(*y),
                                               sampler[Domain::manifold_caster].one());
@@ -209,10 +171,10 @@ Spectrum manifold_radiance(const Scene& scene, const LightSet& lights, const Cas
 
     ++stats.estimates;
     Pcg pcg(sampler[Domain::manifold_seeds].stream_seed());
-    Estimate estimate(scene, lights, settings, receiver, *y, stats);
+    Estimate estimate(techniques, receiver, *y, stats);
     const Caster& caster = casters.casters[choice.index];
-    return settings.biased ? estimate.biased(caster, choice.probability, pcg)
-                           : estimate.unbiased(caster, choice.probability, pcg);
+    return techniques.manifold.biased ? estimate.biased(caster, pcg)
+                                      : estimate.unbiased(caster, pcg);
 }
 
 }  // namespace spc

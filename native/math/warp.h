@@ -42,6 +42,17 @@ inline Vec2 concentric_disk(const Vec2& u) {
     return {p.y, p.x};
 }
 
+// Its inverse: the point of [0, 1]^2 that goes to a point of the disk.
+inline Vec2 concentric_square(const Vec2& p) {
+    const float radius = std::sqrt(p.x * p.x + p.y * p.y);
+    if (radius == 0.0f) return {0.5f, 0.5f};
+    const bool by_x = std::abs(p.x) > std::abs(p.y);
+    const float a = std::copysign(radius, by_x ? p.x : p.y);
+    const float b = a * (4.0f * kInvPi) * (by_x ? std::atan(p.y / p.x) : std::atan(p.x / p.y));
+    return by_x ? Vec2(0.5f * (a + 1.0f), 0.5f * (b + 1.0f))
+                : Vec2(0.5f * (b + 1.0f), 0.5f * (a + 1.0f));
+}
+
 // Directions around +z in proportion to their cosine.
 inline Vec3 cosine_hemisphere(const Vec2& u) {
     const Vec2 d = concentric_disk(u);

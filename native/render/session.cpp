@@ -14,6 +14,10 @@ namespace {
 // that a tile's data stays in cache, up to 2^kDoublings.
 constexpr uint32_t kDoublings = 2, kLargestBatch = 1u << kDoublings;
 
+// Light paths for each pixel and sample, and in a job of their own.
+constexpr double kLightPathsPerPixel = 0.5;
+constexpr uint64_t kLightJob = 1024;
+
 uint32_t count_passes(uint32_t samples) {
     if (samples < kLargestBatch) return static_cast<uint32_t>(std::bit_width(samples));
     return kDoublings +
@@ -31,6 +35,7 @@ void RenderStats::add(const RenderStats& other) {
     nan_samples += other.nan_samples;
     manifold_energy += other.manifold_energy;
     path.rays += other.path.rays;
+    light.add(other.light);
     ManifoldStats& m = path.manifold;
     const ManifoldStats& o = other.path.manifold;
     m.estimates += o.estimates;
@@ -57,7 +62,7 @@ Session::Session(const RenderScene& world, const RenderSettings& settings)
     active_workers_ = worker_count(settings.threads);
     const uint32_t count = active_workers_;
     try {
-        for (uint32_t i = 0; i < count; ++i) workers_.emplace_back([this] { work(); });
+        for (uint32_t i = 0; i < count; ++i) workers_.emplace_back([this, i] { work(i == 0); });
     } catch (...) {  // no more threads to be had: those that run must not run to the end
         cancelled_ = true;
         throw;
@@ -86,34 +91,73 @@ bool Session::should_stop() const {
     return must_stop() || out_of_time_.load(std::memory_order_relaxed);
 }
 
-void Session::work() {
+void Session::work(bool first) {
     // Denormals cost hundreds of cycles each and carry no light; Embree asks for the same.
     _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
     _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
     try {
-        const uint64_t jobs = static_cast<uint64_t>(film_.tile_count()) * pass_count_;
-        while (!should_stop()) {
-            const uint64_t job = next_job_.fetch_add(1);
-            if (job >= jobs) break;
-            RenderStats stats;
-            render_job(job, stats);
-            const std::lock_guard lock(mutex_);
-            stats_.add(stats);
-        }
+        if (first) prepare_light_tracing();
     } catch (...) {
-        const std::lock_guard lock(mutex_);
-        if (!failure_) failure_ = std::current_exception();
-        failed_ = true;
+        fail();
+    }
+    if (first) prepared_.count_down();
+    prepared_.wait();
+    try {
+        run_jobs();
+    } catch (...) {
+        fail();
     }
     const std::lock_guard lock(mutex_);
     if (--active_workers_ == 0) seconds_at_end_ = seconds();
     ended_.notify_all();
 }
 
+// Keeps what is being thrown.
+void Session::fail() {
+    const std::lock_guard lock(mutex_);
+    if (!failure_) failure_ = std::current_exception();
+    failed_ = true;
+}
+
+void Session::run_jobs() {
+    const uint64_t jobs = static_cast<uint64_t>(film_.tile_count() + light_jobs_) * pass_count_;
+    while (!should_stop()) {
+        const uint64_t job = next_job_.fetch_add(1);
+        if (job >= jobs) break;
+        RenderStats stats;
+        render_job(job, stats);
+        const std::lock_guard lock(mutex_);
+        stats_.add(stats);
+    }
+}
+
+void Session::prepare_light_tracing() {
+    if (!settings_.light_tracing) return;
+    const uint64_t pixels = static_cast<uint64_t>(film_.width()) * film_.height();
+    light_paths_ = std::max<uint64_t>(1, static_cast<uint64_t>(kLightPathsPerPixel * static_cast<double>(pixels)));
+    LightTracing& light_tracing = settings_.integrator.light_tracing;
+    light_tracing.paths = static_cast<double>(light_paths_);
+    RenderStats stats;
+    guide_ = learn_emission(world_, settings_.integrator, filter_.reach(), settings_.seed,
+                            active_workers_, cancelled_, stats.light);
+    light_tracing.guide = guide_.get();
+    if (guide_)
+        light_jobs_ = static_cast<uint32_t>(
+            std::clamp<uint64_t>(light_paths_ / kLightJob, 1, film_.tile_count()));
+    const std::lock_guard lock(mutex_);
+    stats_.add(stats);
+}
+
 // Whether the whole job was done.
 bool Session::render_job(uint64_t job, RenderStats& stats) {
-    const auto pass = static_cast<uint32_t>(job / film_.tile_count());
-    const auto tile = static_cast<uint32_t>(job % film_.tile_count());
+    const uint32_t per_pass = light_jobs_ + film_.tile_count();
+    const auto pass = static_cast<uint32_t>(job / per_pass);
+    const auto part = static_cast<uint32_t>(job % per_pass);
+    return part < light_jobs_ ? render_light_paths(pass, part, stats)
+                              : render_tile(pass, part - light_jobs_, stats);
+}
+
+bool Session::render_tile(uint32_t pass, uint32_t tile, RenderStats& stats) {
     // Samples of a pixel are added in order: wait for whoever still works on this tile's previous
     // pass.
     while (tile_passes_[tile].load() != pass) {
@@ -126,6 +170,31 @@ bool Session::render_job(uint64_t job, RenderStats& stats) {
     film_.store_tile(tile, pixels);
     if (!complete) return false;
     tile_passes_[tile].store(pass + 1);
+    return true;
+}
+
+// A part of the light paths of a pass.
+bool Session::render_light_paths(uint32_t pass, uint32_t part, RenderStats& stats) {
+    const auto stop = [&] { return pass > 0 ? should_stop() : must_stop(); };
+    const uint64_t before = (settings_.first_sample + pass_begin(pass)) * light_paths_;
+    const uint64_t count = (pass_begin(pass + 1) - pass_begin(pass)) * light_paths_;
+    const uint64_t begin = before + count * part / light_jobs_,
+                   end = before + count * (part + 1) / light_jobs_;
+    std::vector<Splat> splats;
+    for (uint64_t i = begin; i < end; ++i) {
+        if (stop()) return false;
+        trace_light_path(world_, settings_.integrator, filter_.reach(), settings_.seed, i, splats,
+                         stats.light);
+    }
+    const auto& crop = world_.scene->camera.crop;
+    const Vec2 corner(static_cast<float>(crop[0]), static_cast<float>(crop[1]));
+    for (Splat& splat : splats) splat.film -= corner;
+    while (light_jobs_done_.load() != uint64_t{pass} * light_jobs_ + part) {
+        if (stop()) return false;
+        std::this_thread::yield();
+    }
+    film_.add_light_paths(splats, filter_, end - begin, static_cast<double>(light_paths_));
+    ++light_jobs_done_;
     return true;
 }
 
@@ -156,9 +225,10 @@ FilmSample Session::take_sample(uint32_t x, uint32_t y, uint32_t index, RenderSt
     const Camera& camera = world_.scene->camera;
     const Sampler sampler(settings_.seed, y * camera.width + x, index);
     const Vec2 offset = filter_.sample(sampler[Domain::film].two());
+    const Vec2 lens = sampler[Domain::lens].two();
     const Ray ray = camera.ray(static_cast<float>(x) + 0.5f + offset.x,
                                static_cast<float>(y) + 0.5f + offset.y);
-    PathSample path = path_radiance(world_, settings_.integrator, ray, sampler, stats.path);
+    PathSample path = path_radiance(world_, settings_.integrator, ray, lens, sampler, stats.path);
     ++stats.samples;
     if (!is_finite(path.radiance) || !is_finite(path.caustics) || !is_finite(path.position) ||
         !is_finite(path.normal) || !std::isfinite(path.alpha)) {

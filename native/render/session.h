@@ -5,18 +5,20 @@
 
 #include "film/film.h"
 #include "film/filter.h"
-#include "integrator/path.h"
+#include "integrator/light_path.h"
 
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <exception>
+#include <latch>
 #include <thread>
 
 namespace spc {
 
 struct RenderSettings {
-    IntegratorSettings integrator;
+    IntegratorSettings integrator;  // but for `light_tracing`, which the session sets
+    bool light_tracing = false;     // where there is a caster that a light reaches
     uint32_t first_sample = 0, samples = 64;
     float time_limit = 0.0f;  // s, 0 = none
     uint32_t seed = 0;
@@ -30,6 +32,7 @@ struct RenderStats {
     uint64_t nan_samples = 0;
     double manifold_energy = 0.0;
     PathStats path;
+    LightPathStats light;
     void add(const RenderStats& other);
 };
 
@@ -61,8 +64,13 @@ public:
 private:
     using Clock = std::chrono::steady_clock;
 
-    void work();
+    void work(bool first);
+    void run_jobs();
+    void fail();
+    void prepare_light_tracing();
     bool render_job(uint64_t job, RenderStats& stats);
+    bool render_tile(uint32_t pass, uint32_t tile, RenderStats& stats);
+    bool render_light_paths(uint32_t pass, uint32_t part, RenderStats& stats);
     bool render_pixels(uint32_t tile, uint32_t first, uint32_t count,
                        std::vector<PixelSums>& pixels, RenderStats& stats);
     FilmSample take_sample(uint32_t x, uint32_t y, uint32_t index, RenderStats& stats) const;
@@ -78,6 +86,12 @@ private:
     Film film_;
     const uint32_t pass_count_;
     std::vector<std::atomic<uint32_t>> tile_passes_;  // passes that each tile has had
+    // Of each pass, beside its tiles. Light paths are added to the film in their order, too.
+    uint32_t light_jobs_ = 0;
+    uint64_t light_paths_ = 0;  // for each sample of the picture
+    std::atomic<uint64_t> light_jobs_done_{0};
+    std::unique_ptr<const EmissionGuide> guide_;
+    std::latch prepared_{1};
     std::atomic<uint64_t> next_job_{0};
     std::atomic<bool> cancelled_{false}, out_of_time_{false}, failed_{false};
     const Clock::time_point start_;

@@ -97,6 +97,14 @@ struct LightSurfaceHit {
 };
 std::optional<LightSurfaceHit> intersect_light(const LightDesc& light, const Ray& ray);
 
+// A point of the scene as the camera sees it.
+struct CameraView {
+    Vec3 origin;          // where the ray to the point starts
+    float t_near, t_far;  // clips along that ray, as Camera::ray() has them
+    Vec2 film;            // in pixels of the full frame
+    float film_per_area;  // pixels^2 per m^2 of a surface at the point that faces the ray
+};
+
 struct Camera {
     Transform to_world;  // orthonormal
     uint32_t width = 1, height = 1;
@@ -107,6 +115,9 @@ struct Camera {
     // Ray through a point of the full frame in pixels, (0, 0) the bottom left corner. t_near, t_far
     // hold the clips.
     Ray ray(float x, float y) const;
+    // The way back. Empty where p is not in front of the camera or lies outside the clips; the film
+    // point may lie outside the frame.
+    std::optional<CameraView> view(const Vec3& p, const Vec2& lens) const;
     float depth(const Vec3& p) const;  // along the viewing axis, m
 };
 

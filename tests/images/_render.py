@@ -29,7 +29,11 @@ import bpy
 import numpy as np
 
 POLL_MILLISECONDS = 200
-ENUMERATIONS = {"method": "Method", "constraint": "Constraint"}
+ENUMERATIONS = {
+    "method": "Method",
+    "light_tracing": "LightTracing",
+    "constraint": "Constraint",
+}
 
 
 class Moments:

@@ -317,8 +317,16 @@ typedef enum spc_method {
     SPC_METHOD_PT = 0,           /* path tracing alone */
     SPC_METHOD_SMS_UNBIASED = 1, /* [Zeltner20, Alg. 2] */
     /* [Zeltner20, Alg. 3]: loses the solutions that `set_size` walks miss */
-    SPC_METHOD_SMS_BIASED = 2
+    SPC_METHOD_SMS_BIASED = 2,
+    SPC_METHOD_LT = 3 /* path tracing and light tracing, no manifold */
 } spc_method;
+
+/* Light paths beside the methods SPC_METHOD_SMS_*. AUTO: as many as pay. */
+typedef enum spc_light_tracing {
+    SPC_LIGHT_TRACING_AUTO = 0,
+    SPC_LIGHT_TRACING_ON = 1,
+    SPC_LIGHT_TRACING_OFF = 2
+} spc_light_tracing;
 
 typedef enum spc_constraint {
     SPC_CONSTRAINT_HALF_VECTOR = 0,
@@ -334,6 +342,7 @@ typedef enum spc_pixel_filter {
 typedef struct spc_render_settings {
     size_t struct_size;
     uint32_t method;       /* spc_method */
+    uint32_t light_tracing; /* spc_light_tracing; ignored by the other methods */
     uint32_t constraint;   /* spc_constraint */
     uint32_t two_stage;    /* 1: walk on the smooth surface first where a caster has a normal map */
     uint32_t set_size;     /* walks per estimate of SPC_METHOD_SMS_BIASED, [1, 4096] */
@@ -394,7 +403,9 @@ typedef struct spc_render_stats {
     uint64_t capped_estimates; /* gave up at the trial cap */
     double capped_energy; /* what those estimates added as far as they counted, luminance, sum over samples */
     double manifold_energy; /* radiance added by the manifold, luminance, sum over samples */
-    uint64_t nan_samples;   /* path samples dropped for not being finite */
+    uint64_t nan_samples;   /* samples and splats dropped for not being finite */
+    uint64_t light_paths;   /* those that learned where to start included */
+    uint64_t splats;        /* that light paths added to the picture */
 } spc_render_stats;
 SPC_API spc_status spc_render_get_stats(spc_session* session, spc_render_stats* stats);
 

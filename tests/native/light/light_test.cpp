@@ -354,7 +354,7 @@ TEST(Lights, NoLightsNoSamples) {
     const Lit lit = lit_by(std::vector<LightDesc>{});
     EXPECT_FALSE(sample_direct(lit.lights, *lit.scene, kOrigin, {0.5f, 0.5f, 0.5f}));
     EXPECT_FALSE(sample_light_point(lit.lights, *lit.scene, {0.5f, 0.5f, 0.5f}));
-    EXPECT_EQ(lit.lights.count(*lit.scene), 0u);
+    EXPECT_EQ(lit.lights.count(), 0u);
     EXPECT_EQ(pdf_direct_world(lit.lights, kUp), 0.0f);
     EXPECT_EQ(pdf_light_point_world(lit.lights, kUp), 0.0f);
     EXPECT_TRUE(is_black(world_radiance(lit.lights, *lit.scene, kUp)));
@@ -512,7 +512,7 @@ TEST(Lights, VisibilityIsTheirsAndOnlyLampsCanDoWithoutShadows) {
     maker.builder.set_environment(
         {maker.builder.add_material(background(1, 1, 1)), kVisibleTransmission, true});
     const Lit lit = freeze(maker);
-    EXPECT_EQ(lit.lights.count(*lit.scene), 3u);
+    EXPECT_EQ(lit.lights.count(), 3u);
     EXPECT_EQ(light_visibility(lit.lights, 0), kVisibleDiffuse);
     EXPECT_EQ(light_visibility(lit.lights, 1), kVisibleGlossy | kVisibleShadow);
     EXPECT_EQ(light_visibility(lit.lights, 2), kVisibleTransmission | kVisibleShadow);

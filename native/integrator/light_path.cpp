@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "integrator/light_path.h"
+
+#include <thread>
+
+namespace spc {
+
+namespace {
+
+constexpr uint32_t kScattered = kVisibleDiffuse | kVisibleGlossy | kVisibleTransmission;
+
+// One light path under way.
+class LightTracer {
+public:
+    LightTracer(const RenderScene& world, const IntegratorSettings& settings, float margin,
+                const Sampler& sampler, std::vector<Splat>& splats, LightPathStats& stats)
+        : world_(world),
+          scene_(*world.scene),
+          settings_(settings),
+          margin_(margin),
+          sampler_(sampler),
+          splats_(splats),
+          stats_(stats) {}
+
+    // Where in its light's square the path begins; empty if nothing left the light.
+    std::optional<EmissionSample> trace() {
+        ++stats_.paths;
+        const std::optional<LightPoint> y =
+            sample_light_point(world_.lights, scene_, sampler_[Domain::light_point].three());
+        // What shines through everything is left to those who connect to it.
+        if (!y || (light_visibility(world_.lights, y->light) & kVisibleShadow) == 0)
+            return std::nullopt;
+        y_ = *y;
+        const EmittedRay emitted = emit(*settings_.light_tracing.guide, y_,
+                                        sampler_[Domain::light_direction].two());
+        away_ = emitted.direction;
+        radiance_ = radiance_at(world_.lights, scene_, y_, away_);
+        if (is_black(radiance_)) return std::nullopt;
+        ray_ = {emitted.origin, away_, 0.0f, kInfinity};
+        if (y_.surface.instance != kNone)
+            ray_.origin = offset_origin(
+                {y_.p, y_.n, position_error(scene_, y_.surface.instance, y_.surface.triangle)},
+                away_);
+        while (advance()) {}
+        return EmissionSample{y_.light, {emitted.place, 0.0f}};
+    }
+
+private:
+    // To the next surface, and beyond. Whether the path goes on.
+    bool advance() {
+        ++stats_.rays;
+        const std::optional<Hit> hit = scene_.accel->intersect(ray_, kScattered);
+        if (!hit) return false;
+        ray_.t_near = past(hit->t);
+        if (hit->light != kNone) return true;  // lamps are looked through
+        const Instance& instance = scene_.instances[hit->surface.instance];
+        if (count_ > 0 && instance.receiver) connect(hit->surface);
+        if (!instance.caster && !scene_.any_transparency) return false;
+
+        Surface surface;
+        evaluate_surface(scene_, hit->surface, ray_.direction * -1.0f, surface);
+        const std::optional<ClosureSample> next =
+            sample(surface.closures, surface.ng, surface.wo,
+                   sampler_.vertex(segment_++)[Domain::closure].three());
+        if (!next) return false;
+        if (next->kind == BounceKind::transparent) return look_through(instance, *next);
+        return next->delta && next->on_caster_normal && turn(surface, *next);
+    }
+
+    bool look_through(const Instance& instance, const ClosureSample& next) {
+        passed_ *= next.weight;
+        through_caster_ = through_caster_ || instance.caster;
+        return ++transparent_ <= settings_.limits.transparent;
+    }
+
+    bool turn(const Surface& surface, const ClosureSample& next) {
+        if (world_.casters.of_instance[surface.hit.instance] == kNone || count_ == kLongestChain)
+            return false;
+        const Interaction interaction =
+            next.refracted ? Interaction::refraction : Interaction::reflection;
+        const uint32_t kind =
+            interaction == Interaction::reflection ? kVisibleGlossy : kVisibleTransmission;
+        if (count_ == 0 && (light_visibility(world_.lights, y_.light) & kind) == 0) return false;
+        vertices_[count_++] = {surface.p, {surface.hit, interaction, 0.0f}};
+        through_caster_ = false;
+        ray_ = {offset_origin({surface.p, surface.ng, surface.p_error}, next.wi), next.wi, 0.0f,
+                kInfinity};
+        return true;
+    }
+
+    // Splats what reaches the camera from a surface at the end of the chain.
+    void connect(const SurfaceHit& hit) {
+        const Vec3 p = surface_position(scene_, hit);
+        const Vec2 lens = sampler_.vertex(segment_)[Domain::lens].two();
+        const std::optional<CameraView> view = scene_.camera.view(p, lens);
+        if (!view || !is_near_crop(view->film)) return;
+        const Vec3 to_camera = normalize(view->origin - p);
+        Surface surface;
+        evaluate_surface(scene_, hit, to_camera, surface);
+        const Vec3 wi = normalize(vertices_[count_ - 1].p - p);
+        const ClosureEval at_x = eval(surface.closures, surface.ng, to_camera, wi);
+        if (is_black(at_x.f_cos)) return;
+
+        CausticPath path;
+        path.x = p;
+        path.sides = {surface.ng, has_smooth_transmission(surface.closures)};
+        path.pdf_omega = at_x.pdf_omega;
+        path.receiver = true;
+        path.through_caster = through_caster_;
+        path.film_per_area = view->film_per_area * std::abs(dot(surface.ng, to_camera));
+        Spectrum value = at_x.f_cos * passed_ * radiance_ * trace_back(path);
+        const Techniques techniques = techniques_of(world_, settings_);
+        if (is_black(value) || !light_tracing_owns(techniques, path)) return;
+        const std::optional<CausticDensities> densities =
+            caustic_densities(techniques, path, light_end(y_, away_));
+        if (!densities || !(densities->light_tracing > 0.0)) return;
+        value *= static_cast<float>(densities->scale()) * seen(surface, *view);
+        if (is_black(value)) return;
+        if (!is_finite(value)) {
+            ++stats_.nan_splats;
+            return;
+        }
+        ++stats_.splats;
+        splats_.push_back({view->film, value});
+    }
+
+    bool is_near_crop(const Vec2& film) const {
+        const auto& [x0, y0, width, height] = scene_.camera.crop;
+        const auto inside = [this](float at, uint32_t begin, uint32_t size) {
+            return at >= static_cast<float>(begin) - margin_ &&
+                   at < static_cast<float>(begin + size) + margin_;
+        };
+        return inside(film.x, x0, width) && inside(film.y, y0, height);
+    }
+
+    // The chain as a path from the receiver has it; returns its throughput.
+    Spectrum trace_back(CausticPath& path) const {
+        Spectrum throughput(1.0f);
+        Surface surface;
+        Vec3 from = path.x;
+        for (uint32_t k = count_; k-- > 0;) {
+            const auto& [p, vertex] = vertices_[k];
+            float unused;
+            const Vec3 to_light = k > 0 ? normalize(vertices_[k - 1].p - p)
+                                        : ChainEnd{y_.distant, y_.p, y_.direction}.from(p, unused);
+            evaluate_surface(scene_, vertex.hit, normalize(from - p), surface);
+            const DeltaLobe lobe = delta_lobe(surface.closures, surface.ng, surface.wo, to_light,
+                                              vertex.interaction == Interaction::refraction);
+            throughput *= lobe.throughput;
+            path.vertices[path.count++] = {vertex.hit, vertex.interaction, lobe.probability};
+            from = p;
+        }
+        return throughput;
+    }
+
+    // Fraction of the light that passes from the surface to the camera.
+    Spectrum seen(const Surface& surface, const CameraView& view) {
+        uint32_t transparent_left = settings_.limits.transparent - transparent_;
+        return transmittance(scene_, {surface.p, surface.ng, surface.p_error},
+                             {false, view.origin, Vec3(0.0f), view.t_near}, kVisibleCamera,
+                             transparent_left, stats_.rays);
+    }
+
+    struct Vertex {
+        Vec3 p;
+        CausticVertex vertex;
+    };
+
+    const RenderScene& world_;
+    const Scene& scene_;
+    const IntegratorSettings& settings_;
+    const float margin_;
+    const Sampler& sampler_;
+    std::vector<Splat>& splats_;
+    LightPathStats& stats_;
+
+    LightPoint y_{};
+    Spectrum radiance_{0.0f};  // at y along the first segment
+    Vec3 away_{0.0f};          // direction of that segment
+    Ray ray_;
+    Spectrum passed_{1.0f};  // through transparent surfaces
+    uint32_t transparent_ = 0;
+    uint32_t segment_ = 0;
+    bool through_caster_ = false;  // since the last vertex
+    std::array<Vertex, kLongestChain> vertices_;  // from the light on
+    uint32_t count_ = 0;
+};
+
+// Streams of light paths: apart from those of pixels, by their seed.
+Sampler light_sampler(uint32_t seed, uint64_t index) {
+    constexpr uint64_t kSequence = 1u << 20;
+    return {static_cast<uint32_t>(mix_bits(seed ^ 0x6c69676874ull)),
+            static_cast<uint32_t>(index / kSequence), static_cast<uint32_t>(index % kSequence)};
+}
+
+// Paths of the pilot, the same number on each of several guides, each of which learns from the one
+// before. Large enough to show where the light comes from, small beside a render of a second.
+constexpr uint32_t kGenerations = 3, kPilotPaths = 1u << 15, kPilotChunk = 1u << 11;
+// One lucky path must not draw all others to it.
+constexpr float kLargestWeight = 32.0f;  // times the mean
+
+std::vector<EmissionSample> pilot(const RenderScene& world, const IntegratorSettings& settings,
+                                  float margin, uint32_t seed, uint32_t generation,
+                                  uint32_t threads, const std::atomic<bool>& cancelled,
+                                  LightPathStats& stats) {
+    constexpr uint32_t chunks = kPilotPaths / kPilotChunk;
+    std::array<std::vector<EmissionSample>, chunks> found;
+    std::array<LightPathStats, chunks> counted;
+    std::atomic<uint32_t> next{0};
+    const auto work = [&] {
+        std::vector<Splat> splats;
+        for (uint32_t c; (c = next.fetch_add(1)) < chunks && !cancelled.load();) {
+            for (uint32_t i = 0; i < kPilotChunk; ++i) {
+                const uint64_t index =
+                    (uint64_t{generation} * chunks + c) * kPilotChunk + i;
+                splats.clear();
+                std::optional<EmissionSample> sample =
+                    LightTracer(world, settings, margin, light_sampler(~seed, index), splats,
+                                counted[c])
+                        .trace();
+                if (!sample) continue;
+                for (const Splat& splat : splats) sample->place.weight += luminance(splat.value);
+                if (sample->place.weight > 0.0f) found[c].push_back(*sample);
+            }
+        }
+    };
+    {
+        std::vector<std::jthread> others;
+        for (uint32_t i = 1; i < threads; ++i) others.emplace_back(work);
+        work();
+    }
+    std::vector<EmissionSample> all;
+    for (uint32_t c = 0; c < chunks; ++c) {
+        all.insert(all.end(), found[c].begin(), found[c].end());
+        stats.add(counted[c]);
+    }
+    return all;
+}
+
+void limit_weights(std::vector<EmissionSample>& samples) {
+    double sum = 0.0;
+    for (const EmissionSample& sample : samples) sum += static_cast<double>(sample.place.weight);
+    const auto largest =
+        kLargestWeight * static_cast<float>(sum / static_cast<double>(samples.size()));
+    for (EmissionSample& sample : samples)
+        sample.place.weight = std::min(sample.place.weight, largest);
+}
+
+}  // namespace
+
+void trace_light_path(const RenderScene& world, const IntegratorSettings& settings, float margin,
+                      uint32_t seed, uint64_t index, std::vector<Splat>& splats,
+                      LightPathStats& stats) {
+    const Sampler sampler = light_sampler(seed, index);
+    LightTracer(world, settings, margin, sampler, splats, stats).trace();
+}
+
+std::unique_ptr<const EmissionGuide> learn_emission(const RenderScene& world,
+                                                    IntegratorSettings settings, float margin,
+                                                    uint32_t seed, uint32_t threads,
+                                                    const std::atomic<bool>& cancelled,
+                                                    LightPathStats& stats) {
+    if (world.casters.empty() || world.lights.caustic_selection.empty()) return nullptr;
+    auto guide = std::make_unique<EmissionGuide>(
+        aim_at_casters(*world.scene, world.lights, world.casters));
+    std::vector<EmissionSample> learned;
+    for (uint32_t generation = 0; generation < kGenerations; ++generation) {
+        settings.light_tracing.guide = guide.get();
+        learned = pilot(world, settings, margin, seed, generation, threads, cancelled, stats);
+        if (learned.empty() || cancelled.load()) return nullptr;
+        limit_weights(learned);
+        *guide = aim_at_casters(*world.scene, world.lights, world.casters, learned);
+    }
+    return guide;
+}
+
+}  // namespace spc

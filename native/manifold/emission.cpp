@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "manifold/emission.h"
+
+#include "math/warp.h"
+
+namespace spc {
+
+namespace {
+
+// Shares of the samples: uniform over a light's whole cone, and over what it sees of the casters.
+// The first keeps every density positive, the second bounds what was never learned.
+constexpr float kFloor = 0.05f;
+constexpr float kAimedShare = 0.25f;
+// Points on the casters from which the aim is taken, for all lights together and at least for each.
+constexpr uint32_t kAimingPoints = 1u << 18, kMostAimingPoints = 1u << 14, kLeastAimingPoints = 256;
+
+// Sphere around everything from which a local light shines.
+struct LightSphere {
+    Vec3 center;
+    float radius;
+};
+
+LightSphere sphere_of(const Bounds& bounds) {
+    return {(bounds.lower + bounds.upper) * 0.5f, 0.5f * length(bounds.upper - bounds.lower)};
+}
+
+LightSphere sphere_of(const Scene& scene, const LightSet& lights, uint32_t light) {
+    if (light >= lights.lamps.size())
+        return sphere_of(
+            scene.bounds_of(lights.emissive[light - lights.lamps.size()].instance));
+    const Lamp& lamp = lights.lamps[light];
+    if (const auto* area = std::get_if<AreaLamp>(&lamp))
+        return {area->center, area->length_x + area->length_y};
+    if (const auto* sphere = std::get_if<SphereLamp>(&lamp)) return {sphere->center, sphere->radius};
+    return {std::get<PointLamp>(lamp).center, 0.0f};
+}
+
+// Area-preserving map between the unit square and a cone around +z.
+Vec3 to_cone(const Vec2& place, float one_minus_cos) {
+    const Vec2 disk = concentric_disk(place);
+    const float h = disk.length2() * one_minus_cos;  // 1 - cos theta
+    const float scale = safe_sqrt(one_minus_cos * (2.0f - h));
+    return {disk.x * scale, disk.y * scale, 1.0f - h};
+}
+Vec2 from_cone(const Vec3& w, float one_minus_cos) {
+    const float sin2 = w.x * w.x + w.y * w.y;
+    const float h = w.z > 0.0f ? sin2 / (1.0f + w.z) : 1.0f - w.z;
+    const float radius = std::sqrt(std::min(h / one_minus_cos, 1.0f));
+    const float scale = sin2 > 0.0f ? radius / std::sqrt(sin2) : 0.0f;
+    return concentric_square({w.x * scale, w.y * scale});
+}
+
+struct Place {
+    Vec2 p;
+    float density_of_uniform;  // 1/sr or 1/m^2
+};
+// Empty where the light's square does not reach.
+std::optional<Place> place_of(const EmissionGuide& guide, uint32_t light, const ChainEnd& end,
+                              const Vec3& p) {
+    const auto inside = [](const Vec2& place) {
+        return place.x >= 0.0f && place.x < 1.0f && place.y >= 0.0f && place.y < 1.0f;
+    };
+    const LightEmission& emission = guide.lights[light];
+    if (end.distant) {
+        const Frame frame = Frame::around(end.direction);
+        const Vec3 q = (p - guide.center) * (0.5f / guide.radius);
+        const Vec2 place(dot(q, frame.x) + 0.5f, dot(q, frame.y) + 0.5f);
+        if (!inside(place)) return std::nullopt;
+        return Place{place, 0.25f / sqr(guide.radius)};
+    }
+    const Vec3 w = emission.frame.to_local(normalize(p - end.p));
+    if (w.z < 1.0f - emission.one_minus_cos) return std::nullopt;
+    const Vec2 place = from_cone(w, emission.one_minus_cos);
+    if (!inside(place)) return std::nullopt;
+    return Place{place, uniform_cone_pdf(emission.one_minus_cos)};
+}
+
+void enclose_casters(const Scene& scene, const CasterSet& casters, EmissionGuide& guide) {
+    Bounds bounds;
+    for (const Caster& caster : casters.casters) {
+        bounds.extend(caster.center - caster.half_extent);
+        bounds.extend(caster.center + caster.half_extent);
+    }
+    constexpr float kMargin = 1.001f;  // for points on the sphere itself, and flat casters
+    const LightSphere sphere = sphere_of(bounds);
+    guide.center = sphere.center;
+    guide.radius = sphere.radius * kMargin;
+    guide.start = 2.0f * scene.bounds_radius + guide.radius;
+}
+
+void enclose_casters_from(const LightSphere& light, const EmissionGuide& guide,
+                          LightEmission& emission) {
+    const Vec3 axis = guide.center - light.center;
+    const float distance = length(axis), reach = guide.radius + light.radius;
+    emission.frame = Frame::around(distance > 0.0f ? axis * (1.0f / distance) : Vec3(0, 0, 1));
+    if (distance <= reach) return;  // some of the light may lie among the casters
+    const float sine = reach / distance;
+    // 1 - sqrt(1 - s^2), without cancellation
+    emission.one_minus_cos = sqr(sine) / (1.0f + std::sqrt(1.0f - sqr(sine)));
+}
+
+}  // namespace
+
+EmissionGuide aim_at_casters(const Scene& scene, const LightSet& lights, const CasterSet& casters,
+                             std::span<const EmissionSample> learned) {
+    EmissionGuide guide;
+    if (casters.empty() || lights.caustic_selection.empty()) return guide;
+    enclose_casters(scene, casters, guide);
+    const auto count = lights.count();
+    guide.lights.resize(count);
+    for (uint32_t light = 0; light < count; ++light)
+        if (!lights.is_distant(light))
+            enclose_casters_from(sphere_of(scene, lights, light), guide, guide.lights[light]);
+
+    std::vector<std::vector<WeightedPoint>> points(count);
+    std::vector<double> learned_weight(count, 0.0);
+    for (const EmissionSample& sample : learned) {
+        points[sample.light].push_back(sample.place);
+        learned_weight[sample.light] += static_cast<double>(sample.place.weight);
+    }
+    const uint32_t aims =
+        std::clamp(kAimingPoints / count, kLeastAimingPoints, kMostAimingPoints);
+    for (uint32_t light = 0; light < count; ++light) {
+        if (lights.caustic_selection.probability(light) == 0.0f) continue;
+        const float weight =
+            learned_weight[light] > 0.0
+                ? static_cast<float>(learned_weight[light] * static_cast<double>(
+                                         kAimedShare / (1.0f - kAimedShare)) / aims)
+                : 1.0f;
+        Pcg pcg(light);
+        for (uint32_t i = 0; i < aims; ++i) {
+            const std::optional<LightPoint> y = sample_point_of_light(
+                lights, scene, light, {pcg.one(), pcg.one()});
+            const Caster& caster = casters.casters[pcg.bits() % casters.casters.size()];
+            const Vec3 p = surface_position(scene, sample_on(caster, pcg));
+            if (!y) continue;
+            if (const std::optional<Place> place =
+                    place_of(guide, light, {y->distant, y->p, y->direction}, p))
+                points[light].push_back({place->p, weight});
+        }
+        guide.lights[light].density = QuadtreeDensity(points[light], kFloor);
+    }
+    return guide;
+}
+
+EmittedRay emit(const EmissionGuide& guide, const LightPoint& y, const Vec2& u) {
+    const LightEmission& emission = guide.lights[y.light];
+    const QuadtreeDensity::Sample at = emission.density.sample(u);
+    if (y.distant) {
+        const Frame frame = Frame::around(y.direction);
+        const Vec3 across = frame.x * (2.0f * at.p.x - 1.0f) + frame.y * (2.0f * at.p.y - 1.0f);
+        return {guide.center + across * guide.radius + y.direction * guide.start,
+                y.direction * -1.0f, at.p, at.pdf * (0.25f / sqr(guide.radius))};
+    }
+    const Vec3 direction =
+        normalize(emission.frame.to_world(to_cone(at.p, emission.one_minus_cos)));
+    return {y.p, direction, at.p, at.pdf * uniform_cone_pdf(emission.one_minus_cos)};
+}
+
+float emission_pdf(const EmissionGuide& guide, uint32_t light, const ChainEnd& end, const Vec3& p) {
+    const std::optional<Place> place = place_of(guide, light, end, p);
+    return place ? guide.lights[light].density.pdf(place->p) * place->density_of_uniform : 0.0f;
+}
+
+}  // namespace spc

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Where light leaves for the casters: for each light a density of directions from its points, or of
+// positions across its direction if it is distant.
+#pragma once
+
+#include "core/quadtree.h"
+#include "manifold/caster.h"
+
+namespace spc {
+
+// Of one light. The unit square stands for a cone around the axis from the light to the casters, or
+// for a square across the direction of a distant light, around the sphere that holds all casters.
+struct LightEmission {
+    Frame frame{};                // z from a local light towards the casters
+    float one_minus_cos = 2.0f;   // of the cone in which any point of the light sees all casters
+    QuadtreeDensity density;
+};
+
+struct EmissionGuide {
+    Vec3 center{0.0f};  // of the sphere around all casters, world, m
+    float radius = 0.0f;
+    float start = 0.0f;  // m from the centre: outside the scene, where rays of distant lights begin
+    std::vector<LightEmission> lights;
+};
+
+// What light can be used for aiming: points of light that led to something worth it.
+struct EmissionSample {
+    uint32_t light;
+    WeightedPoint place;  // in the light's unit square
+};
+// Aims at all of the casters' surfaces alike, save `learned`, which says more.
+EmissionGuide aim_at_casters(const Scene& scene, const LightSet& lights, const CasterSet& casters,
+                             std::span<const EmissionSample> learned = {});
+
+struct EmittedRay {
+    Vec3 origin;
+    Vec3 direction;  // unit, away from the light
+    Vec2 place;      // in the light's unit square
+    float pdf;       // by solid angle from y (1/sr); distant: by area across the direction (1/m^2)
+};
+EmittedRay emit(const EmissionGuide& guide, const LightPoint& y, const Vec2& u);
+
+// Density with which emit() sends light from the end of a chain through the point p; `light` is the
+// end's.
+float emission_pdf(const EmissionGuide& guide, uint32_t light, const ChainEnd& end, const Vec3& p);
+
+}  // namespace spc

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "manifold/ownership.h"
+
+namespace spc {
+
+namespace {
+
+bool allowed(const ManifoldSettings& settings, Interaction interaction) {
+    return interaction == Interaction::reflection ? settings.reflections : settings.refractions;
+}
+
+// Whether path tracing may follow the chain to its light, by whichever closure x scatters.
+bool within_limits(const BounceLimits& limits, const CausticPath& path) {
+    uint32_t glossy = 1, transmission = 1;
+    for (uint32_t i = 0; i + 1 < path.count; ++i)
+        ++(path.vertices[i].interaction == Interaction::reflection ? glossy : transmission);
+    return path.count <= limits.total && limits.diffuse >= 1 && glossy <= limits.glossy &&
+           transmission <= limits.transmission;
+}
+
+bool is_seen_through(const LightSet& lights, uint32_t light) {
+    return (light_visibility(lights, light) & kVisibleShadow) == 0;
+}
+
+// Product over the vertices of the chance that a path from the light takes the same lobe.
+double probability_from_light(const Scene& scene, const CausticPath& path,
+                              std::span<const ChainVertex> chain, const ChainEnd& end) {
+    double product = 1.0;
+    Surface surface;
+    for (size_t i = 0; i < chain.size(); ++i) {
+        const Vec3 p = chain[i].patch.p;
+        float unused;
+        const Vec3 to_light =
+            i + 1 < chain.size() ? normalize(chain[i + 1].patch.p - p) : end.from(p, unused);
+        const Vec3 to_receiver = normalize((i > 0 ? chain[i - 1].patch.p : path.x) - p);
+        evaluate_surface(scene, path.vertices[i].hit, to_light, surface);
+        product *= static_cast<double>(
+            delta_lobe(surface.closures, surface.ng, to_light, to_receiver,
+                       chain[i].interaction == Interaction::refraction)
+                .probability);
+    }
+    return product;
+}
+
+}  // namespace
+
+LightEnd light_end(const LightPoint& y, const Vec3& away) {
+    const bool point = y.distant || y.delta;
+    const bool two_sided = y.surface.instance != kNone;  // meshes; lamps shine from one side
+    const float cosine = dot(y.n, away);
+    return {{y.distant, y.p, y.direction},
+            y.light,
+            y.delta,
+            point       ? 1.0f
+            : two_sided ? std::abs(cosine)
+                        : std::max(cosine, 0.0f),
+            y.pdf};
+}
+
+bool manifold_owns(const Techniques& techniques, const CausticPath& path) {
+    return techniques.manifold.enabled && path.receiver && !path.through_caster &&
+           path.count == 1 && allowed(techniques.manifold, path.vertices[0].interaction);
+}
+
+bool light_tracing_owns(const Techniques& techniques, const CausticPath& path) {
+    return techniques.light_tracing.guide != nullptr && path.receiver &&
+           path.film_per_area > 0.0f && path.count > 0 &&
+           allowed(techniques.manifold, path.vertices[0].interaction) &&
+           within_limits(techniques.limits, path);
+}
+
+std::optional<CausticDensities> caustic_densities(const Techniques& techniques,
+                                                  const CausticPath& path, const LightEnd& end) {
+    const Scene& scene = techniques.scene;
+    std::array<ChainVertex, kLongestChain> storage;
+    const std::span<ChainVertex> chain(storage.data(), path.count);
+    double probability = 1.0;
+    Vec3 from = path.x;
+    for (uint32_t i = 0; i < path.count; ++i) {
+        const CausticVertex& vertex = path.vertices[i];
+        const CasterPatch patch = evaluate_caster(scene, vertex.hit, false);
+        const float ior = scene.material_of(vertex.hit).specular.ior;
+        chain[i] = {vertex.interaction, eta_seen_from(patch.ng, from - patch.p, ior), patch};
+        probability *= static_cast<double>(vertex.probability);
+        from = patch.p;
+    }
+    const std::optional<ChainDerivative> derivative = chain_derivative(path.x, chain, end.end);
+    if (!derivative) return std::nullopt;
+
+    CausticDensities p;
+    p.geometry = derivative->geometry * static_cast<double>(end.cosine);
+    const bool by_manifold = manifold_owns(techniques, path);
+    if (by_manifold) {
+        const uint32_t caster = techniques.casters.of_instance[path.vertices[0].hit.instance];
+        p.manifold = static_cast<double>(end.pdf) *
+                     static_cast<double>(caster_probability(techniques.casters, caster, path.x,
+                                                            path.sides, end.end));
+    }
+    // Rays do not look through what a lamp without shadow shines through: they leave such a light
+    // to those who connect to it.
+    const bool by_rays = !is_seen_through(techniques.lights, end.light);
+    if (!end.delta && (by_rays || !by_manifold))
+        p.path_tracing = static_cast<double>(path.pdf_omega) * probability * p.geometry;
+    if (by_rays && light_tracing_owns(techniques, path)) {
+        const Vec3 last = chain.back().patch.p;
+        const float emitted =
+            emission_pdf(*techniques.light_tracing.guide, end.light, end.end, last);
+        const double cos_x =
+            std::abs(static_cast<double>(dot(path.sides.ng, normalize(chain[0].patch.p - path.x))));
+        if (emitted > 0.0f)
+            p.light_tracing = techniques.light_tracing.paths /
+                              static_cast<double>(path.film_per_area) *
+                              static_cast<double>(end.pdf) * static_cast<double>(emitted) *
+                              probability_from_light(scene, path, chain, end.end) *
+                              derivative->geometry * derivative->etendue * cos_x;
+    }
+    return p;
+}
+
+}  // namespace spc

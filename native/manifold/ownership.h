@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Who estimates a path of light that reaches a receiver through specular interactions: path
+// tracing, the manifold, light tracing, or several of them.
+//
+// A path is described by what it is, not by how it was found; from that one function computes the
+// densities with which each technique finds it, and all of them weigh it by the balance heuristic.
+#pragma once
+
+#include "manifold/emission.h"
+
+namespace spc {
+
+// Cycles' limits: a path may scatter this often and still be lit at its last vertex.
+struct BounceLimits {
+    uint32_t total = 12, diffuse = 4, glossy = 4, transmission = 12, transparent = 8;
+};
+
+// Light paths beside the camera's.
+struct LightTracing {
+    const EmissionGuide* guide = nullptr;  // null: there are none
+    double paths = 0.0;                    // for each sample of the whole picture
+};
+
+// All on which ownership depends besides the path.
+struct Techniques {
+    const Scene& scene;
+    const LightSet& lights;
+    const CasterSet& casters;
+    const ManifoldSettings& manifold;
+    const LightTracing& light_tracing;
+    const BounceLimits& limits;
+};
+
+// One interaction by a delta closure of a caster's specular interface.
+struct CausticVertex {
+    SurfaceHit hit;
+    Interaction interaction;
+    float probability;  // of its lobe for a path from the receiver, as delta_lobe() states it
+};
+
+inline constexpr uint32_t kLongestChain = 12;
+
+// From a smooth scattering at the receiver x through the chain: without the light's end.
+struct CausticPath {
+    Vec3 x{0.0f};
+    ReceiverSides sides{};       // by the side of the path that arrived
+    float pdf_omega = 0.0f;      // of the scattering at x towards the chain
+    bool receiver = false;       // x has the role, the closure and the bounces left
+    bool through_caster = false; // straight through a transparent part of any caster before the first vertex
+    // Pixels^2 of the film per m^2 at x where the camera sees x, directly or through transparent
+    // surfaces; else 0.
+    float film_per_area = 0.0f;
+    uint32_t count = 0;
+    std::array<CausticVertex, kLongestChain> vertices;  // from the receiver on; `count` are valid
+};
+
+// Where the path ends.
+struct LightEnd {
+    ChainEnd end;
+    uint32_t light;
+    bool delta;
+    float cosine;  // at y; 1 for distant lights and points
+    float pdf;     // LightPoint::pdf, the choice of the light included
+};
+LightEnd light_end(const LightPoint& y, const Vec3& away);
+
+// What a technique other than path tracing can find. Whatever neither owns is path tracing's alone.
+bool manifold_owns(const Techniques& techniques, const CausticPath& path);
+bool light_tracing_owns(const Techniques& techniques, const CausticPath& path);
+
+// By area at y (distant light: solid angle at the light) and area at x; of the camera's paths for
+// one sample of the whole picture; all divided by film_per_area, if that is positive.
+struct CausticDensities {
+    double geometry = 0.0;  // |dw_x/dA_y|, the cosine at y included
+    double path_tracing = 0.0;   // p_bsdf(w) |dw_x/dA_y| times the chances of all lobes; 0 for delta lights
+    double manifold = 0.0;       // p_L(y) times the chance of the caster
+    double light_tracing = 0.0;  // paths p_L(y) p_e(w_y) |dw_y/dA_x| times the chances of all lobes
+
+    // What the path's light is multiplied with by the manifold and by light tracing alike: its
+    // geometry over the densities, of which the estimator's own one divides it and the sum weighs.
+    // Finite on a fold.
+    double scale() const { return geometry / (path_tracing + manifold + light_tracing); }
+};
+// Empty where the chain cannot be, by the accuracy that there is.
+std::optional<CausticDensities> caustic_densities(const Techniques& techniques,
+                                                  const CausticPath& path, const LightEnd& end);
+
+}  // namespace spc

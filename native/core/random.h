@@ -22,7 +22,8 @@ enum class Domain : uint32_t {
     manifold_seeds,
     lens,
     light_point,
-    light_direction
+    light_direction,
+    manifold_activation
 };
 
 inline uint64_t mix_bits(uint64_t x) {  // a bijection with good avalanche, [Stafford11] variant 13

@@ -25,6 +25,7 @@ uint32_t kinds_seeing(uint32_t visibility) {
 struct PathTracer {
     const RenderScene& world;
     const IntegratorSettings& settings;
+    const Activation& activation;
     PathStats& stats;
     Vec2 lens;
     Ray ray;
@@ -199,16 +200,26 @@ struct PathTracer {
 
     // Throughput included.
     Spectrum caustic_radiance(const Surface& surface, float film_per_area, const Sampler& sampler) {
+        const size_t depth = receiver_depth(bounces.total);
+        const float chance = activation[depth];
+        if (chance < 1.0f && sampler[Domain::manifold_activation].one() >= chance)
+            return Spectrum(0.0f);
         ManifoldStats& counts = stats.manifold;
-        const uint64_t capped = counts.capped;
+        const ManifoldStats before = counts;
         const Spectrum caustic =
-            throughput *
+            throughput * (1.0f / chance) *
             manifold_radiance(techniques_of(world, settings),
                               {surface.p, surface.p_error, surface.ng, surface.wo,
                                &surface.closures, bounces.transparent_left(settings.limits),
                                film_per_area},
                               sampler, counts);
-        if (counts.capped > capped) counts.capped_energy += static_cast<double>(luminance(caustic));
+        const double squares = static_cast<double>(
+            (sqr(caustic.x) + sqr(caustic.y) + sqr(caustic.z)) * (1.0f / 3.0f));
+        const double work = static_cast<double>(counts.iterations - before.iterations +
+                                                counts.rays - before.rays);
+        stats.evidence[depth].add({squares * static_cast<double>(chance),
+                                   work / static_cast<double>(chance)});
+        if (counts.capped > before.capped) counts.capped_energy += static_cast<double>(luminance(caustic));
         return caustic;
     }
 
@@ -282,9 +293,9 @@ RenderScene prepare(std::unique_ptr<Scene> scene, uint32_t threads) {
 // owned by one estimator or shared by two with weights that sum to one: manifold/estimator.h says
 // which.
 PathSample path_radiance(const RenderScene& world, const IntegratorSettings& settings,
-                         const Ray& camera_ray, const Vec2& lens, const Sampler& sampler,
-                         PathStats& stats) {
-    PathTracer path{world, settings, stats, lens, camera_ray};
+                         const Activation& activation, const Ray& camera_ray, const Vec2& lens,
+                         const Sampler& sampler, PathStats& stats) {
+    PathTracer path{world, settings, activation, stats, lens, camera_ray};
     PathSample out;
     Surface surface;
     for (uint32_t vertex = 0;; ++vertex) {

@@ -28,9 +28,29 @@ inline Techniques techniques_of(const RenderScene& world, const IntegratorSettin
             settings.manifold, settings.light_tracing, settings.limits};
 }
 
+// Receivers by how often the path has scattered before: 0, 1, 2 or more times.
+inline constexpr size_t kReceiverDepths = 3;
+inline size_t receiver_depth(uint32_t bounces) {
+    return std::min<size_t>(bounces, kReceiverDepths - 1);
+}
+
+// Chance of a manifold estimate at a receiver of each depth.
+using Activation = std::array<float, kReceiverDepths>;
+
+// What manifold estimates at receivers of one depth gave and cost, as if there had been one at each.
+struct ActivationEvidence {
+    double second_moment = 0.0;  // of what they add to their pixels, mean of the channels
+    double cost = 0.0;           // Newton iterations and rays
+    void add(const ActivationEvidence& other) {
+        second_moment += other.second_moment;
+        cost += other.cost;
+    }
+};
+
 struct PathStats {
     uint64_t rays = 0;
     ManifoldStats manifold;
+    std::array<ActivationEvidence, kReceiverDepths> evidence;
 };
 
 // What one path contributes to the film.
@@ -46,7 +66,7 @@ struct PathSample {
 
 // `lens`: what the camera's ray was made with.
 PathSample path_radiance(const RenderScene& world, const IntegratorSettings& settings,
-                         const Ray& camera_ray, const Vec2& lens, const Sampler& sampler,
-                         PathStats& stats);
+                         const Activation& activation, const Ray& camera_ray, const Vec2& lens,
+                         const Sampler& sampler, PathStats& stats);
 
 }  // namespace spc

@@ -87,7 +87,7 @@ private:
         if (!densities || !(densities->geometry > 0.0)) return Spectrum(0.0f);
         const Spectrum through = passes(root);
         return at_x.f_cos * lobe.throughput * radiance * through *
-               static_cast<float>(densities->scale());
+               static_cast<float>(kManifoldWorth * densities->scale());
     }
 
     // Fraction of light that passes along both segments of a chain.

@@ -92,7 +92,7 @@ std::optional<CausticDensities> caustic_densities(const Techniques& techniques,
     const bool by_manifold = manifold_owns(techniques, path);
     if (by_manifold) {
         const uint32_t caster = techniques.casters.of_instance[path.vertices[0].hit.instance];
-        p.manifold = static_cast<double>(end.pdf) *
+        p.manifold = kManifoldWorth * static_cast<double>(end.pdf) *
                      static_cast<double>(caster_probability(techniques.casters, caster, path.x,
                                                             path.sides, end.end));
     }

@@ -68,17 +68,22 @@ LightEnd light_end(const LightPoint& y, const Vec3& away);
 bool manifold_owns(const Techniques& techniques, const CausticPath& path);
 bool light_tracing_owns(const Techniques& techniques, const CausticPath& path);
 
+// The balance heuristic takes estimates of equal density for equally good. The manifold's, which
+// choose one of many solutions and count trials, have this much of the worth of a sample that was
+// drawn with the same density.
+inline constexpr double kManifoldWorth = 1.0 / 32;
+
 // By area at y (distant light: solid angle at the light) and area at x; of the camera's paths for
 // one sample of the whole picture; all divided by film_per_area, if that is positive.
 struct CausticDensities {
     double geometry = 0.0;  // |dw_x/dA_y|, the cosine at y included
     double path_tracing = 0.0;   // p_bsdf(w) |dw_x/dA_y| times the chances of all lobes; 0 for delta lights
-    double manifold = 0.0;       // p_L(y) times the chance of the caster
+    double manifold = 0.0;  // p_L(y) times the chance of the caster and kManifoldWorth
     double light_tracing = 0.0;  // paths p_L(y) p_e(w_y) |dw_y/dA_x| times the chances of all lobes
 
-    // What the path's light is multiplied with by the manifold and by light tracing alike: its
-    // geometry over the densities, of which the estimator's own one divides it and the sum weighs.
-    // Finite on a fold.
+    // What light tracing multiplies the path's light with: its geometry over the densities, of which
+    // the estimator's own one divides it and the sum weighs. Finite on a fold. The manifold takes
+    // kManifoldWorth of it, which it has not been divided by.
     double scale() const { return geometry / (path_tracing + manifold + light_tracing); }
 };
 // Empty where the chain cannot be, by the accuracy that there is.

@@ -36,6 +36,7 @@ void RenderStats::add(const RenderStats& other) {
     manifold_energy += other.manifold_energy;
     path.rays += other.path.rays;
     light.add(other.light);
+    for (size_t i = 0; i < kReceiverDepths; ++i) path.evidence[i].add(other.path.evidence[i]);
     ManifoldStats& m = path.manifold;
     const ManifoldStats& o = other.path.manifold;
     m.estimates += o.estimates;
@@ -57,6 +58,7 @@ Session::Session(const RenderScene& world, const RenderSettings& settings)
       film_(world.scene->camera.crop[2], world.scene->camera.crop[3]),
       pass_count_(count_passes(settings.samples)),
       tile_passes_(film_.tile_count()),
+      evidence_(film_.tile_count()),
       start_(Clock::now()) {
     settings_.integrator.manifold.cancelled = &cancelled_;
     active_workers_ = worker_count(settings.threads);
@@ -89,6 +91,47 @@ bool Session::must_stop() const {
 }
 bool Session::should_stop() const {
     return must_stop() || out_of_time_.load(std::memory_order_relaxed);
+}
+
+void TileEvidence::add(const RenderStats& stats) {
+    samples += stats.samples;
+    rays += stats.path.rays;
+    for (size_t i = 0; i < kReceiverDepths; ++i) manifold[i].add(stats.path.evidence[i]);
+}
+
+Activation activation_for(const TileEvidence& evidence, std::span<const PixelSums> pixels) {
+    // So few samples tell nothing yet; and what they have not met must not come too rarely.
+    constexpr uint64_t kLeastSamples = 3;
+    constexpr double kLeastChance = 1.0 / 8;
+    // Of the variance that a tile shows, what is left for all but the manifold at least.
+    constexpr double kLeastRest = 0.05;
+
+    Activation chances;
+    chances.fill(1.0f);
+    if (evidence.samples < kLeastSamples * pixels.size()) return chances;
+    double variance = 0.0;  // of one sample
+    for (const PixelSums& pixel : pixels) {
+        const double n = pixel.count;
+        if (n < 2.0) return chances;
+        for (size_t c = 0; c < 3; ++c) {
+            const double mean = pixel.radiance[c] / n;
+            variance += (pixel.radiance_squared[c] / n - mean * mean) * (n / (n - 1.0));
+        }
+    }
+    variance /= 3.0 * static_cast<double>(pixels.size());
+    const auto samples = static_cast<double>(evidence.samples);
+    double by_manifold = 0.0;
+    for (const ActivationEvidence& e : evidence.manifold) by_manifold += e.second_moment / samples;
+    const double rest = std::max(variance - by_manifold, kLeastRest * variance);
+    const double rest_cost = static_cast<double>(evidence.rays) / samples;
+    if (!(rest > 0.0)) return chances;
+    for (size_t i = 0; i < kReceiverDepths; ++i) {
+        const ActivationEvidence& e = evidence.manifold[i];
+        if (e.cost == 0.0) continue;
+        const double best = std::sqrt(e.second_moment / e.cost * rest_cost / rest);
+        chances[i] = static_cast<float>(std::clamp(best, kLeastChance, 1.0));
+    }
+    return chances;
 }
 
 void Session::work(bool first) {
@@ -169,6 +212,7 @@ bool Session::render_tile(uint32_t pass, uint32_t tile, RenderStats& stats) {
                                         pass_begin(pass + 1) - pass_begin(pass), pixels, stats);
     film_.store_tile(tile, pixels);
     if (!complete) return false;
+    evidence_[tile].add(stats);
     tile_passes_[tile].store(pass + 1);
     return true;
 }
@@ -201,6 +245,7 @@ bool Session::render_light_paths(uint32_t pass, uint32_t part, RenderStats& stat
 bool Session::render_pixels(uint32_t tile, uint32_t first, uint32_t count,
                             std::vector<PixelSums>& pixels, RenderStats& stats) {
     const Film::TileBounds b = film_.bounds(tile);
+    const Activation activation = activation_for(evidence_[tile], pixels);
     const auto& crop = world_.scene->camera.crop;
     for (uint32_t y = 0; y < b.height; ++y) {
         for (uint32_t x = 0; x < b.width; ++x) {
@@ -209,7 +254,8 @@ bool Session::render_pixels(uint32_t tile, uint32_t first, uint32_t count,
                 // Every pixel gets its first samples, however short the time.
                 if (first > 0 ? should_stop() : must_stop()) return false;
                 const FilmSample sample = take_sample(crop[0] + b.x0 + x, crop[1] + b.y0 + y,
-                                                      settings_.first_sample + first + i, stats);
+                                                      settings_.first_sample + first + i, activation,
+                                                      stats);
                 if (cancelled_.load(std::memory_order_relaxed)) return false;  // cut short, perhaps
                 accumulate(pixel, sample);
             }
@@ -221,14 +267,16 @@ bool Session::render_pixels(uint32_t tile, uint32_t first, uint32_t count,
 }
 
 // x and y in the full frame: a crop is a window into the same picture.
-FilmSample Session::take_sample(uint32_t x, uint32_t y, uint32_t index, RenderStats& stats) const {
+FilmSample Session::take_sample(uint32_t x, uint32_t y, uint32_t index,
+                               const Activation& activation, RenderStats& stats) const {
     const Camera& camera = world_.scene->camera;
     const Sampler sampler(settings_.seed, y * camera.width + x, index);
     const Vec2 offset = filter_.sample(sampler[Domain::film].two());
     const Vec2 lens = sampler[Domain::lens].two();
     const Ray ray = camera.ray(static_cast<float>(x) + 0.5f + offset.x,
                                static_cast<float>(y) + 0.5f + offset.y);
-    PathSample path = path_radiance(world_, settings_.integrator, ray, lens, sampler, stats.path);
+    PathSample path = path_radiance(world_, settings_.integrator, activation, ray, lens, sampler,
+                                    stats.path);
     ++stats.samples;
     if (!is_finite(path.radiance) || !is_finite(path.caustics) || !is_finite(path.position) ||
         !is_finite(path.normal) || !std::isfinite(path.alpha)) {

@@ -45,6 +45,17 @@ struct RenderProgress {
     double seconds;
 };
 
+// What is known of the estimates of a tile, from all its samples so far.
+struct TileEvidence {
+    uint64_t samples = 0;
+    uint64_t rays = 0;  // of path tracing
+    std::array<ActivationEvidence, kReceiverDepths> manifold;
+    void add(const RenderStats& stats);
+};
+// The chances of manifold estimates for which variance times cost of the tile is least, as
+// efficiency-optimised Russian roulette has it [Rath22].
+Activation activation_for(const TileEvidence& evidence, std::span<const PixelSums> pixels);
+
 class Session {
 public:
     // Starts the workers. `world` must outlive the session.
@@ -73,7 +84,8 @@ private:
     bool render_light_paths(uint32_t pass, uint32_t part, RenderStats& stats);
     bool render_pixels(uint32_t tile, uint32_t first, uint32_t count,
                        std::vector<PixelSums>& pixels, RenderStats& stats);
-    FilmSample take_sample(uint32_t x, uint32_t y, uint32_t index, RenderStats& stats) const;
+    FilmSample take_sample(uint32_t x, uint32_t y, uint32_t index, const Activation& activation,
+                           RenderStats& stats) const;
     uint32_t pass_begin(
         uint32_t pass) const;  // relative sample index; of pass_count_ the number of samples
     bool must_stop() const;    // whatever has been done
@@ -86,6 +98,7 @@ private:
     Film film_;
     const uint32_t pass_count_;
     std::vector<std::atomic<uint32_t>> tile_passes_;  // passes that each tile has had
+    std::vector<TileEvidence> evidence_;              // of each tile, from those passes
     // Of each pass, beside its tiles. Light paths are added to the film in their order, too.
     uint32_t light_jobs_ = 0;
     uint64_t light_paths_ = 0;  // for each sample of the picture

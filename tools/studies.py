@@ -11,7 +11,8 @@ from tools.common import PYTHON, ROOT, DevError
 
 BENCHES = ROOT / "tests" / "bench"
 DEFAULT_BENCH = "error"
-WITH_FIGURES = ("error", "reference")  # they need the environment with FLIP and EXR files
+# They need the environment with Matplotlib, FLIP and EXR files.
+WITH_FIGURES = ("error", "reference", "scaling")
 
 
 def bench(argv: list[str]) -> NoReturn:

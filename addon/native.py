@@ -57,11 +57,17 @@ def library_directories() -> list[Path]:
     return [Path(override), package] if override else [package]
 
 
-def library_path(flags: set[str], directories: list[Path]) -> Path:
-    """The library of the highest level that the processor has."""
+def supported_levels(flags: set[str]) -> list[str]:
+    """The levels that the processor has, the highest first."""
     levels = [level for level, needed in LEVELS.items() if needed <= flags]
     if not levels:
         raise NativeError("Specula needs a processor with SSE4.2 (x86-64-v2) on Linux")
+    return levels
+
+
+def library_path(flags: set[str], directories: list[Path]) -> Path:
+    """The library of the highest level that the processor has."""
+    levels = supported_levels(flags)
     for directory in directories:
         for level in levels:
             path = directory / f"libspecula-{level}.so"

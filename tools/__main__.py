@@ -24,7 +24,7 @@ COMMANDS = {
     "package": ("package", "main", "zip the addon as artists install it"),
     "blender": ("host", "blender", "ARGS: Debian's Blender with the addon enabled from the tree"),
     "bpy": ("host", "bpy", "[--version V] SCRIPT ARGS: a script in today's Blender, addon enabled"),
-    "build": ("build", "main", "[--preset release|portable|dev|asan]: compile into build/PRESET"),
+    "build": ("build", "main", "[--preset NAME]: compile into build/PRESET"),
     "format": ("quality", "format_sources", "rewrite the sources with clang-format and ruff"),
     "lint": ("quality", "lint", "check the format, clang-tidy, ruff"),
 }

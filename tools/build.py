@@ -10,7 +10,11 @@ from pathlib import Path
 from tools import setup
 from tools.common import BUILD, ROOT, locked, run, say
 
-PRESETS = ("release", "portable", "dev", "asan")
+PRESETS = ("release", "portable", "bench", "dev", "asan")
+
+
+# Keys of setup.COMMAND_NEEDS, beside "build".
+NEEDS = {"bench": "bench kernels", "dev": "test native", "asan": "test native"}
 
 
 def environment() -> dict[str, str]:
@@ -33,11 +37,12 @@ def configure(preset: str, quiet: bool = False) -> None:
     run(["cmake", "--preset", preset], f"configuring {preset}", environment(), quiet)
 
 
-def build(preset: str, quiet: bool = False) -> Path:
+def build(preset: str, quiet: bool = False, target: str = "all") -> Path:
     """Compile `preset`; returns the folder with its libraries. `quiet`: output only on failure."""
+    command = ["cmake", "--build", "--preset", preset, "--target", target]
     with locked(BUILD / f"{preset}.lock"):
         configure(preset, quiet)
-        run(["cmake", "--build", "--preset", preset], f"building {preset}", environment(), quiet)
+        run(command, f"building {preset}", environment(), quiet)
     return BUILD / preset / "lib"
 
 
@@ -46,6 +51,6 @@ def main(argv: list[str]) -> int:
     parser = argparse.ArgumentParser(prog="./dev build", description="Compile into build/PRESET.")
     parser.add_argument("--preset", choices=PRESETS, default="release")
     preset = parser.parse_args(argv).preset
-    setup.ensure("build" if preset in ("release", "portable") else "test native")
+    setup.ensure(NEEDS.get(preset, "build"))
     build(preset)
     return 0

@@ -25,7 +25,8 @@ PACKAGES = {
         *("python3-venv", "libx11-6", "libxext6", "libxrender1", "libxfixes3", "libxi6"),
         *("libxkbcommon0", "libsm6", "libice6", "libgl1", "libegl1", "libgl1-mesa-dri"),
     ],
-    "native tests": ["libgtest-dev", "libgmock-dev", "libbenchmark-dev"],
+    "native tests": ["libgtest-dev", "libgmock-dev"],
+    "kernels": ["libbenchmark-dev"],
     # python3-openimageio: reading EXR files in tests that run outside Blender.
     "python tests": [
         *("python3-pytest", "python3-numpy", "python3-openimageio", "openimageio-tools"),
@@ -47,8 +48,9 @@ COMMAND_NEEDS = {
     "test bpy": ["build", "bpy"],
     "test images": ["build", "blender", "bpy", "python tests"],
     "bench": ["build", "blender", "bpy"],
+    "bench kernels": ["build", "kernels"],
     "format": ["quality"],
-    "lint": ["build", "native tests", "quality"],
+    "lint": ["build", "native tests", "kernels", "quality"],
 }
 
 # Results (images, reference values, what an API does) depend on these versions.

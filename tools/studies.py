@@ -11,7 +11,9 @@ from tools.common import PYTHON, ROOT, DevError
 
 BENCHES = ROOT / "tests" / "bench"
 DEFAULT_BENCH = "error"
-WITH_FIGURES = ("error", "reference")  # they need the environment with FLIP and EXR files
+# They need the environment with Matplotlib, FLIP and EXR files.
+WITH_FIGURES = ("error", "reference", "scaling")
+NATIVE = ("kernels",)  # they build their own programs, and need no Blender
 
 
 def bench(argv: list[str]) -> NoReturn:
@@ -22,9 +24,10 @@ def bench(argv: list[str]) -> NoReturn:
         raise DevError(f"no benchmark '{arguments[0]}'; there are: {' '.join(names)}")
     name = name or DEFAULT_BENCH
     # The environment is made by pip and needs python3-venv, which setup installs.
-    setup.ensure("bench")
+    setup.ensure(f"bench {name}" if name in NATIVE else "bench")
     python = venvs.bench_python() if name in WITH_FIGURES else PYTHON
     env = dict(os.environ)
     env["PYTHONPATH"] = str(ROOT)  # it imports tools and tests
-    env["SPECULA_LIBRARY_DIR"] = str(host.library_folder())
+    if name not in NATIVE:
+        env["SPECULA_LIBRARY_DIR"] = str(host.library_folder())
     os.execve(python, [str(python), str(BENCHES / f"{name}.py"), *arguments], env)

@@ -31,8 +31,22 @@ def load_average() -> float:
 
 def peak_memory() -> int:
     """Bytes that this process has had at most."""
+    return _status_bytes("VmHWM")
+
+
+def resident_memory() -> int:
+    """Bytes that this process has now."""
+    return _status_bytes("VmRSS")
+
+
+def reset_peak_memory() -> None:
+    """From here on `peak_memory` forgets what was before."""
+    Path("/proc/self/clear_refs").write_text("5")
+
+
+def _status_bytes(field: str) -> int:
     status = Path("/proc/self/status").read_text()
-    return 1024 * int(status.split("VmHWM:")[1].split()[0])
+    return 1024 * int(status.split(f"{field}:")[1].split()[0])
 
 
 @dataclass(frozen=True)

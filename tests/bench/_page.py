@@ -16,7 +16,8 @@ from tests.bench._metrics import CAUSTICS_SHARE, WORST
 from tests.bench._standings import BASELINES, standing
 from tests.bench._summary import REGION_TITLES, Curve, Point, SceneResult
 
-TEMPLATE = Path(__file__).resolve().parent / "page.html"
+HERE = Path(__file__).resolve().parent
+TEMPLATE, STYLE = HERE / "page.html", HERE / "page.css"
 NONE = "&ndash;"
 
 
@@ -37,6 +38,7 @@ def render(
     """The page's text; `charts` are SVG texts by scene."""
     budget = max(about["budgets"])
     return Template(TEMPLATE.read_text()).substitute(
+        style=STYLE.read_text(),
         about=_about(about),
         summary=_summary_table(scenes, budget),
         checks=_checks_list(checks),
@@ -64,7 +66,7 @@ def _about(about: dict) -> str:
 # ------------------------------------------------------------------------------------------- tables
 
 
-def _table(head: Sequence[str], rows: Sequence[Sequence[str]], caption: str = "") -> str:
+def table(head: Sequence[str], rows: Sequence[Sequence[str]], caption: str = "") -> str:
     """Cells are HTML; the first of a row is its heading."""
     title = f"<caption>{caption}</caption>" if caption else ""
     columns = "".join(f'<th scope="col">{cell}</th>' for cell in head)
@@ -91,7 +93,7 @@ def _summary_table(scenes: Sequence[SceneResult], budget: float) -> str:
                 found = standing(scenes, name, against, region, budget)
                 cells.append(_standing_cell(found, name == against))
         rows.append(cells)
-    return _table(head, rows)
+    return table(head, rows)
 
 
 def _standing_cell(found, same: bool) -> str:
@@ -138,7 +140,7 @@ def _scene(
         if curve.failure or curve.differs
     ]
     drawn = "\n".join(
-        f'<img class="chart" alt="Error over time" src="{_data(svg.encode(), "svg+xml")}">'
+        f'<img class="chart" alt="Error over time" src="{data_url(svg.encode(), "svg+xml")}">'
         for svg in charts
     )
     return "\n".join(
@@ -163,12 +165,12 @@ def _scene(
 def _figure(picture: Picture) -> str:
     note = f"<br><small>{escape(picture.note)}</small>" if picture.note else ""
     return (
-        f'<figure><img alt="{escape(picture.label)}" src="{_data(picture.png, "png")}">'
+        f'<figure><img alt="{escape(picture.label)}" src="{data_url(picture.png, "png")}">'
         f"<figcaption>{escape(picture.label)}{note}</figcaption></figure>"
     )
 
 
-def _data(content: bytes, kind: str) -> str:
+def data_url(content: bytes, kind: str) -> str:
     return f"data:image/{kind};base64,{base64.b64encode(content).decode()}"
 
 
@@ -198,7 +200,7 @@ def _region_table(scene: SceneResult, budget: float, region: str) -> str:
             escape(curve.time_to_target[region]) if region in curve.time_to_target else NONE
         )
         rows.append(cells)
-    return _table(head, rows, f"Errors at equal time, {budget:g} s, {REGION_TITLES[region]}")
+    return table(head, rows, f"Errors at equal time, {budget:g} s, {REGION_TITLES[region]}")
 
 
 def _work_table(scene: SceneResult, budget: float) -> str:
@@ -225,7 +227,7 @@ def _work_table(scene: SceneResult, budget: float) -> str:
         ]
         for name, curve, point in _last_points(scene, budget)
     ]
-    return _table(head, rows, f"Time and work at {budget:g} s")
+    return table(head, rows, f"Time and work at {budget:g} s")
 
 
 def _last_points(scene: SceneResult, budget: float) -> list[tuple[str, Curve, Point]]:

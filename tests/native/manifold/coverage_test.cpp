@@ -4,7 +4,7 @@
 // itself must end at it. A miss is lost energy.
 #include "manifold/walk.h"
 
-#include "support/scenes.h"
+#include "support/casters.h"
 
 #include <gtest/gtest.h>
 
@@ -119,6 +119,16 @@ TEST_P(Walks, CoverAGlassSphereFromInsideAndOutside) {
         world, settings(),
         [](Pcg& pcg) { return Vec3(3.0f * (pcg.one() - 0.5f), 3.0f * (pcg.one() - 0.5f), 0.0f); },
         20000));
+}
+
+TEST_P(Walks, CoverANormalMappedPanel) {
+    const test::CausticScene scene = test::reflective_plane();
+    expect_covered(measure(scene.world, settings(), scene.receiver, 20000));
+}
+
+TEST_P(Walks, CoverANormalMappedGlassSphereFromInside) {
+    const test::CausticScene scene = test::refractive_sphere();
+    expect_covered(measure(scene.world, settings(), scene.receiver, 20000));
 }
 
 }  // namespace

@@ -244,7 +244,7 @@ std::optional<size_t> aperture_cell(const Model& model, const Vec3& on_lens) {
     const int sides = model.blades == 0 ? 7 : static_cast<int>(model.blades);
     const double turn = std::atan2(y, x) / kPi2 - double(model.rotation) / kPi2 + 0.5 / sides;
     const double side = std::min(std::floor((turn - std::floor(turn)) * sides), sides - 1.0);
-    double along, across;
+    double along = 0, across = 0;
     if (model.blades == 0) {
         along = x * x + y * y;
         across = (turn - std::floor(turn)) * sides - side;

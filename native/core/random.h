@@ -19,7 +19,8 @@ enum class Domain : uint32_t {
     roulette,
     manifold_light,
     manifold_caster,
-    manifold_seeds
+    manifold_seeds,
+    lens
 };
 
 inline uint64_t mix_bits(uint64_t x) {  // a bijection with good avalanche, [Stafford11] variant 13

@@ -18,7 +18,7 @@ from ctypes import (
 )
 from enum import IntEnum
 
-API_VERSION = 1  # SPC_API_VERSION that this file mirrors
+API_VERSION = 2  # SPC_API_VERSION that this file mirrors
 
 STATUS_NAMES = (
     "OK",
@@ -157,6 +157,7 @@ LightDesc = _struct(
 
 CameraDesc = _struct(
     "spc_camera_desc",
+    ("projection", c_uint32),
     ("transform", c_float * 12),
     ("width", c_uint32),
     ("height", c_uint32),
@@ -164,6 +165,11 @@ CameraDesc = _struct(
     ("viewplane", c_float * 4),
     ("clip_near", c_float),
     ("clip_far", c_float),
+    ("aperture_radius", c_float),
+    ("focus_distance", c_float),
+    ("aperture_blades", c_uint32),
+    ("aperture_rotation", c_float),
+    ("aperture_ratio", c_float),
 )
 
 EnvironmentDesc = _struct(

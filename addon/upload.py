@@ -177,6 +177,7 @@ def _light(light: desc.LightDesc) -> abi.LightDesc:
 
 def _camera(camera: desc.CameraDesc) -> abi.CameraDesc:
     return abi.CameraDesc(
+        projection=camera.projection,
         transform=_transform(camera.transform),
         width=camera.width,
         height=camera.height,
@@ -184,6 +185,11 @@ def _camera(camera: desc.CameraDesc) -> abi.CameraDesc:
         viewplane=tuple(camera.viewplane),
         clip_near=camera.clip_near,
         clip_far=camera.clip_far,
+        aperture_radius=camera.aperture_radius,
+        focus_distance=camera.focus_distance,
+        aperture_blades=camera.aperture_blades,
+        aperture_rotation=camera.aperture_rotation,
+        aperture_ratio=camera.aperture_ratio,
     )
 
 

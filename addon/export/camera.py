@@ -5,8 +5,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from .desc import CameraDesc, ExportError
-from .log import ExportLog
+from .desc import CameraDesc, ExportError, Projection
+
+PROJECTIONS = {"PERSP": Projection.PERSPECTIVE, "ORTHO": Projection.ORTHOGRAPHIC}
+
+# The least that Cycles takes, where Blender allows 0.
+LEAST_FSTOP = 1e-5
+LEAST_FOCUS_DISTANCE = 1e-5  # m
 
 
 def frame_size(render) -> tuple[int, int]:
@@ -31,24 +36,55 @@ def crop(render) -> tuple[int, int, int, int]:
 
 
 def viewplane(projection) -> tuple[float, float, float, float]:
-    """left, right, bottom, top at distance 1 of a perspective projection matrix."""
-    (sx, _, cx, _), (_, sy, cy, _) = projection[0], projection[1]
+    """left, right, bottom, top of a projection matrix: at distance 1 if it is perspective, which
+    shifts by the third column, in m if it is orthographic, which shifts by the fourth."""
+    (sx, _, cx, tx), (_, sy, cy, ty) = projection[0], projection[1]
+    cx, cy = cx - tx, cy - ty
     return (cx - 1) / sx, (cx + 1) / sx, (cy - 1) / sy, (cy + 1) / sy
 
 
-def export_camera(depsgraph, log: ExportLog) -> CameraDesc:
+def focus_distance(obj, depsgraph) -> float:
+    """Along the viewing axis, m: to the focus object, or its bone, if there is one."""
+    dof = obj.data.dof
+    if dof.focus_object is None:
+        return dof.focus_distance
+    target = dof.focus_object.evaluated_get(depsgraph)
+    matrix = target.matrix_world
+    bone = target.pose and target.pose.bones.get(dof.focus_subtarget)
+    if bone:
+        matrix = matrix @ bone.matrix
+    axis = obj.matrix_world.col[2].xyz.normalized()
+    return abs(axis.dot(obj.matrix_world.translation - matrix.translation))
+
+
+def aperture(obj, depsgraph) -> dict[str, float]:
+    """What `CameraDesc` has of depth of field; nothing without it."""
+    data, dof = obj.data, obj.data.dof
+    if not dof.use_dof:
+        return {}
+    # An orthographic camera has no focal length: Cycles takes one of a metre.
+    focal_length = data.lens * 1e-3 if data.type == "PERSP" else 1.0  # m
+    return {
+        "aperture_radius": focal_length / (2 * max(dof.aperture_fstop, LEAST_FSTOP)),
+        "focus_distance": max(focus_distance(obj, depsgraph), LEAST_FOCUS_DISTANCE),
+        "aperture_blades": dof.aperture_blades,  # Blender has no 1 and 2
+        "aperture_rotation": dof.aperture_rotation,
+        "aperture_ratio": dof.aperture_ratio,
+    }
+
+
+def export_camera(depsgraph) -> CameraDesc:
     """Raises ExportError if there is no camera, or one that Specula does not have."""
     scene = depsgraph.scene_eval
     obj = scene.camera
     if obj is None or obj.type != "CAMERA":
         raise ExportError(f"scene {scene.name} has no camera")
     obj = obj.evaluated_get(depsgraph)
-    if obj.data.type != "PERSP":
+    if obj.data.type not in PROJECTIONS:
         raise ExportError(
-            f"camera {obj.name}: type {obj.data.type} is not supported, only PERSP is"
+            f"camera {obj.name}: type {obj.data.type} is not supported, only"
+            f" {' and '.join(PROJECTIONS)} are"
         )
-    if obj.data.dof.use_dof:
-        log.warn(f"camera {obj.name}", "depth of field is not supported, everything is in focus")
     render = scene.render
     width, height = frame_size(render)
     projection = obj.calc_matrix_camera(
@@ -66,4 +102,6 @@ def export_camera(depsgraph, log: ExportLog) -> CameraDesc:
         viewplane=viewplane(projection),
         clip_near=obj.data.clip_start,
         clip_far=obj.data.clip_end,
+        projection=PROJECTIONS[obj.data.type],
+        **aperture(obj, depsgraph),
     )

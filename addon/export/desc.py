@@ -63,6 +63,11 @@ class AreaShape(IntEnum):
     ELLIPSE = 1
 
 
+class Projection(IntEnum):
+    PERSPECTIVE = 0
+    ORTHOGRAPHIC = 1
+
+
 class Method(IntEnum):
     PT = 0
     SMS_UNBIASED = 1
@@ -198,15 +203,22 @@ class LightDesc:
 
 @dataclass
 class CameraDesc:
-    """A perspective camera."""
+    """A camera. Its aperture is a regular polygon with its corners on the radius, or a disc, whose
+    width is divided by the ratio; rotated by 0, a side's middle is at +X."""
 
     transform: np.ndarray  # (3, 4) float32, camera to world, looking along -Z, +Y up
     width: int  # of the full frame, pixels
     height: int
     crop: tuple[int, int, int, int]  # x0, y0, width, height from the bottom left, pixels
-    viewplane: tuple[float, float, float, float]  # left, right, bottom, top at distance 1
+    viewplane: tuple[float, float, float, float]  # left, right, bottom, top at distance 1, or m
     clip_near: float = 0.0  # m along the viewing axis
     clip_far: float = 1e10
+    projection: Projection = Projection.PERSPECTIVE
+    aperture_radius: float = 0.0  # m; 0: all is in focus, and nothing below is read
+    focus_distance: float = 1.0  # m along the viewing axis
+    aperture_blades: int = 0  # sides of the polygon, at least 3; 0: a disc
+    aperture_rotation: float = 0.0  # of the polygon, rad from +X to +Y
+    aperture_ratio: float = 1.0  # height by width
 
 
 @dataclass

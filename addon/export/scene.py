@@ -40,7 +40,7 @@ class SceneExport:
         self._meshes: dict = {}  # (evaluated mesh, slots) -> (index or None, needs)
 
     def run(self) -> SceneDesc:
-        self.scene.camera = export_camera(self.depsgraph, self.log)
+        self.scene.camera = export_camera(self.depsgraph)
         self._world(self.depsgraph.scene_eval.world)
         for instance in self.depsgraph.object_instances:
             if instance.show_self:

@@ -190,6 +190,8 @@ LightDesc to_light(const spc_light_desc& desc) {
 
 Camera to_camera(const spc_camera_desc& desc) {
     Camera camera;
+    camera.projection = checked_enum<Projection>(desc.projection, SPC_PROJECTION_ORTHOGRAPHIC,
+                                                 "camera", "projection");
     camera.to_world = transform_of(desc.transform, "camera");
     camera.width = desc.width;
     camera.height = desc.height;
@@ -197,6 +199,11 @@ Camera to_camera(const spc_camera_desc& desc) {
     std::copy(std::begin(desc.viewplane), std::end(desc.viewplane), camera.viewplane.begin());
     camera.clip_near = desc.clip_near;
     camera.clip_far = desc.clip_far;
+    camera.aperture_radius = desc.aperture_radius;
+    camera.focus_distance = desc.focus_distance;
+    camera.aperture_blades = desc.aperture_blades;
+    camera.aperture_rotation = desc.aperture_rotation;
+    camera.aperture_ratio = desc.aperture_ratio;
     return camera;
 }
 

@@ -272,9 +272,9 @@ FilmSample Session::take_sample(uint32_t x, uint32_t y, uint32_t index,
     const Camera& camera = world_.scene->camera;
     const Sampler sampler(settings_.seed, y * camera.width + x, index);
     const Vec2 offset = filter_.sample(sampler[Domain::film].two());
-    const Vec2 lens = sampler[Domain::lens].two();
+    const Vec2 lens = camera.aperture_radius > 0.0f ? sampler[Domain::lens].two() : Vec2(0.0f, 0.0f);
     const Ray ray = camera.ray(static_cast<float>(x) + 0.5f + offset.x,
-                               static_cast<float>(y) + 0.5f + offset.y);
+                               static_cast<float>(y) + 0.5f + offset.y, lens);
     PathSample path = path_radiance(world_, settings_.integrator, activation, ray, lens, sampler,
                                     stats.path);
     ++stats.samples;

@@ -87,6 +87,20 @@ Transform checked_inverse(const Transform& transform, const std::string& name) {
     return inverse;
 }
 
+void check_aperture(const Camera& camera) {
+    if (!(std::isfinite(camera.aperture_radius) && camera.aperture_radius >= 0.0f))
+        invalid("camera: the aperture's radius must be finite and not negative");
+    if (camera.aperture_radius == 0.0f) return;
+    if (!(std::isfinite(camera.focus_distance) && camera.focus_distance > 0.0f))
+        invalid("camera: the focus distance must be finite and positive");
+    if (camera.aperture_blades == 1 || camera.aperture_blades == 2)
+        invalid("camera: an aperture has no blades, or three or more");
+    if (!std::isfinite(camera.aperture_rotation))
+        invalid("camera: the aperture's rotation is not finite");
+    if (!(std::isfinite(camera.aperture_ratio) && camera.aperture_ratio > 0.0f))
+        invalid("camera: the aperture's ratio must be finite and positive");
+}
+
 }  // namespace
 
 SceneBuilder::SceneBuilder() : scene_(std::make_unique<Scene>()) {}
@@ -221,6 +235,7 @@ void SceneBuilder::set_camera(const Camera& camera) {
         invalid("camera: the viewplane is empty or not finite");
     if (!(camera.clip_near >= 0.0f && camera.clip_near < camera.clip_far))
         invalid("camera: clipping needs 0 <= near < far");
+    check_aperture(camera);
     // Scale would otherwise change depths.
     const Vec3 z = normalize(camera.to_world.column(2));
     const Vec3 x = normalize(camera.to_world.column(0) - z * dot(z, camera.to_world.column(0)));

@@ -1,30 +1,81 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "math/warp.h"
 #include "scene/description.h"
 
 namespace spc {
 
-Ray Camera::ray(float x, float y) const {
+namespace {
+
+// A thin lens: all rays from one point of the viewplane meet where the focal plane is.
+struct LensPoint {
+    Vec2 at{0.0f, 0.0f};    // camera space, m
+    Vec2 tilt{0.0f, 0.0f};  // what a ray through it moves towards the axis, per m along the axis
+};
+
+LensPoint lens_point(const Camera& camera, const Vec2& lens) {
+    if (camera.aperture_radius == 0.0f) return {};
+    Vec2 p;
+    if (camera.aperture_blades == 0) {
+        p = concentric_disk(lens);
+    } else {  // one of the triangles between a side and the middle
+        const auto sides = static_cast<float>(camera.aperture_blades);
+        const float side = std::min(std::floor(lens.x * sides), sides - 1.0f);
+        const Vec2 b = uniform_triangle({lens.x * sides - side, lens.y});
+        const float half_angle = kPi / sides;
+        const Vec2 upright((b.x + b.y) * std::cos(half_angle), (b.x - b.y) * std::sin(half_angle));
+        const float angle = camera.aperture_rotation + 2.0f * half_angle * side;
+        const float c = std::cos(angle), s = std::sin(angle);
+        p = {c * upright.x - s * upright.y, s * upright.x + c * upright.y};
+    }
+    const Vec2 at(p.x * camera.aperture_radius / camera.aperture_ratio,
+                  p.y * camera.aperture_radius);
+    return {at, at / camera.focus_distance};
+}
+
+// The ray of a point of the viewplane, in camera space.
+struct LocalRay {
+    Vec2 origin;    // on the plane z = 0
+    Vec2 slope;     // in x and y, per distance along the axis
+    float stretch;  // distance along the ray per distance along the axis
+};
+
+LocalRay local_ray(Projection projection, const Vec2& film, const LensPoint& lens) {
+    const bool perspective = projection == Projection::perspective;
+    const Vec2 origin = perspective ? lens.at : film + lens.at;
+    const Vec2 slope = perspective ? film - lens.tilt : -lens.tilt;
+    return {origin, slope, length(Vec3(slope.x, slope.y, -1.0f))};
+}
+
+}  // namespace
+
+Ray Camera::ray(float x, float y, const Vec2& lens) const {
     const auto& [left, right, bottom, top] = viewplane;
-    const Vec3 local(lerp(left, right, x / static_cast<float>(width)),
-                     lerp(bottom, top, y / static_cast<float>(height)), -1.0f);
-    const float stretch = length(local);  // distance along the ray per distance along the axis
-    return {to_world.translation, to_world.vector(local * (1.0f / stretch)), clip_near * stretch,
+    const Vec2 film(lerp(left, right, x / static_cast<float>(width)),
+                    lerp(bottom, top, y / static_cast<float>(height)));
+    const auto [origin, slope, stretch] = local_ray(projection, film, lens_point(*this, lens));
+    return {to_world.point(Vec3(origin.x, origin.y, 0.0f)),
+            to_world.vector(Vec3(slope.x, slope.y, -1.0f) * (1.0f / stretch)), clip_near * stretch,
             clip_far * stretch};
 }
 
-std::optional<CameraView> Camera::view(const Vec3& p, const Vec2& /*lens*/) const {
+std::optional<CameraView> Camera::view(const Vec3& p, const Vec2& lens) const {
+    const Vec3 local = to_world.transposed(p - to_world.translation);
+    const float distance = -local.z;  // along the axis
+    if (!(distance > 0.0f && distance >= clip_near && distance <= clip_far)) return std::nullopt;
+    const LensPoint through = lens_point(*this, lens);
+    const Vec2 from_lens = Vec2(local.x, local.y) - through.at;
+    const bool perspective = projection == Projection::perspective;
+    const Vec2 film =
+        perspective ? from_lens / distance + through.tilt : from_lens + through.tilt * distance;
+    const auto [origin, slope, stretch] = local_ray(projection, film, through);
     const auto& [left, right, bottom, top] = viewplane;
-    const Vec3 to_p = p - to_world.translation;
-    const float z = -dot(to_p, to_world.column(2)), distance = length(to_p);
-    if (!(z > 0.0f) || z < clip_near || z > clip_far) return std::nullopt;
-    const float inv = 1.0f / z;
-    const Vec2 plane(dot(to_p, to_world.column(0)) * inv, dot(to_p, to_world.column(1)) * inv);
     const Vec2 scale(static_cast<float>(width) / (right - left),
-                     static_cast<float>(height) / (top - bottom));
-    const float stretch = distance * inv;
-    return CameraView{to_world.translation, clip_near * stretch, clip_far * stretch,
-                      {(plane.x - left) * scale.x, (plane.y - bottom) * scale.y},
-                      std::abs(scale.x * scale.y) * distance * inv * inv * inv};
+                     static_cast<float>(height) / (top - bottom));  // pixels per viewplane
+    // A surface that faces the ray covers `stretch` times its area of a plane across the axis.
+    const float viewplane_per_area = stretch / (perspective ? sqr(distance) : 1.0f);
+    return CameraView{to_world.point(Vec3(origin.x, origin.y, 0.0f)), clip_near * stretch,
+                      clip_far * stretch, (film - Vec2(left, bottom)) * scale,
+                      std::abs(scale.x * scale.y) * viewplane_per_area};
 }
 
 float Camera::depth(const Vec3& p) const {

@@ -97,26 +97,37 @@ struct LightSurfaceHit {
 };
 std::optional<LightSurfaceHit> intersect_light(const LightDesc& light, const Ray& ray);
 
-// A point of the scene as the camera sees it.
+enum class Projection : uint8_t { perspective, orthographic };
+
+// A point of the scene as the camera sees it through one point of its lens.
 struct CameraView {
     Vec3 origin;          // where the ray to the point starts
-    float t_near, t_far;  // clips along that ray, as Camera::ray() has them
-    Vec2 film;            // in pixels of the full frame
+    float t_near, t_far;  // clips along that ray
+    Vec2 film;            // pixels of the full frame; may lie outside of it
     float film_per_area;  // pixels^2 per m^2 of a surface at the point that faces the ray
 };
 
 struct Camera {
+    Projection projection = Projection::perspective;
     Transform to_world;  // orthonormal
     uint32_t width = 1, height = 1;
-    std::array<uint32_t, 4> crop{0, 0, 1, 1};      // x0, y0, width, height
-    std::array<float, 4> viewplane{-1, 1, -1, 1};  // left, right, bottom, top at distance 1
+    std::array<uint32_t, 4> crop{0, 0, 1, 1};  // x0, y0, width, height
+    // Left, right, bottom, top: at distance 1, of an orthographic camera in m.
+    std::array<float, 4> viewplane{-1, 1, -1, 1};
     float clip_near = 0.0f, clip_far = kInfinity;
+    float aperture_radius = 0.0f;  // m; 0: a pinhole, or parallel rays
+    // Of an aperture alone:
+    float focus_distance = 1.0f;     // along the viewing axis, m
+    uint32_t aperture_blades = 0;    // sides of a regular polygon, 0: a disc
+    float aperture_rotation = 0.0f;  // of the polygon, rad; 0: a side's middle lies towards +x
+    float aperture_ratio = 1.0f;     // height by width
 
-    // Ray through a point of the full frame in pixels, (0, 0) the bottom left corner. t_near, t_far
+    // Ray through a point of the full frame in pixels, (0, 0) the bottom left corner, and through
+    // the point of the lens that `lens` in [0, 1)^2 stands for, evenly over its area. t_near, t_far
     // hold the clips.
-    Ray ray(float x, float y) const;
-    // The way back. Empty where p is not in front of the camera or lies outside the clips; the film
-    // point may lie outside the frame.
+    Ray ray(float x, float y, const Vec2& lens) const;
+    // The way back, through the same point of the lens: a ray through view(p, lens)->film is the
+    // one to p. Empty where p is not in front of the camera, or clipped.
     std::optional<CameraView> view(const Vec3& p, const Vec2& lens) const;
     float depth(const Vec3& p) const;  // along the viewing axis, m
 };

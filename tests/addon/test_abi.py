@@ -40,6 +40,7 @@ ENUMS = {
     "SPC_CAUSTICS_": desc.CausticsRole,
     "SPC_LIGHT_": desc.LightType,
     "SPC_AREA_": desc.AreaShape,
+    "SPC_PROJECTION_": desc.Projection,
     "SPC_METHOD_": desc.Method,
     "SPC_CONSTRAINT_": desc.Constraint,
     "SPC_FILTER_": desc.PixelFilter,

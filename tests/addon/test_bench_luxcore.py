@@ -234,6 +234,18 @@ def test_a_crop_is_a_part_of_the_screen():
     assert (bottom + pixel, top + pixel) == pytest.approx((-0.125, 0.25))
 
 
+@pytest.mark.parametrize(
+    ("fields", "message"),
+    [
+        ({"projection": desc.Projection.ORTHOGRAPHIC}, "orthographic"),
+        ({"aperture_radius": 0.01}, "depth of field"),
+    ],
+)
+def test_other_cameras_are_refused(fields, message):
+    with pytest.raises(UntranslatedError, match=f"camera: .*{message}"):
+        _luxcore.add_camera(camera(**fields), Translation())
+
+
 def test_the_view_width_is_measured_at_the_casters():
     base = scene()
     behind = IDENTITY.copy()

@@ -46,6 +46,10 @@ def translate(scene) -> Translation:
 
 def add_camera(camera, translation: Translation) -> None:
     """The crop becomes the whole frame of a camera with a narrower screen."""
+    if camera.projection != desc.Projection.PERSPECTIVE:
+        raise UntranslatedError("camera: an orthographic projection is not translated")
+    if camera.aperture_radius > 0.0:
+        raise UntranslatedError("camera: depth of field is not translated")
     axes = camera.transform[:, :3].astype(np.float64)
     axes /= np.linalg.norm(axes, axis=0)
     origin = camera.transform[:, 3].astype(np.float64)

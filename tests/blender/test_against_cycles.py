@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Units: the same scene in Cycles and in Specula has the same mean colour.
+"""The same scene in Cycles and in Specula has the same mean colour, and the same shape.
 
-Each factor of light and each conversion of a material meets Cycles itself. Clamping and glossy
-filter are off in Cycles, as Specula has neither. Means over the frame: the noise that is left is
-below a fifth of TOLERANCE.
+Each factor of light and each conversion of a material meets Cycles itself, and so does each kind of
+camera. Clamping and glossy filter are off in Cycles, as Specula has neither. Means over the frame:
+the noise that is left is below a fifth of TOLERANCE.
 """
 
 import math
@@ -54,9 +54,40 @@ MATERIALS = {
 }
 
 
+# What a camera does to a glowing square at five metres.
+CAMERAS = {
+    "perspective": ("PERSP", None),
+    "lens": ("PERSP", {"focus_distance": 2.5, "aperture_fstop": 0.03}),
+    "focus behind": ("PERSP", {"focus_distance": 20, "aperture_fstop": 0.03}),
+    "triangle": (
+        "PERSP",
+        {
+            "focus_distance": 2.5,
+            "aperture_fstop": 0.03,
+            "aperture_blades": 3,
+            "aperture_rotation": 0.4,
+            "aperture_ratio": 1.5,
+        },
+    ),
+    "orthographic": ("ORTHO", None),
+    "orthographic lens": ("ORTHO", {"focus_distance": 2.5, "aperture_fstop": 0.6}),
+    "orthographic pentagon": (
+        "ORTHO",
+        {
+            "focus_distance": 8,
+            "aperture_fstop": 0.4,
+            "aperture_blades": 5,
+            "aperture_rotation": -0.9,
+            "aperture_ratio": 0.8,
+        },
+    ),
+}
+CAMERA_SAMPLES = 1024
+
+
 @pytest.fixture
-def stage(tmp_path):
-    """A plane with a cube on it; returns compare()."""
+def render(tmp_path):
+    """render(engine) gives the pixels (SIZE, SIZE, 4) of the open scene."""
     scene = bpy.context.scene
     scene.render.resolution_x = scene.render.resolution_y = SIZE
     scene.specula.samples = SAMPLES
@@ -71,22 +102,30 @@ def stage(tmp_path):
         setattr(scene.cycles, name, value)
     scene.render.image_settings.file_format = "OPEN_EXR"
     scene.render.image_settings.color_depth = "32"
-    add_mesh("Plane", PLANE, material=diffuse(WHITE))
-    camera = add_camera((0, -8, 5))
-    camera.rotation_euler = (math.radians(60), 0, 0)
 
-    def mean(engine: str) -> np.ndarray:
+    def render(engine: str) -> np.ndarray:
         scene.render.engine = engine
         scene.render.filepath = str(tmp_path / f"{engine}.exr")
         bpy.ops.render.render(write_still=True)
         image = bpy.data.images.load(scene.render.filepath)
         image.colorspace_settings.name = "Non-Color"
-        pixels = np.array(image.pixels[:]).reshape(-1, 4)
+        pixels = np.array(image.pixels[:]).reshape(SIZE, SIZE, 4)
         bpy.data.images.remove(image)
-        return pixels.mean(axis=0)
+        return pixels
+
+    return render
+
+
+@pytest.fixture
+def stage(render):
+    """A plane, seen from the side; returns compare()."""
+    add_mesh("Plane", PLANE, material=diffuse(WHITE))
+    camera = add_camera((0, -8, 5))
+    camera.rotation_euler = (math.radians(60), 0, 0)
 
     def compare(tolerance=TOLERANCE) -> None:
-        np.testing.assert_allclose(mean("SPECULA"), mean("CYCLES"), rtol=tolerance)
+        means = [render(engine).mean(axis=(0, 1)) for engine in ("SPECULA", "CYCLES")]
+        np.testing.assert_allclose(*means, rtol=tolerance)
 
     return compare
 
@@ -142,3 +181,37 @@ def test_material(stage, name):
     bpy.ops.object.shade_smooth()
     bpy.context.object.data.materials.append(material)
     stage(TOLERANCE_CLOSURES)
+
+
+def moments(image: np.ndarray) -> dict[str, np.ndarray]:
+    """Of what glows: its mean, centre and spread in pixels, and its shape whatever its size."""
+    y, x = np.mgrid[:SIZE, :SIZE]
+    weights = image / image.sum()
+    center = np.array([(weights * x).sum(), (weights * y).sum()])
+    x, y = x - center[0], y - center[1]
+    spread = np.sqrt([(weights * x * x).sum(), (weights * y * y).sum()])
+    x, y = x / spread[0], y / spread[1]
+    shape = [(weights * x**i * y**j).sum() for i, j in ((1, 1), (3, 0), (2, 1), (1, 2), (0, 3))]
+    return {"mean": image.mean(), "center": center, "spread": spread, "shape": np.array(shape)}
+
+
+@pytest.mark.parametrize("name", CAMERAS)
+def test_camera(render, name):
+    kind, dof = CAMERAS[name]
+    scene = bpy.context.scene
+    scene.specula.samples = scene.cycles.samples = CAMERA_SAMPLES
+    camera = add_camera((0, 0, 5)).data
+    camera.type, camera.ortho_scale, camera.shift_x = kind, 3.6, 0.05
+    camera.clip_start = 0.001  # where Cycles 3.4 has an orthographic camera's lens
+    for key, value in (dof or {}).items():
+        setattr(camera.dof, key, value)
+    camera.dof.use_dof = dof is not None
+    material = new_material()
+    add_node(material, "ShaderNodeEmission", surface(material))
+    card = add_mesh("Card", material=material)
+    card.scale, card.location = (0.35, 0.35, 1), (0.2, -0.1, 0)
+    ours, theirs = (moments(render(engine)[..., 0]) for engine in ("SPECULA", "CYCLES"))
+    assert ours["mean"] == pytest.approx(theirs["mean"], rel=TOLERANCE)
+    np.testing.assert_allclose(ours["spread"], theirs["spread"], rtol=TOLERANCE)
+    np.testing.assert_allclose(ours["center"], theirs["center"], atol=0.05)  # pixels
+    np.testing.assert_allclose(ours["shape"], theirs["shape"], atol=0.02)

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from bpy_extras.object_utils import world_to_camera_view
 from mathutils import Vector
-from scenes import add_camera, export
+from scenes import add_camera, export, link
 
-from specula.export.desc import ExportError
+from specula.export.desc import ExportError, Projection
 
 POINTS = [(0.3, 0.2, 0), (-1, 0.5, 1), (1.5, -2, -1)]
 
@@ -16,16 +16,20 @@ def project(camera, point):
     to_world = np.vstack((camera.transform, (0, 0, 0, 1))).astype(float)
     x, y, z, _ = np.linalg.inv(to_world) @ (*point, 1)
     left, right, bottom, top = camera.viewplane
+    if camera.projection == Projection.ORTHOGRAPHIC:
+        z = -1
     return (x / -z - left) / (right - left), (y / -z - bottom) / (top - bottom)
 
 
+@pytest.mark.parametrize("kind", ["PERSP", "ORTHO"])
 @pytest.mark.parametrize("fit", ["AUTO", "HORIZONTAL", "VERTICAL"])
 @pytest.mark.parametrize("size", [(64, 32), (32, 64)])
 @pytest.mark.parametrize("aspect", [(1, 1), (2, 1), (1, 1.5)])
-def test_projection_agrees_with_blender(fit, size, aspect):
+def test_projection_agrees_with_blender(kind, fit, size, aspect):
     obj = add_camera((1, -2, 5))
     obj.rotation_euler = (0.3, 0.2, 0.1)
     data = obj.data
+    data.type, data.ortho_scale = kind, 2.5
     data.sensor_fit, data.lens, data.sensor_width, data.sensor_height = fit, 35, 30, 20
     data.shift_x, data.shift_y = 0.2, -0.1
     render = bpy.context.scene.render
@@ -58,7 +62,12 @@ def test_border_crops():
     assert export()[0].camera.crop == (30, 5, 40, 33)
 
 
-@pytest.mark.parametrize("kind", ["ORTHO", "PANO"])
+def other_types() -> list[str]:
+    items = bpy.types.Camera.bl_rna.properties["type"].enum_items
+    return [item.identifier for item in items if item.identifier not in ("PERSP", "ORTHO")]
+
+
+@pytest.mark.parametrize("kind", other_types())
 def test_other_cameras_are_refused_by_name(kind):
     obj = add_camera()
     obj.name = "Wide"
@@ -67,9 +76,62 @@ def test_other_cameras_are_refused_by_name(kind):
         export()
 
 
-def test_depth_of_field_is_named():
-    obj = add_camera()
-    obj.data.dof.use_dof = True
-    _, warnings = export()
-    assert len(warnings) == 1
-    assert "camera Camera: depth of field" in warnings[0]
+def test_all_is_in_focus_without_depth_of_field():
+    dof = add_camera().data.dof
+    dof.use_dof, dof.aperture_fstop = False, 0.5
+    description, warnings = export()
+    assert description.camera.aperture_radius == 0
+    assert not warnings
+
+
+@pytest.mark.parametrize(("kind", "radius"), [("PERSP", 0.08 / 4), ("ORTHO", 1 / 4)])
+def test_aperture(kind, radius):
+    data = add_camera().data
+    data.type, data.lens = kind, 80
+    dof = data.dof
+    dof.use_dof, dof.aperture_fstop, dof.focus_distance = True, 2.0, 3.5
+    dof.aperture_blades, dof.aperture_rotation, dof.aperture_ratio = 5, 0.25, 1.5
+    description, warnings = export()
+    camera = description.camera
+    assert camera.aperture_radius == pytest.approx(radius)
+    assert camera.focus_distance == 3.5
+    assert (camera.aperture_blades, camera.aperture_rotation) == (5, 0.25)
+    assert camera.aperture_ratio == 1.5
+    assert not warnings
+
+
+def test_extremes_of_depth_of_field_stay_finite():
+    dof = add_camera().data.dof
+    dof.use_dof, dof.aperture_fstop, dof.focus_distance = True, 0.0, 0.0
+    camera = export()[0].camera
+    assert np.isfinite(camera.aperture_radius)
+    assert camera.focus_distance > 0
+
+
+@pytest.mark.parametrize("kind", ["PERSP", "ORTHO"])
+def test_focus_object_is_measured_along_the_axis(kind):
+    obj = add_camera((1, 0, 5))
+    obj.data.type = kind
+    obj.scale = (2, 2, 2)
+    obj.rotation_euler = (0, np.radians(90), 0)  # looks along -X
+    parent, target = link("Parent", None), link("Target", None)
+    parent.location, target.location = (-6, 3, 4), (0, 0, 1)
+    target.parent = parent
+    obj.data.dof.use_dof, obj.data.dof.focus_object = True, target
+    assert export()[0].camera.focus_distance == pytest.approx(7)
+
+
+def test_focus_bone():
+    obj = add_camera((0, 0, 5))
+    rig = link("Rig", bpy.data.armatures.new("Rig"))
+    rig.location = (0, 0, 1)
+    bpy.context.view_layer.objects.active = rig
+    bpy.ops.object.mode_set(mode="EDIT")
+    bone = rig.data.edit_bones.new("Eye")
+    bone.head, bone.tail = (0, 0, 0.5), (0, 0, 1.5)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    dof = obj.data.dof
+    dof.use_dof, dof.focus_object, dof.focus_subtarget = True, rig, "Eye"
+    assert export()[0].camera.focus_distance == pytest.approx(3.5)
+    dof.focus_subtarget = "Ear"
+    assert export()[0].camera.focus_distance == pytest.approx(4)

@@ -117,10 +117,10 @@ def test_no_camera(farm):
 
 
 def test_an_unsupported_camera(scene, farm):
-    scene.camera.data.type = "ORTHO"
+    scene.camera.data.type = "PANO"
     code, output, images = farm()
     assert code == 1, output
-    assert "camera Camera: type ORTHO is not supported" in output
+    assert "camera Camera: type PANO is not supported" in output
     assert images == []
 
 

@@ -38,7 +38,7 @@ extern "C" {
 #endif
 
 /* Raised whenever a struct or the meaning of a call changes. */
-#define SPC_API_VERSION 1u
+#define SPC_API_VERSION 2u
 
 /* "No index", where an index is optional. */
 #define SPC_NONE 0xffffffffu
@@ -268,13 +268,27 @@ SPC_API spc_status spc_scene_add_light(spc_scene* scene, const spc_light_desc* d
 
 /* ---- camera and world */
 
+typedef enum spc_projection {
+    SPC_PROJECTION_PERSPECTIVE = 0,
+    SPC_PROJECTION_ORTHOGRAPHIC = 1 /* parallel rays from the plane through the camera */
+} spc_projection;
+
 typedef struct spc_camera_desc {
     size_t struct_size;
+    uint32_t projection;    /* spc_projection */
     float transform[12];    /* camera to world; looks along -Z, +Y is up; scale is ignored */
     uint32_t width, height; /* pixels of the full frame, >= 1 */
     uint32_t crop[4];       /* x0, y0, width, height of the rendered part, from the bottom left */
-    float viewplane[4]; /* left, right, bottom, top of the full frame on the plane at distance 1 */
+    /* left, right, bottom, top of the full frame on the plane at distance 1; orthographic: in m */
+    float viewplane[4];
     float clip_near, clip_far; /* along the viewing axis, m; 0 <= near < far */
+    /* Depth of field: a thin lens. */
+    float aperture_radius; /* m, >= 0; 0: all is in focus, and nothing below is read */
+    float focus_distance;  /* along the viewing axis, m, > 0 */
+    /* sides of the aperture, a regular polygon with its corners on the radius: >= 3; 0: a disc */
+    uint32_t aperture_blades;
+    float aperture_rotation; /* of the polygon, rad, from +X to +Y; 0: a side's middle is at +X */
+    float aperture_ratio;    /* height by width, > 0: the width is divided by it */
 } spc_camera_desc;
 
 SPC_API spc_status spc_scene_set_camera(spc_scene* scene, const spc_camera_desc* desc);

@@ -10,6 +10,12 @@
 namespace spc::test {
 namespace {
 
+// These numbers, and those that are not finite.
+std::vector<float> beyond(std::vector<float> values) {
+    values.insert(values.end(), std::begin(kNotFinite), std::end(kNotFinite));
+    return values;
+}
+
 class SceneMisuse : public ::testing::Test {
 protected:
     void SetUp() override {
@@ -40,8 +46,9 @@ protected:
     void refuses(const spc_light_desc& desc, const std::vector<std::string>& words) {
         expect_refused(spc_scene_add_light(scene, &desc, &index), SPC_INVALID_ARGUMENT, words);
     }
-    void refuses(const spc_camera_desc& desc) {
-        expect_refused(spc_scene_set_camera(scene, &desc), SPC_INVALID_ARGUMENT, {"camera: "});
+    void refuses(const spc_camera_desc& desc, std::vector<std::string> words = {}) {
+        words.push_back("camera: ");
+        expect_refused(spc_scene_set_camera(scene, &desc), SPC_INVALID_ARGUMENT, words);
     }
 
     // `call(scene, &desc, &index)` with what is missing or of another version.
@@ -314,10 +321,6 @@ TEST_F(SceneMisuse, Lights) {
         refuses(spoilt(type, [](auto& d) { d.visibility = 64; }), {"Lantern", "visibility"});
         refuses(spoilt(type, [](auto& d) { d.shape = 2; }), {"Lantern", "shape"});
     }
-    const auto beyond = [](std::vector<float> values) {
-        values.insert(values.end(), std::begin(kNotFinite), std::end(kNotFinite));
-        return values;
-    };
     for (const uint32_t type : {SPC_LIGHT_POINT, SPC_LIGHT_SPOT})
         for (const float bad : beyond({-1e-6f}))
             refuses(spoilt(type, [&](auto& d) { d.radius = bad; }), {"Lantern", "radius"});
@@ -358,6 +361,24 @@ TEST_F(SceneMisuse, CameraAndWorld) {
     refuses(spoilt([](auto& d) { d.viewplane[1] = d.viewplane[0]; }));
     refuses(spoilt([](auto& d) { d.viewplane[3] = d.viewplane[2]; }));
     refuses(spoilt([](auto& d) { d.transform[10] = 0.0f; }));
+    refuses(spoilt([](auto& d) { d.projection = 2; }), {"projection", "2"});
+    for (const float bad : beyond({-1.0f}))
+        refuses(spoilt([&](auto& d) { d.aperture_radius = bad; }), {"aperture", "radius"});
+    const auto lens = [](auto spoil) {
+        spc_camera_desc desc = valid_camera();
+        desc.aperture_radius = 0.1f;
+        desc.focus_distance = desc.aperture_ratio = 1.0f;
+        spoil(desc);
+        return desc;
+    };
+    for (const float bad : beyond({0.0f, -1.0f})) {
+        refuses(lens([&](auto& d) { d.focus_distance = bad; }), {"focus distance"});
+        refuses(lens([&](auto& d) { d.aperture_ratio = bad; }), {"aperture", "ratio"});
+    }
+    for (const float bad : kNotFinite)
+        refuses(lens([&](auto& d) { d.aperture_rotation = bad; }), {"aperture", "rotation"});
+    for (const uint32_t bad : {1u, 2u})
+        refuses(lens([&](auto& d) { d.aperture_blades = bad; }), {"blades"});
 
     auto world = sized<spc_environment_desc>();
     world.visibility = SPC_VISIBLE_ALL;

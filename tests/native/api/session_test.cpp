@@ -342,9 +342,12 @@ TEST(Determinism, TwoSessionsOnOneScene) {
 
 TEST(Determinism, CropIsAWindow) {
     constexpr uint32_t kWidth = 40, kHeight = 24;
-    const std::vector<float> full = render_all(committed_scene(valid_camera(kWidth, kHeight)).get(),
-                                               quick_settings(), kWidth, kHeight);
     spc_camera_desc camera = valid_camera(kWidth, kHeight);
+    camera.aperture_radius = 0.2f;
+    camera.focus_distance = 3.0f;
+    camera.aperture_ratio = 1.0f;
+    const std::vector<float> full =
+        render_all(committed_scene(camera).get(), quick_settings(), kWidth, kHeight);
     const uint32_t crop[4] = {5, 3, 21, 18};
     std::copy(crop, crop + 4, camera.crop);
     const std::vector<float> part =

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// From the builder to the frozen scene: what is dropped, resolved, assigned and reported; and the
-// camera's rays.
+// From the builder to the frozen scene: what is dropped, resolved, assigned and reported.
 #include "core/error.h"
 #include "scene/surface.h"
 #include "support/numerics.h"
@@ -170,68 +169,6 @@ TEST(Freeze, MissingUvLayerIsReported) {
     ASSERT_EQ(world.scene->report.size(), 1u);
     for (const char* word : {"square of papered", "Second", "papered"})
         EXPECT_NE(world.scene->report[0].find(word), std::string::npos) << world.scene->report[0];
-}
-
-// ---- the camera, against a pinhole made by hand
-
-TEST(Camera, RaysAreThoseOfAPinhole) {
-    test::Uniforms uniforms(6);
-    for (int i = 0; i < 50; ++i) {
-        const float angle = 6.0f * uniforms(), scale = 0.1f + 5.0f * uniforms();
-        const bool flipped = i % 3 == 0;
-        Camera camera;
-        camera.to_world = test::rotation_x(angle, uniforms.three() * 10.0f);
-        for (Vec3& row : camera.to_world.row)
-            row = Vec3(row.x, row.y * (flipped ? -1.0f : 1.0f), row.z) * scale;
-        camera.width = 160;
-        camera.height = 90;
-        camera.crop = {20, 30, 50, 40};
-        const float shift_x = uniforms() - 0.5f, shift_y = uniforms() - 0.5f,
-                    tan_half = 0.2f + uniforms();
-        camera.viewplane = {shift_x - tan_half, shift_x + tan_half, shift_y - tan_half,
-                            shift_y + tan_half};
-        camera.clip_near = 0.5f;
-        camera.clip_far = 20.0f;
-        test::SceneMaker maker;
-        maker.builder.set_camera(camera);
-        const RenderScene world = maker.finish();
-        const float x = 160.0f * uniforms(), y = 90.0f * uniforms();
-        const Ray ray = world.scene->camera.ray(x, y);
-        // In the camera's own space, where scale plays no part.
-        const double px = double(shift_x) + (2 * double(x) / 160 - 1) * double(tan_half),
-                     py = double(shift_y) + (2 * double(y) / 90 - 1) * double(tan_half);
-        const Vec3d local = normalize(Vec3d(px, py * (flipped ? -1.0 : 1.0), -1.0));
-        const double c = std::cos(double(angle)), s = std::sin(double(angle));
-        const Vec3d expected(local.x, c * local.y - s * local.z, s * local.y + c * local.z);
-        EXPECT_NEAR_ANGLE(ray.direction, Vec3(expected), 1e-5);
-        EXPECT_NEAR(length(ray.direction), 1.0f, 1e-5f);
-        EXPECT_EQ(ray.origin, camera.to_world.translation);
-        // Clipping is along the axis, and depth is its inverse.
-        EXPECT_NEAR(world.scene->camera.depth(ray.origin + ray.direction * ray.t_near), 0.5f, 1e-4f);
-        EXPECT_NEAR(world.scene->camera.depth(ray.origin + ray.direction * ray.t_far), 20.0f, 1e-3f);
-    }
-}
-
-TEST(Camera, ClipsWhatItSees) {
-    test::SceneMaker maker;
-    maker.add(test::square(1.0f), test::diffuse(0.5f));
-    Camera camera;
-    camera.to_world = test::translation(Vec3(0, 0, 3));
-    for (const auto& [clip_near, clip_far, seen] : {std::tuple{0.0f, kInfinity, true},
-                                                    {2.9f, 3.1f, true},
-                                                    {3.1f, 10.0f, false},
-                                                    {0.1f, 2.9f, false}}) {
-        camera.clip_near = clip_near;
-        camera.clip_far = clip_far;
-        test::SceneMaker maker_of_one;
-        maker_of_one.add(test::square(1.0f), test::diffuse(0.5f));
-        maker_of_one.builder.set_camera(camera);
-        const RenderScene world = maker_of_one.finish();
-        EXPECT_EQ(world.scene->accel->intersect(world.scene->camera.ray(0.4f, 0.6f), kVisibleCamera)
-                      .has_value(),
-                  seen)
-            << clip_near << ", " << clip_far;
-    }
 }
 
 TEST(Freeze, ReportsTexelsThatWereRepaired) {

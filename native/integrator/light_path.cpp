@@ -255,23 +255,29 @@ void trace_light_path(const RenderScene& world, const IntegratorSettings& settin
     LightTracer(world, settings, margin, sampler, splats, stats).trace();
 }
 
-std::unique_ptr<const EmissionGuide> learn_emission(const RenderScene& world,
-                                                    IntegratorSettings settings, float margin,
-                                                    uint32_t seed, uint32_t threads,
-                                                    const std::atomic<bool>& cancelled,
-                                                    LightPathStats& stats) {
+std::unique_ptr<const LightPilot> learn_emission(const RenderScene& world,
+                                                 IntegratorSettings settings, float margin,
+                                                 uint32_t seed, uint32_t threads,
+                                                 const std::atomic<bool>& cancelled,
+                                                 LightPathStats& stats) {
     if (world.casters.empty() || world.lights.caustic_selection.empty()) return nullptr;
-    auto guide = std::make_unique<EmissionGuide>(
-        aim_at_casters(*world.scene, world.lights, world.casters));
-    std::vector<EmissionSample> learned;
+    auto result = std::make_unique<LightPilot>(
+        aim_at_casters(*world.scene, world.lights, world.casters), 0.0, 0.0);
+    settings.light_tracing = {&result->guide, static_cast<double>(kPilotPaths)};
     for (uint32_t generation = 0; generation < kGenerations; ++generation) {
-        settings.light_tracing.guide = guide.get();
-        learned = pilot(world, settings, margin, seed, generation, threads, cancelled, stats);
+        LightPathStats counted;
+        std::vector<EmissionSample> learned =
+            pilot(world, settings, margin, seed, generation, threads, cancelled, counted);
+        stats.add(counted);
         if (learned.empty() || cancelled.load()) return nullptr;
+        result->rays = static_cast<double>(counted.rays) / kPilotPaths;
+        result->luminance = 0.0;
+        for (const EmissionSample& sample : learned)
+            result->luminance += static_cast<double>(sample.place.weight);
         limit_weights(learned);
-        *guide = aim_at_casters(*world.scene, world.lights, world.casters, learned);
+        result->guide = aim_at_casters(*world.scene, world.lights, world.casters, learned);
     }
-    return guide;
+    return result;
 }
 
 }  // namespace spc

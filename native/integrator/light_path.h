@@ -28,13 +28,18 @@ void trace_light_path(const RenderScene& world, const IntegratorSettings& settin
                       uint32_t seed, uint64_t index, std::vector<Splat>& splats,
                       LightPathStats& stats);
 
-// Sends light paths to learn where those begin that add to the picture: the guide for
-// `settings.light_tracing.paths`. Does not depend on `threads`. Empty where no light reaches the
-// camera that way, or `cancelled` was set meanwhile.
-std::unique_ptr<const EmissionGuide> learn_emission(const RenderScene& world,
-                                                    IntegratorSettings settings, float margin,
-                                                    uint32_t seed, uint32_t threads,
-                                                    const std::atomic<bool>& cancelled,
-                                                    LightPathStats& stats);
+// What a pilot has learned.
+struct LightPilot {
+    EmissionGuide guide;
+    double luminance;  // that light tracing alone would add to the picture, summed over its pixels
+    double rays;       // of a light path
+};
+// Sends light paths to learn where those begin that add to the picture. Does not depend on
+// `threads`. Null where no light reaches the camera that way, or `cancelled` was set meanwhile.
+std::unique_ptr<const LightPilot> learn_emission(const RenderScene& world,
+                                                 IntegratorSettings settings, float margin,
+                                                 uint32_t seed, uint32_t threads,
+                                                 const std::atomic<bool>& cancelled,
+                                                 LightPathStats& stats);
 
 }  // namespace spc

@@ -14,8 +14,7 @@ namespace {
 // that a tile's data stays in cache, up to 2^kDoublings.
 constexpr uint32_t kDoublings = 2, kLargestBatch = 1u << kDoublings;
 
-// Light paths for each pixel and sample, and in a job of their own.
-constexpr double kLightPathsPerPixel = 0.5;
+// Light paths in a job.
 constexpr uint64_t kLightJob = 1024;
 
 uint32_t count_passes(uint32_t samples) {
@@ -176,19 +175,47 @@ void Session::run_jobs() {
 
 void Session::prepare_light_tracing() {
     if (!settings_.light_tracing) return;
-    const uint64_t pixels = static_cast<uint64_t>(film_.width()) * film_.height();
-    light_paths_ = std::max<uint64_t>(1, static_cast<uint64_t>(kLightPathsPerPixel * static_cast<double>(pixels)));
-    LightTracing& light_tracing = settings_.integrator.light_tracing;
-    light_tracing.paths = static_cast<double>(light_paths_);
     RenderStats stats;
-    guide_ = learn_emission(world_, settings_.integrator, filter_.reach(), settings_.seed,
-                            active_workers_, cancelled_, stats.light);
-    light_tracing.guide = guide_.get();
-    if (guide_)
+    light_pilot_ = learn_emission(world_, settings_.integrator, filter_.reach(), settings_.seed,
+                                  active_workers_, cancelled_, stats.light);
+    if (light_pilot_) {
+        light_paths_ = light_paths_that_pay(*light_pilot_);
         light_jobs_ = static_cast<uint32_t>(
             std::clamp<uint64_t>(light_paths_ / kLightJob, 1, film_.tile_count()));
+        settings_.integrator.light_tracing = {&light_pilot_->guide,
+                                              static_cast<double>(light_paths_)};
+    }
     const std::lock_guard lock(mutex_);
     stats_.add(stats);
+}
+
+// For each sample of the picture: a share of the work, less where light tracing has little to add.
+// Work is counted, not timed, so that the same render comes out everywhere.
+uint64_t Session::light_paths_that_pay(const LightPilot& pilot) const {
+    constexpr double kShare = 0.25;        // of the camera paths' work, at most
+    constexpr double kSignificant = 0.05;  // share of the picture's light that deserves all of it
+    constexpr double kLeast = 0.125, kMost = 8.0;  // for each pixel
+    constexpr uint32_t kProbes = 1024;             // camera paths
+
+    const auto& [x0, y0, width, height] = world_.scene->camera.crop;
+    const uint64_t pixels = uint64_t{width} * height;
+    Activation always;
+    always.fill(1.0f);
+    RenderStats probes;
+    double luminance_sum = 0.0;
+    for (uint32_t i = 0; i < kProbes && !must_stop(); ++i) {
+        const auto pixel = static_cast<uint32_t>(pixels * i / kProbes);
+        const FilmSample sample = take_sample(x0 + pixel % width, y0 + pixel / width,
+                                              ~i, always, probes);
+        luminance_sum += static_cast<double>(luminance(sample.radiance));
+    }
+    const PathStats& path = probes.path;
+    const double work =
+        static_cast<double>(path.rays + path.manifold.rays + path.manifold.iterations) / kProbes;
+    const double light = luminance_sum / kProbes * static_cast<double>(pixels);
+    const double share = kShare * std::min(1.0, pilot.luminance / (kSignificant * light));
+    return static_cast<uint64_t>(
+        std::ceil(static_cast<double>(pixels) * std::clamp(share * work / pilot.rays, kLeast, kMost)));
 }
 
 // Whether the whole job was done.

@@ -79,6 +79,7 @@ private:
     void run_jobs();
     void fail();
     void prepare_light_tracing();
+    uint64_t light_paths_that_pay(const LightPilot& pilot) const;
     bool render_job(uint64_t job, RenderStats& stats);
     bool render_tile(uint32_t pass, uint32_t tile, RenderStats& stats);
     bool render_light_paths(uint32_t pass, uint32_t part, RenderStats& stats);
@@ -103,7 +104,7 @@ private:
     uint32_t light_jobs_ = 0;
     uint64_t light_paths_ = 0;  // for each sample of the picture
     std::atomic<uint64_t> light_jobs_done_{0};
-    std::unique_ptr<const EmissionGuide> guide_;
+    std::unique_ptr<const LightPilot> light_pilot_;
     std::latch prepared_{1};
     std::atomic<uint64_t> next_job_{0};
     std::atomic<bool> cancelled_{false}, out_of_time_{false}, failed_{false};

@@ -7,8 +7,6 @@ namespace spc {
 
 namespace {
 
-constexpr uint32_t kScattered = kVisibleDiffuse | kVisibleGlossy | kVisibleTransmission;
-
 // One light path under way.
 class LightTracer {
 public:
@@ -49,7 +47,7 @@ private:
     // To the next surface, and beyond. Whether the path goes on.
     bool advance() {
         ++stats_.rays;
-        const std::optional<Hit> hit = scene_.accel->intersect(ray_, kScattered);
+        const std::optional<Hit> hit = scene_.accel->intersect(ray_, kVisibleScattered);
         if (!hit) return false;
         ray_.t_near = past(hit->t);
         if (hit->light != kNone) return true;  // lamps are looked through
@@ -260,7 +258,9 @@ std::unique_ptr<const LightPilot> learn_emission(const RenderScene& world,
                                                  uint32_t seed, uint32_t threads,
                                                  const std::atomic<bool>& cancelled,
                                                  LightPathStats& stats) {
-    if (world.casters.empty() || world.lights.caustic_selection.empty()) return nullptr;
+    if (world.casters.empty() || world.lights.caustic_selection.empty() ||
+        !world.scene->same_for_scattered_rays)
+        return nullptr;
     auto result = std::make_unique<LightPilot>(
         aim_at_casters(*world.scene, world.lights, world.casters), 0.0, 0.0);
     settings.light_tracing = {&result->guide, static_cast<double>(kPilotPaths)};

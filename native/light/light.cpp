@@ -12,8 +12,6 @@ namespace {
 // next to a lamp in a closet the sun outside does not matter.
 constexpr double kEvenShare = 0.2;
 
-constexpr uint32_t kSeenByBounces = kVisibleDiffuse | kVisibleGlossy | kVisibleTransmission;
-
 DiscreteDistribution select_by_power(const std::vector<double>& power) {
     double sum = 0.0, count = 0.0;
     for (const double p : power) {
@@ -64,14 +62,14 @@ LightSet build_lights(const Scene& scene, uint32_t threads) {
         if (std::holds_alternative<DiscSun>(lamp))
             lights.disc_suns.push_back(static_cast<uint32_t>(lights.lamps.size() - 1));
         lights.visibility.push_back(desc.visibility);
-        const bool seen = (desc.visibility & kSeenByBounces) != 0;
+        const bool seen = (desc.visibility & kVisibleScattered) != 0;
         power.push_back(seen ? lamp_flux(desc, lamp) * (is_sun(lamp) ? disc : 1.0) : 0.0);
         caustic_power.push_back(desc.feeds_caustics ? power.back() : 0.0);
     }
     lights.emissive_of_instance.assign(scene.instances.size(), kNone);
     for (uint32_t i = 0; i < scene.instances.size(); ++i) {
         const Instance& instance = scene.instances[i];
-        if (!instance.emits || (instance.visibility & kSeenByBounces) == 0) continue;
+        if (!instance.emits || (instance.visibility & kVisibleScattered) == 0) continue;
         std::optional<BuiltEmitter> built = build_emitter(scene, i);
         if (!built) continue;
         lights.emissive_of_instance[i] = static_cast<uint32_t>(lights.emissive.size());
@@ -83,7 +81,7 @@ LightSet build_lights(const Scene& scene, uint32_t threads) {
     build_world(scene, lights, threads);
     if (lights.has_world) {
         lights.visibility.push_back(scene.environment.visibility | kVisibleShadow);
-        const bool seen = (scene.environment.visibility & kSeenByBounces) != 0;
+        const bool seen = (scene.environment.visibility & kVisibleScattered) != 0;
         const double flux = seen ? world_total(lights) * disc : 0.0;
         power.push_back(lights.world_is_constant ? 0.0 : flux);
         caustic_power.push_back(scene.environment.feeds_caustics ? flux : 0.0);

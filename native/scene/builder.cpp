@@ -269,6 +269,7 @@ std::unique_ptr<Scene> SceneBuilder::freeze(uint32_t threads) {
     resolve_uv_layers(*scene_);
     note_materials(*scene_);
     assign_caustics_roles(*scene_);
+    check_light_tracing(*scene_);
     bake_single_users(*scene_);
     bound_scene(*scene_);
     scene_->accel = std::make_unique<Accel>(*scene_, threads);

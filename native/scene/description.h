@@ -17,7 +17,9 @@ enum Visibility : uint32_t {
     kVisibleGlossy = 4,
     kVisibleTransmission = 8,
     kVisibleShadow = 16,
-    kVisibleAll = 31
+    kVisibleAll = 31,
+    // Of rays after a bounce.
+    kVisibleScattered = kVisibleDiffuse | kVisibleGlossy | kVisibleTransmission
 };
 
 enum class CausticsRole : uint8_t { automatic, off, caster, receiver, both };

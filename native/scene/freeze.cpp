@@ -92,8 +92,7 @@ void assign_caustics_roles(Scene& scene) {
     for (Instance& instance : scene.instances) {
         const CausticsRole role = instance.role;
         // Chains stand for paths of scattered rays: what hides from those casts nothing.
-        constexpr uint32_t kScattered = kVisibleDiffuse | kVisibleGlossy | kVisibleTransmission;
-        const bool seen = (instance.visibility & kScattered) == kScattered;
+        const bool seen = (instance.visibility & kVisibleScattered) == kVisibleScattered;
         const bool asked = role == CausticsRole::automatic || role == CausticsRole::caster ||
                            role == CausticsRole::both;
         const bool may_cast = asked && seen;
@@ -114,6 +113,19 @@ void assign_caustics_roles(Scene& scene) {
         else if (role == CausticsRole::caster || role == CausticsRole::both)
             scene.report.push_back(
                 fmt::format("{}: marked as caster, but path traced: {}", instance.name, why_not));
+    }
+}
+
+// A light path does not know yet by which kind of ray the camera's path would come to a surface.
+void check_light_tracing(Scene& scene) {
+    const auto casts = [](const Instance& instance) { return instance.caster; };
+    if (std::none_of(scene.instances.begin(), scene.instances.end(), casts)) return;
+    for (const Instance& instance : scene.instances) {
+        const uint32_t seen = instance.visibility & kVisibleScattered;
+        if (seen == 0 || seen == kVisibleScattered) continue;
+        scene.same_for_scattered_rays = false;
+        scene.report.push_back(
+            fmt::format("{}: hidden from some kinds of rays, so no light tracing", instance.name));
     }
 }
 

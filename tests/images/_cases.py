@@ -81,13 +81,26 @@ CYCLES_PARTS = 8  # renders with a seed each, from which the variance is estimat
 
 @dataclass(frozen=True)
 class Variant:
+    """An unbiased manifold."""
+
     constraint: str
     two_stage: bool
+    light_tracing: bool = False
 
     @property
     def name(self) -> str:
         stages = "two stages" if self.two_stage else "one stage"
-        return f"{self.constraint.lower().replace('_', ' ')}, {stages}"
+        text = f"{self.constraint.lower().replace('_', ' ')}, {stages}"
+        return f"{text}, light tracing" if self.light_tracing else text
+
+    def settings(self, case: Case) -> dict:
+        return {
+            "method": "SMS_UNBIASED",
+            "light_tracing": "ON" if self.light_tracing else "OFF",
+            "constraint": self.constraint,
+            "two_stage": self.two_stage,
+            "samples": case.samples,
+        }
 
 
 VARIANTS = tuple(
@@ -95,6 +108,8 @@ VARIANTS = tuple(
     for constraint in ("HALF_VECTOR", "ANGLE_DIFFERENCE")
     for two_stage in (False, True)
 )
+JOINT = Variant("ANGLE_DIFFERENCE", True, light_tracing=True)
+LIGHT_TRACING = "light tracing"  # without manifold
 SET_SIZES = (4, 16)  # of the biased estimator
 
 
@@ -104,21 +119,16 @@ def biased_name(set_size: int) -> str:
 
 def renders(case: Case, seed: int) -> dict[str, dict]:
     """What the tests render of a scene with casters."""
-    result = {
-        variant.name: {
-            "method": "SMS_UNBIASED",
-            "constraint": variant.constraint,
-            "two_stage": variant.two_stage,
-            "samples": case.samples,
-        }
-        for variant in VARIANTS
-    }
+    result = {variant.name: variant.settings(case) for variant in VARIANTS}
     for set_size in SET_SIZES:
         result[biased_name(set_size)] = {
             "method": "SMS_BIASED",
+            "light_tracing": "OFF",
             "set_size": set_size,
             "samples": case.biased_samples,
         }
+    result[JOINT.name] = JOINT.settings(case)
+    result[LIGHT_TRACING] = {"method": "LT", "samples": case.samples}
     for index, settings in enumerate(result.values()):
         settings["seed"] = seed + SEED_STEP * index
         settings["max_bounces"] = case.max_bounces

@@ -13,7 +13,9 @@ class Case:
     Numbers of samples are those that give the tests their power in the time that they may take.
     `detects` is the relative error of all caustics that is found in every variant by itself,
     `detects_together` that which is found when all variants share it; large where solutions with
-    small basins give rare bright samples.
+    small basins give rare bright samples. `detects_joint` and `detects_light` are the same with
+    light tracing beside the manifold, and alone; None where it finds next to nothing, since the
+    camera sees the receivers through the casters.
     """
 
     name: str
@@ -22,16 +24,28 @@ class Case:
     samples: int  # of an unbiased render
     biased_samples: int = 0
     light_factor: float = 1.0  # on the size of every lamp
+    sun: float = 0.0  # W/m^2; all lamps become suns, 0: they stay
     texels: int = 1  # the world's image is averaged over squares of so many
     max_bounces: int = 12  # fewer where what follows is noise that no manifold sampling can help
     detects: float = 0.10
     detects_together: float = 0.05
+    detects_joint: float = 0.15
+    detects_light: float | None = None
 
 
 CASES = {
     case.name: case
     for case in (
-        Case("ring", (64, 64), 20480, 512, 64, light_factor=10.0, max_bounces=2),
+        Case(
+            "ring",
+            (64, 64),
+            20480,
+            512,
+            64,
+            light_factor=10.0,
+            max_bounces=2,
+            detects_light=0.15,
+        ),
         Case(
             "reflective_plane",
             (64, 64),
@@ -42,6 +56,7 @@ CASES = {
             max_bounces=3,
             detects=0.3,
             detects_together=0.12,
+            detects_light=0.3,
         ),
         Case(
             "refractive_sphere",
@@ -53,6 +68,7 @@ CASES = {
             max_bounces=3,
             detects=0.4,
             detects_together=0.15,
+            detects_joint=0.8,
         ),
         Case(
             "swimming_pool",
@@ -64,9 +80,15 @@ CASES = {
             max_bounces=3,
             detects=0.15,
             detects_together=0.08,
+            detects_joint=0.4,
         ),
         Case("cornell", (64, 64), 8192, 1024),
     )
+}
+# Lights that path tracing cannot hit, and only caustics that the camera sees directly.
+DELTA_LIGHTS = {
+    "point": Case("ring", (64, 64), 0, 256, light_factor=0.0, max_bounces=2, detects=0.1),
+    "sun": Case("reflective_plane", (64, 64), 0, 128, sun=10.0, max_bounces=2, detects=0.1),
 }
 WITH_CASTERS = tuple(case for case in CASES.values() if case.biased_samples)
 CORNELL = CASES["cornell"]

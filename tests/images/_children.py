@@ -63,6 +63,7 @@ def render(
         "scene": str(ROOT / "blend_scenes" / f"{case.name}.blend"),
         "size": case.size,
         "light_factor": case.light_factor,
+        "sun": case.sun,
         "texels": case.texels,
         "renders": renders,
         "scene_arrays": scene_arrays,

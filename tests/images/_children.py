@@ -28,7 +28,7 @@ class Image:
 
     mean: np.ndarray
     variance: np.ndarray  # of the mean
-    caustics: np.ndarray | None  # the manifold's and light tracing's share of `mean`; None from Cycles
+    caustics: np.ndarray | None  # share of `mean`, as the pass has it; None from Cycles
     stats: dict  # of the session; `seconds`
 
     @property

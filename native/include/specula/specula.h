@@ -341,9 +341,9 @@ typedef enum spc_pixel_filter {
 
 typedef struct spc_render_settings {
     size_t struct_size;
-    uint32_t method;       /* spc_method */
+    uint32_t method;        /* spc_method */
     uint32_t light_tracing; /* spc_light_tracing; ignored by PT and LT */
-    uint32_t constraint;   /* spc_constraint */
+    uint32_t constraint;    /* spc_constraint */
     uint32_t two_stage;    /* 1: walk on the smooth surface first where a caster has a normal map */
     uint32_t set_size;     /* walks per estimate of SPC_METHOD_SMS_BIASED, [1, 4096] */
     uint32_t first_sample; /* absolute index; [0,8) and [8,16) together are [0,16) */

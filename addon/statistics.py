@@ -27,7 +27,7 @@ class Statistics:
     warnings: list[str] = field(default_factory=list)
 
     def rows(self) -> list[tuple[str, str]]:
-        """Label and value of each line; without those on walks and light paths if there was none."""
+        """Label and value of each line; those on walks and light paths only if there were any."""
         scene, render = self.scene_stats, self.render_stats
         rows = [
             ("Version", self.version),

@@ -14,7 +14,11 @@ METHODS = (
         "Specular Manifold Sampling with a fixed number of walks: less noise, "
         "but the light paths that these walks miss are lost",
     ),
-    ("LT", "Light Tracing", "Path tracing from the camera and from the light, no manifold sampling"),
+    (
+        "LT",
+        "Light Tracing",
+        "Path tracing from the camera and from the light, without manifold sampling",
+    ),
 )
 
 LIGHT_TRACING = (
@@ -126,7 +130,8 @@ class SpeculaLightSettings(bpy.types.PropertyGroup):
 class SpeculaViewLayerSettings(bpy.types.PropertyGroup):
     use_pass_caustics: BoolProperty(
         name="Caustics",
-        description="Deliver the light that manifold sampling found as a pass of its own",
+        description="Deliver the light that manifold sampling and light tracing found "
+        "as a pass of its own",
         default=False,
     )
 

@@ -27,7 +27,7 @@ class Statistics:
     warnings: list[str] = field(default_factory=list)
 
     def rows(self) -> list[tuple[str, str]]:
-        """Label and value of each line; without those on walks if there was none."""
+        """Label and value of each line; those on walks and light paths only if there were any."""
         scene, render = self.scene_stats, self.render_stats
         rows = [
             ("Version", self.version),
@@ -48,6 +48,8 @@ class Statistics:
         ]
         if render["walks"]:
             rows.append(("Walks", self._walks()))
+        if render["light_paths"]:
+            rows.append(("Light paths", self._light_paths()))
         if render["trial_estimates"]:
             rows += [("Trials", self._trials()), ("Possible loss", self._possible_loss())]
         return [*rows, ("Dropped", self._dropped())]
@@ -60,6 +62,10 @@ class Statistics:
             f"{_per(render['iterations'], render['walks']):.1f} iterations each"
         )
 
+    def _light_paths(self) -> str:
+        render = self.render_stats
+        return f"{render['light_paths']:,}, {_count(render['splats'], 'splat')} in the picture"
+
     def _trials(self) -> str:
         render = self.render_stats
         mean = _per(render["trials"], render["trial_estimates"])
@@ -70,7 +76,7 @@ class Statistics:
         render = self.render_stats
         share = _per(render["capped_energy"], render["manifold_energy"])
         return (
-            f"{share:.3%} of the caustics' light, "
+            f"{share:.3%} of the manifold's light, "
             f"{_count(render['capped_estimates'], 'estimate')} stopped at the limit of trials"
         )
 

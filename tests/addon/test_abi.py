@@ -42,6 +42,7 @@ ENUMS = {
     "SPC_AREA_": desc.AreaShape,
     "SPC_PROJECTION_": desc.Projection,
     "SPC_METHOD_": desc.Method,
+    "SPC_LIGHT_TRACING_": desc.LightTracing,
     "SPC_CONSTRAINT_": desc.Constraint,
     "SPC_FILTER_": desc.PixelFilter,
     "SPC_PASS_": abi.Pass,
@@ -49,8 +50,10 @@ ENUMS = {
 
 
 def constants(prefix: str) -> dict[str, int]:
-    """Enumerators of the header by what follows `prefix`."""
-    return {name: int(value) for name, value in re.findall(rf"{prefix}(\w+) = (\d+)", HEADER)}
+    """Enumerators of the header by what follows `prefix`, but for those of a longer prefix."""
+    longer = tuple(other for other in ENUMS if other.startswith(prefix) and other != prefix)
+    found = re.findall(rf"({prefix}(\w+)) = (\d+)", HEADER)
+    return {name: int(value) for full, name, value in found if not full.startswith(longer)}
 
 
 def compiled(expressions: list[str], tmp_path) -> list[int]:

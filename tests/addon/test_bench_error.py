@@ -203,6 +203,19 @@ def test_what_cannot_be_shown_is_no_failure(monkeypatch):
     assert len(rendered) == 4  # what failed is not tried again
 
 
+def test_light_tracing_is_where_the_name_says():
+    for name, method in METHODS.items():
+        if method.family != "specula":
+            continue
+        settings = method.job["specula"]
+        traced = name == "lt" or name.endswith("-lt")
+        if settings["method"].startswith("SMS_"):
+            assert settings["light_tracing"] == ("ON" if traced else "OFF")
+        assert (settings["method"] == "LT") == (name == "lt")
+        assert method.correlated == traced
+        assert method.unbiased == (not name.startswith("biased") and not method.hidden)
+
+
 def test_methods_fit_into_their_charts():
     for group in GROUPS:
         members = [method for method in METHODS.values() if group in method.groups]

@@ -38,7 +38,7 @@ def test_rates():
     assert rows["Rays"] == "3,000 (1.5e+03/s)"
     assert "40.0% found a path, 6.0 iterations" in rows["Walks"]
     assert rows["Trials"].startswith("3.0 on average")
-    assert rows["Possible loss"].startswith("2.000% of the caustics' light, 0 estimates")
+    assert rows["Possible loss"].startswith("2.000% of the manifold's light, 0 estimates")
 
 
 def test_wording():
@@ -59,6 +59,13 @@ def test_lines_on_walks_are_there_if_there_were_walks():
     labels = set(dict(statistics(walks=3).rows()))  # of the biased method
     assert "Walks" in labels
     assert {"Trials", "Possible loss"}.isdisjoint(labels)
+
+
+def test_the_line_on_light_paths_is_there_if_there_were_any():
+    assert "Light paths" not in dict(statistics(walks=3).rows())
+    rows = dict(statistics(light_paths=4096, splats=1).rows())
+    assert rows["Light paths"] == "4,096, 1 splat in the picture"
+    assert "Light paths" in dict(statistics(light_paths=9).rows())  # that all went astray
 
 
 def test_stamp_holds_every_number_of_the_core():

@@ -45,6 +45,7 @@ GROUPS = {
     "best": "ours and the others'",
     "variants": "constraints and stages",
     "sets": "numbers of walks of the biased method",
+    "light": "manifold sampling, light tracing, and both",
     "luxcore": "LuxCore",
 }
 
@@ -94,6 +95,8 @@ class Method:
 
 def _specula(name, label, groups, color, marker, light_factor=1.0, **settings) -> Method:
     method = settings["method"]
+    # Only the manifold has it as a setting.
+    splats = method == "LT" or settings.get("light_tracing", "OFF") != "OFF"
     return Method(
         name,
         label,
@@ -104,20 +107,30 @@ def _specula(name, label, groups, color, marker, light_factor=1.0, **settings) -
         marker,
         unbiased=method != "SMS_BIASED" and light_factor == 1.0,
         path_traced=method == "PT",
+        correlated=splats,  # the pixel filter shares them among neighbours
         hidden=light_factor != 1.0,
     )
 
 
-def _unbiased(name, label, groups, color, marker, constraint, two_stage) -> Method:
-    settings = {"method": "SMS_UNBIASED", "constraint": constraint, "two_stage": two_stage}
+def _unbiased(
+    name, label, groups, color, marker, constraint, two_stage, light_tracing="OFF"
+) -> Method:
+    settings = {
+        "method": "SMS_UNBIASED",
+        "constraint": constraint,
+        "two_stage": two_stage,
+        "light_tracing": light_tracing,
+    }
     return _specula(name, label, groups, color, marker, **settings)
 
 
-def _biased(walks: int, color: str, marker: str, *groups: str) -> Method:
+def _biased(walks: int, color: str, marker: str, *groups: str, light_tracing="OFF") -> Method:
     settings = {"method": "SMS_BIASED", "set_size": walks, **DEFAULT_WALK}
-    return _specula(
-        f"biased-{walks}", f"SMS biased, {walks} walks", groups, color, marker, **settings
-    )
+    name, label = f"biased-{walks}", f"SMS biased, {walks} walks"
+    if light_tracing != "OFF":
+        name, label = f"{name}-lt", f"{label} + LT"
+    settings["light_tracing"] = light_tracing
+    return _specula(name, label, groups, color, marker, **settings)
 
 
 def _cycles(name, label, color, marker, **changes) -> Method:
@@ -155,12 +168,20 @@ def _lux(name, label, color, marker, *groups, unbiased=True, correlated=False) -
 METHODS = {
     method.name: method
     for method in (
-        _specula("pt", "path tracing", ("best", "variants"), BLACK, "o", method="PT"),
+        _specula("pt", "path tracing", ("best", "variants", "light"), BLACK, "o", method="PT"),
+        _specula("lt", "light tracing", ("light",), ORANGE, "v", method="LT"),
         _unbiased(
             "sms",
             "SMS unbiased",
-            ("best", "variants", "sets", "luxcore"),
+            ("best", "variants", "sets", "light", "luxcore"),
             *(VERMILLION, "s", "ANGLE_DIFFERENCE", True),
+        ),
+        _unbiased(
+            "sms-lt",
+            "SMS unbiased + LT",
+            ("best", "light"),
+            *(GREEN, "P", "ANGLE_DIFFERENCE", True),
+            light_tracing="ON",
         ),
         _unbiased(
             "sms-one", "SMS, one stage", ("variants",), ORANGE, "v", "ANGLE_DIFFERENCE", False
@@ -174,7 +195,8 @@ METHODS = {
         ),
         _biased(4, SKY, "v", "sets"),
         _biased(8, BLUE, "^", "sets"),
-        _biased(16, GREEN, "D", "best", "sets"),
+        _biased(16, GREEN, "D", "sets", "light"),
+        _biased(16, BLUE, "^", "light", light_tracing="ON"),
         _biased(32, PURPLE, "P", "sets"),
         _cycles("cycles-pt", "path tracing", BLUE, "o"),
         _cycles("cycles-guiding", "path guiding", SKY, "^"),
@@ -193,7 +215,7 @@ METHODS = {
     )
 }
 
-QUICK = ("pt", "sms", "biased-16", "cycles-pt", "cycles-mnee", "lux-light")
+QUICK = ("pt", "lt", "sms", "sms-lt", "biased-16", "cycles-pt", "cycles-mnee", "lux-light")
 SMS, CYCLES = "sms", "cycles-pt"  # what each method is held against, beside the best of LuxCore
 
 

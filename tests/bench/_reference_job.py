@@ -16,7 +16,7 @@ import sys
 import bpy
 import numpy as np
 
-from specula.export.desc import Method
+from specula.export.desc import LightTracing, Method
 from specula.export.log import ExportLog
 from specula.export.scene import export_scene
 from specula.export.settings import export_settings
@@ -35,6 +35,7 @@ def main(job: dict) -> None:
     settings = dataclasses.replace(
         export_settings(scene),
         method=Method[job["method"]],
+        light_tracing=LightTracing.AUTO,
         seed=job["seed"],
         threads=job["threads"],
         time_limit=0.0,

@@ -18,7 +18,7 @@ import bpy
 
 from blend_scenes.generators import stage
 from specula import native
-from specula.export.desc import Method, RenderSettings
+from specula.export.desc import LightTracing, Method, RenderSettings
 from specula.export.log import ExportLog
 from specula.export.scene import export_scene
 from specula.export.settings import export_settings
@@ -98,7 +98,9 @@ def main(job: dict) -> None:
         rows = {
             method: renders(
                 native_scene,
-                dataclasses.replace(settings, method=Method[method]),
+                dataclasses.replace(
+                    settings, method=Method[method], light_tracing=LightTracing.OFF
+                ),
                 job["seconds"],
             )
             for method in job["methods"]

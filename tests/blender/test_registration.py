@@ -135,8 +135,16 @@ def test_advanced_settings_are_closed_and_only_there_where_they_matter():
     assert panel.bl_parent_id == "SPECULA_PT_sampling"
     assert panel.bl_options == {"DEFAULT_CLOSED"}
     assert draw(panel, Context()).shown == ["constraint", "two_stage"]
-    bpy.context.scene.specula.method = "PT"
-    assert not panel.poll.__func__(panel, Context())
+    for method in ("PT", "LT"):
+        bpy.context.scene.specula.method = method
+        assert not panel.poll.__func__(panel, Context())
+
+
+def test_light_tracing_is_offered_beside_the_manifold():
+    for method, offered in (("AUTO", True), ("SMS_BIASED", True), ("PT", False), ("LT", False)):
+        bpy.context.scene.specula.method = method
+        shown = draw(ui.SPECULA_PT_sampling, Context()).shown
+        assert ("light_tracing" in shown) == offered, method
 
 
 def test_statistics_show_every_line():
@@ -195,8 +203,10 @@ def test_panels_stay_away_from_other_engines():
 
 def test_names_that_scripts_rely_on():
     settings = bpy.context.scene.specula
-    for method in ("AUTO", "PT", "SMS_UNBIASED", "SMS_BIASED"):
+    for method in ("AUTO", "PT", "SMS_UNBIASED", "SMS_BIASED", "LT"):
         settings.method = method
+    for light_tracing in ("AUTO", "ON", "OFF"):
+        settings.light_tracing = light_tracing
     for constraint in ("HALF_VECTOR", "ANGLE_DIFFERENCE"):
         settings.constraint = constraint
     settings.two_stage, settings.set_size, settings.time_limit = True, 4, 1.0

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Final renders through Blender's own render call and the real core."""
 
+import math
 import re
 import subprocess
 import time
@@ -9,7 +10,7 @@ from types import SimpleNamespace
 import bpy
 import numpy as np
 import pytest
-from scenes import add_camera, add_mesh, add_node, link, new_material, new_world, surface
+from scenes import add_camera, add_light, add_mesh, add_node, link, new_material, new_world, surface
 
 from specula import native, rendering, statistics
 
@@ -193,6 +194,49 @@ def test_statistics_are_printed_as_one_block(glowing_quad, tmp_path, capfd):
     assert last_stats().block() in output
     for label in ("Version:", "Samples per pixel:", "Rays:", "Dropped:"):
         assert output.count(label) == 1
+
+
+@pytest.fixture
+def mirrored_light():
+    """A floor, a mirror beside it that stands upright, and a small lamp."""
+    white, silver = new_material("White"), new_material("Silver")
+    add_node(white, "ShaderNodeBsdfDiffuse", surface(white))
+    add_node(silver, "ShaderNodeBsdfGlossy", surface(silver)).inputs["Roughness"].default_value = 0
+    add_mesh("Floor", material=white)
+    mirror = add_mesh("Mirror", material=silver)
+    mirror.location, mirror.rotation_euler = (1, 0, 1), (0, -math.pi / 2, 0)
+    mirror.specula.caustics = "CASTER"
+    add_light(energy=10, shadow_soft_size=0.0).location = (-0.5, 0, 1)
+    add_camera((0, 0, 5))
+    scene = bpy.context.scene
+    scene.world = None
+    scene.specula.samples = 16
+    bpy.context.view_layer.specula.use_pass_caustics = True
+    return scene
+
+
+@pytest.mark.parametrize(
+    ("method", "light_tracing", "walks", "light_paths"),
+    [
+        ("AUTO", "AUTO", True, True),
+        ("SMS_UNBIASED", "ON", True, True),
+        ("SMS_BIASED", "OFF", True, False),
+        ("LT", "OFF", False, True),
+        ("PT", "ON", False, False),
+    ],
+)
+def test_light_tracing_reaches_the_core(
+    mirrored_light, tmp_path, capfd, method, light_tracing, walks, light_paths
+):
+    mirrored_light.specula.method = method
+    mirrored_light.specula.light_tracing = light_tracing
+    layers, stamp = render_layers(tmp_path)
+    assert stamp["specula.method"] == ("SMS_UNBIASED" if method == "AUTO" else method)
+    assert (int(stamp["specula.render.walks"]) > 0) == walks
+    assert (int(stamp["specula.render.light_paths"]) > 0) == light_paths
+    assert (int(stamp["specula.render.splats"]) > 0) == light_paths
+    assert layers["ViewLayer.Caustics"].any() == (walks or light_paths)
+    assert ("Light paths:" in "".join(capfd.readouterr())) == light_paths
 
 
 def test_statistics_do_not_outlive_their_file(glowing_quad):

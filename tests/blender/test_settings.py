@@ -3,7 +3,7 @@ import addon_utils
 import bpy
 import pytest
 
-from specula.export.desc import Constraint, Method, PixelFilter
+from specula.export.desc import Constraint, LightTracing, Method, PixelFilter
 from specula.export.settings import (
     PREVIEW_SAMPLES,
     export_settings,
@@ -90,10 +90,22 @@ def test_method_and_constraint(scene):
     assert (settings.method, settings.constraint) == (Method.PT, Constraint.ANGLE_DIFFERENCE)
 
 
+def test_light_tracing_is_automatic_and_stays_so_with_any_method(scene):
+    settings = export_settings(scene)
+    assert (settings.method, settings.light_tracing) == (Method.SMS_UNBIASED, LightTracing.AUTO)
+    for choice in LightTracing:
+        scene.specula.light_tracing = choice.name
+        assert export_settings(scene).light_tracing == choice
+    scene.specula.method = "LT"
+    assert export_settings(scene).method == Method.LT
+
+
 def test_labels_are_those_of_the_interface(scene):
     assert method_label(scene) == "Automatic (SMS Unbiased)"
     scene.specula.method = "SMS_BIASED"
     assert method_label(scene) == "SMS Biased"
+    scene.specula.method = "LT"
+    assert method_label(scene) == "Light Tracing"
 
 
 def test_what_holds_where_nothing_is_set(scene):

@@ -13,7 +13,9 @@ class Case:
     Numbers of samples are those that give the tests their power in the time that they may take.
     `detects` is the relative error of all caustics that is found in every variant by itself,
     `detects_together` that which is found when all variants share it; large where solutions with
-    small basins give rare bright samples.
+    small basins give rare bright samples. `detects_joint` and `detects_light` are the same with
+    light tracing beside the manifold, and alone; None where it finds next to nothing, since the
+    camera sees the receivers through the casters.
     """
 
     name: str
@@ -22,16 +24,28 @@ class Case:
     samples: int  # of an unbiased render
     biased_samples: int = 0
     light_factor: float = 1.0  # on the size of every lamp
+    sun: float = 0.0  # W/m^2; all lamps become suns, 0: they stay
     texels: int = 1  # the world's image is averaged over squares of so many
     max_bounces: int = 12  # fewer where what follows is noise that no manifold sampling can help
     detects: float = 0.10
     detects_together: float = 0.05
+    detects_joint: float = 0.15
+    detects_light: float | None = None
 
 
 CASES = {
     case.name: case
     for case in (
-        Case("ring", (64, 64), 20480, 512, 64, light_factor=10.0, max_bounces=2),
+        Case(
+            "ring",
+            (64, 64),
+            20480,
+            512,
+            64,
+            light_factor=10.0,
+            max_bounces=2,
+            detects_light=0.15,
+        ),
         Case(
             "reflective_plane",
             (64, 64),
@@ -42,6 +56,7 @@ CASES = {
             max_bounces=3,
             detects=0.3,
             detects_together=0.12,
+            detects_light=0.3,
         ),
         Case(
             "refractive_sphere",
@@ -53,6 +68,7 @@ CASES = {
             max_bounces=3,
             detects=0.4,
             detects_together=0.15,
+            detects_joint=0.8,
         ),
         Case(
             "swimming_pool",
@@ -64,9 +80,15 @@ CASES = {
             max_bounces=3,
             detects=0.15,
             detects_together=0.08,
+            detects_joint=0.4,
         ),
         Case("cornell", (64, 64), 8192, 1024),
     )
+}
+# Lights that path tracing cannot hit, and only caustics that the camera sees directly.
+DELTA_LIGHTS = {
+    "point": Case("ring", (64, 64), 0, 256, light_factor=0.0, max_bounces=2, detects=0.1),
+    "sun": Case("reflective_plane", (64, 64), 0, 128, sun=10.0, max_bounces=2, detects=0.1),
 }
 WITH_CASTERS = tuple(case for case in CASES.values() if case.biased_samples)
 CORNELL = CASES["cornell"]
@@ -81,13 +103,26 @@ CYCLES_PARTS = 8  # renders with a seed each, from which the variance is estimat
 
 @dataclass(frozen=True)
 class Variant:
+    """An unbiased manifold."""
+
     constraint: str
     two_stage: bool
+    light_tracing: bool = False
 
     @property
     def name(self) -> str:
         stages = "two stages" if self.two_stage else "one stage"
-        return f"{self.constraint.lower().replace('_', ' ')}, {stages}"
+        text = f"{self.constraint.lower().replace('_', ' ')}, {stages}"
+        return f"{text}, light tracing" if self.light_tracing else text
+
+    def settings(self, case: Case) -> dict:
+        return {
+            "method": "SMS_UNBIASED",
+            "light_tracing": "ON" if self.light_tracing else "OFF",
+            "constraint": self.constraint,
+            "two_stage": self.two_stage,
+            "samples": case.samples,
+        }
 
 
 VARIANTS = tuple(
@@ -95,6 +130,8 @@ VARIANTS = tuple(
     for constraint in ("HALF_VECTOR", "ANGLE_DIFFERENCE")
     for two_stage in (False, True)
 )
+JOINT = Variant("ANGLE_DIFFERENCE", True, light_tracing=True)
+LIGHT_TRACING = "light tracing"  # without manifold
 SET_SIZES = (4, 16)  # of the biased estimator
 
 
@@ -104,21 +141,16 @@ def biased_name(set_size: int) -> str:
 
 def renders(case: Case, seed: int) -> dict[str, dict]:
     """What the tests render of a scene with casters."""
-    result = {
-        variant.name: {
-            "method": "SMS_UNBIASED",
-            "constraint": variant.constraint,
-            "two_stage": variant.two_stage,
-            "samples": case.samples,
-        }
-        for variant in VARIANTS
-    }
+    result = {variant.name: variant.settings(case) for variant in VARIANTS}
     for set_size in SET_SIZES:
         result[biased_name(set_size)] = {
             "method": "SMS_BIASED",
+            "light_tracing": "OFF",
             "set_size": set_size,
             "samples": case.biased_samples,
         }
+    result[JOINT.name] = JOINT.settings(case)
+    result[LIGHT_TRACING] = {"method": "LT", "samples": case.samples}
     for index, settings in enumerate(result.values()):
         settings["seed"] = seed + SEED_STEP * index
         settings["max_bounces"] = case.max_bounces

@@ -28,7 +28,7 @@ class Image:
 
     mean: np.ndarray
     variance: np.ndarray  # of the mean
-    caustics: np.ndarray | None  # the manifold's share of `mean`; None from Cycles
+    caustics: np.ndarray | None  # share of `mean`, as the pass has it; None from Cycles
     stats: dict  # of the session; `seconds`
 
     @property
@@ -63,6 +63,7 @@ def render(
         "scene": str(ROOT / "blend_scenes" / f"{case.name}.blend"),
         "size": case.size,
         "light_factor": case.light_factor,
+        "sun": case.sun,
         "texels": case.texels,
         "renders": renders,
         "scene_arrays": scene_arrays,

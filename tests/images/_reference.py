@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Reference images: EXR files with the mean and its standard error, both half floats; the bench's
-with the manifold's share of the mean as well.
+with the manifold's and light tracing's share of the mean as well.
 
 The standard error and not the variance, which would leave the range of half floats.
 """

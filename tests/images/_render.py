@@ -5,6 +5,7 @@ The last argument is a JSON file, the job:
   scene           .blend file
   size            [width, height] of the frame
   light_factor    the sizes of area, point and spot lights are multiplied by it
+  sun             if given, all lights become suns without a disc, of this irradiance in W/m^2
   texels          the world's image is averaged over squares of so many texels
   renders         name -> settings: `engine` CYCLES or SPECULA (the default), `samples`, `seed`,
                   `parts`; and for Specula fields of desc.RenderSettings, enumerations by name
@@ -82,6 +83,11 @@ def prepare(job: dict):
             light.size_y *= job.get("light_factor", 1)
         elif light.type in ("POINT", "SPOT"):
             light.shadow_soft_size *= job.get("light_factor", 1)
+        if job.get("sun"):
+            name = light.name
+            light.type = "SUN"
+            sun = bpy.data.lights[name]  # of another class now
+            sun.energy, sun.angle = job["sun"], 0.0
     if job.get("texels", 1) > 1:
         for node in scene.world.node_tree.nodes:
             if node.type == "TEX_ENVIRONMENT":

@@ -14,6 +14,10 @@ import numpy as np
 
 BLOCK = 8  # pixels: sums over 64 pixels are close to normal where single pixels are not
 PATH_TRACED = 0.1  # below this share of caustics a block counts as path traced
+# A light path's splat is shared by all pixels in reach of the filter, a Blackman-Harris of 1.5
+# pixels in all scenes: the sum over a block varies up to 1 / (integral of its square)^2 as much as
+# the sum of its pixels' variances says.
+SPLAT_SPREAD = 2.241
 FALSE_ALARMS = 1e-3  # probability that any comparison of a family fails though all is well
 
 
@@ -64,6 +68,16 @@ def with_rare_paths(image, reference):
     expected = reference.variance * (reference.samples / image.samples)
     variance = np.where(path_traced, np.maximum(image.variance, expected), image.variance)
     return dataclasses.replace(image, variance=variance)
+
+
+def with_shared_splats(image):
+    """`image` with variances of which sums are right, if light paths had part in it.
+
+    Too large where path tracing's noise is mixed in, never too small.
+    """
+    if not image.stats["splats"]:
+        return image
+    return dataclasses.replace(image, variance=image.variance * SPLAT_SPREAD)
 
 
 def caustics_weights(others, reference) -> np.ndarray:

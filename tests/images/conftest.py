@@ -33,7 +33,9 @@ def rendered(tmp_path_factory, seed, reference):
         folder = tmp_path_factory.mktemp(case.name)
         images = _children.render("blender", case, _cases.renders(case, seed), folder).images
         return {
-            name: _statistics.with_rare_paths(image, reference(case.name))
+            name: _statistics.with_rare_paths(
+                _statistics.with_shared_splats(image), reference(case.name)
+            )
             for name, image in images.items()
         }
 

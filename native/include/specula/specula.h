@@ -260,7 +260,7 @@ typedef struct spc_light_desc {
     uint32_t shape;      /* area: spc_area_shape */
     float size[2];       /* area: full extents in x and y before the transform, m, > 0 */
     uint32_t visibility; /* of spc_visibility; SHADOW set: occluders cast shadows of this light */
-    uint32_t feeds_caustics; /* 0: no manifold connections to this light; path tracing still finds it */
+    uint32_t feeds_caustics; /* 0: neither walks nor light paths use it for caustics; path tracing still finds it */
 } spc_light_desc;
 
 SPC_API spc_status spc_scene_add_light(spc_scene* scene, const spc_light_desc* desc,
@@ -355,9 +355,9 @@ typedef enum spc_pixel_filter {
 
 typedef struct spc_render_settings {
     size_t struct_size;
-    uint32_t method;       /* spc_method */
-    uint32_t light_tracing; /* spc_light_tracing; ignored by the other methods */
-    uint32_t constraint;   /* spc_constraint */
+    uint32_t method;        /* spc_method */
+    uint32_t light_tracing; /* spc_light_tracing; ignored by PT and LT */
+    uint32_t constraint;    /* spc_constraint */
     uint32_t two_stage;    /* 1: walk on the smooth surface first where a caster has a normal map */
     uint32_t set_size;     /* walks per estimate of SPC_METHOD_SMS_BIASED, [1, 4096] */
     uint32_t first_sample; /* absolute index; [0,8) and [8,16) together are [0,16) */
@@ -418,7 +418,7 @@ typedef struct spc_render_stats {
     double capped_energy; /* what those estimates added as far as they counted, luminance, sum over samples */
     double manifold_energy; /* radiance added by the manifold, luminance, sum over samples */
     uint64_t nan_samples;   /* samples and splats dropped for not being finite */
-    uint64_t light_paths;   /* those that learned where to start included */
+    uint64_t light_paths;   /* from lights; those that learned where to start included */
     uint64_t splats;        /* that light paths added to the picture */
 } spc_render_stats;
 SPC_API spc_status spc_render_get_stats(spc_session* session, spc_render_stats* stats);
@@ -428,7 +428,7 @@ typedef enum spc_pass {
     SPC_PASS_DEPTH = 1,    /* 1: distance along the viewing axis, m; 1e10 where nothing is hit */
     SPC_PASS_POSITION = 2, /* 3: world, m; of the first sample, as depth */
     SPC_PASS_NORMAL = 3,   /* 3: world, shading normal, mean */
-    SPC_PASS_CAUSTICS = 4, /* 3: the manifold's share of Combined */
+    SPC_PASS_CAUSTICS = 4, /* 3: the manifold's and light tracing's share of Combined */
     SPC_PASS_VARIANCE = 5, /* 3: variance of the mean of Combined's RGB */
     SPC_PASS_COUNT = 6
 } spc_pass;

@@ -96,7 +96,11 @@ TEST(RenderMisuse, Settings) {
     expect_refused(spc_render_start(scene.get(), &good, nullptr), SPC_INVALID_ARGUMENT, {"session"});
     for (const size_t size : {size_t{0}, sizeof(spc_render_settings) - 4})
         refuses("struct_size", [&](auto& s) { s.struct_size = size; });
-    refuses("method", [](auto& s) { s.method = 3; });
+    refuses("method", [](auto& s) { s.method = 4; });
+    refuses("light tracing", [](auto& s) { s.light_tracing = 3; });
+    // Whatever the method.
+    refuses("light tracing",
+            [](auto& s) { s.method = SPC_METHOD_PT, s.light_tracing = 0xffffffff; });
     refuses("constraint", [](auto& s) { s.constraint = 2; });
     refuses("filter", [](auto& s) { s.pixel_filter = 3; });
     refuses("samples", [](auto& s) { s.samples = 0; });
@@ -444,6 +448,7 @@ TEST(Settings, DefaultsAreValidAndComplete) {
     spc_render_settings_init(&settings);
     EXPECT_EQ(settings.struct_size, sizeof(settings));
     EXPECT_EQ(settings.method, static_cast<uint32_t>(SPC_METHOD_SMS_UNBIASED));
+    EXPECT_EQ(settings.light_tracing, static_cast<uint32_t>(SPC_LIGHT_TRACING_AUTO));
     EXPECT_EQ(settings.first_sample, 0u);
     EXPECT_EQ(settings.time_limit, 0.0f);
     EXPECT_EQ(settings.max_bounces, 12u);

@@ -123,6 +123,17 @@ LightDesc lamp(LightType type, float power) {
     light.visibility = kNotDirectly;
     return light;
 }
+void add(SceneMaker& maker, const Mesh& mesh, const Graph& graph, const Transform& transform,
+         uint32_t visibility, CausticsRole role) {
+    Instance instance;
+    instance.name = mesh.name + " of " + graph.name;
+    instance.mesh = maker.builder.add_mesh(mesh);
+    instance.object_to_world = transform;
+    instance.materials = {maker.builder.add_material(graph)};
+    instance.visibility = visibility;
+    instance.role = role;
+    maker.builder.add_instance(instance);
+}
 void add_bulb(SceneMaker& maker, const Vec3& p = {0.8f, -0.8f, 0.7f}, float radius = 0.3f,
               uint32_t visibility = kNotDirectly) {
     LightDesc light = lamp(LightType::point, 100.0f);
@@ -133,13 +144,14 @@ void add_bulb(SceneMaker& maker, const Vec3& p = {0.8f, -0.8f, 0.7f}, float radi
 }
 
 void add_glowing(SceneMaker& maker, const Mesh& mesh, const Vec3& p) {
-    Instance instance;
-    instance.name = "glowing " + mesh.name;
-    instance.mesh = maker.builder.add_mesh(mesh);
-    instance.object_to_world = test::translation(p);
-    instance.materials = {maker.builder.add_material(test::emission(20.0f))};
-    instance.visibility = kNotDirectly;
-    maker.builder.add_instance(instance);
+    add(maker, mesh, test::emission(20.0f), test::translation(p), kNotDirectly,
+        CausticsRole::automatic);
+}
+// The camera looks through: what lamps it would see in casters is noise here.
+void add_caster(SceneMaker& maker, const Mesh& mesh, const Graph& graph,
+                const Transform& transform) {
+    add(maker, mesh, graph, transform, kVisibleAll & ~uint32_t{kVisibleCamera},
+        CausticsRole::caster);
 }
 
 // Two faces, `thickness` apart, that look away from each other.
@@ -154,12 +166,10 @@ Mesh slab(float half, float thickness) {
 }
 
 void add_ball(SceneMaker& maker, const Graph& graph) {
-    maker.add(test::sphere(24, 0.4), graph, test::translation(Vec3(-0.1f, 0.1f, 0.7f)),
-              CausticsRole::caster);
+    add_caster(maker, test::sphere(24, 0.4), graph, test::translation(Vec3(-0.1f, 0.1f, 0.7f)));
 }
 void add_panel(SceneMaker& maker, const Graph& graph) {
-    maker.add(test::square(0.6f), graph, test::rotation_x(1.3f, Vec3(0.0f, 0.9f, 0.6f)),
-              CausticsRole::caster);
+    add_caster(maker, test::square(0.6f), graph, test::rotation_x(1.3f, Vec3(0.0f, 0.9f, 0.6f)));
 }
 
 // A wide texture of gentle slopes in both directions.
@@ -203,18 +213,17 @@ std::vector<Setup> casters_under_a_bulb() {
         {"normal-mapped mirror",
          [](SceneMaker& m) {
              m.builder.add_image(gentle_waves());
-             m.add(test::with_uvs(test::grid(
+             add_caster(m, test::with_uvs(test::grid(
                                       1, [](double u, double v) { return Vec3d(1.4 * u - 0.7, 1.4 * v - 0.7, 0); },
                                       [](double, double) { return Vec3d(0, 0, 1); }),
                                   1),
                    test::normal_mapped(test::mirror(), Vec2(1.0f, 1.0f)),
-                   test::rotation_x(1.3f, Vec3(0.0f, 0.9f, 0.6f)), CausticsRole::caster);
+                   test::rotation_x(1.3f, Vec3(0.0f, 0.9f, 0.6f)));
              add_bulb(m, {0, -0.7f, 2.2f});
          }},
         {"glass slab",
          [](SceneMaker& m) {
-             m.add(slab(2.0f, 0.3f), test::glass(1.5f), test::translation({0, 0, 1.2f}),
-                   CausticsRole::caster);
+             add_caster(m, slab(2.0f, 0.3f), test::glass(1.5f), test::translation({0, 0, 1.2f}));
              set_camera(m, {0.0f, -1.0f, 0.7f}, 0.4f);
              add_bulb(m, {0.7f, 0.2f, 2.5f}, 0.6f);
          }},
@@ -230,16 +239,17 @@ std::vector<Setup> casters_under_a_bulb() {
          }},
         {"transparent mirror",
          [](SceneMaker& m) {
-             m.add(test::square(0.5f), test::combined(test::transparent(1.0f), test::mirror(), 0.3f),
-                   test::translation({0, 0, 0.3f}));
+             add_caster(m, test::square(0.5f),
+                        test::combined(test::transparent(1.0f), test::mirror(), 0.3f),
+                        test::translation({0, 0, 0.3f}));
              add_ball(m, test::mirror());
              add_bulb(m);
          }},
         {"mirror and glass",
          [](SceneMaker& m) {
              add_panel(m, test::mirror());
-             m.add(slab(0.7f, 0.2f), test::glass(1.5f), test::rotation_x(0.2f, {0, 0.1f, 0.9f}),
-                   CausticsRole::caster);
+             add_caster(m, slab(0.7f, 0.2f), test::glass(1.5f),
+                        test::rotation_x(0.2f, {0, 0.1f, 0.9f}));
              add_bulb(m, {0, -0.7f, 2.2f});
          }},
     };
@@ -249,8 +259,8 @@ std::vector<Setup> lights_over_a_ball() {
     const auto over_ball = [](const char* name, const std::function<void(SceneMaker&)>& light) {
         return Setup{name, [light](SceneMaker& m) {
                          add_ball(m, test::mirror());
-                         m.add(test::square(0.6f), test::refraction(1.4f),
-                               test::rotation_x(0.3f, {0.4f, 0.0f, 0.4f}));
+                         add_caster(m, test::square(0.6f), test::refraction(1.4f),
+                                    test::rotation_x(0.3f, {0.4f, 0.0f, 0.4f}));
                          light(m);
                      }};
     };
@@ -286,8 +296,8 @@ std::vector<Setup> lights_over_a_ball() {
 // Water between floor and camera on one side and the lamp on the other.
 std::vector<Setup> other_media() {
     const auto water = [](float angle, SceneMaker& m) {
-        m.add(test::flat(test::square(4.0f)), test::glass(1.33f),
-              test::rotation_x(angle, {0, 0, 0.8f}), CausticsRole::caster);
+        add_caster(m, test::flat(test::square(4.0f)), test::glass(1.33f),
+                   test::rotation_x(angle, {0, 0, 0.8f}));
         set_camera(m, {0.0f, -1.0f, 0.7f}, 0.4f);
         add_bulb(m, {0.4f, 0.3f, 2.2f}, 0.5f);
     };
@@ -329,6 +339,20 @@ TEST(LightPathsSlow, AgreeWithPathTracingForEveryCaster) {
 }
 TEST(LightPathsSlow, AgreeWithPathTracingForEveryLight) { expect_agreement(lights_over_a_ball()); }
 TEST(LightPathsSlow, AgreeWithPathTracingInOtherMedia) { expect_agreement(other_media()); }
+
+// What a camera does not see shows no caustic; what nothing else sees shows its own all the same.
+TEST(LightPathsSlow, AgreeForReceiversThatFewSee) {
+    const auto floor_of = [](uint32_t visibility) {
+        return [visibility](SceneMaker& m) {
+            add_panel(m, test::mirror());
+            add(m, test::square(0.5f), test::diffuse(0.8f), test::translation({0, 0, 0.1f}), visibility,
+                CausticsRole::receiver);
+            add_bulb(m, {0, -0.7f, 2.2f});
+        };
+    };
+    expect_agreement({{"floor for the camera", floor_of(kVisibleCamera)},
+                      {"floor for all but the camera", floor_of(kVisibleAll & ~uint32_t{kVisibleCamera})}});
+}
 
 // Lights that path tracing never finds.
 TEST(LightPathsSlow, AgreeWithTheManifoldForDeltaLights) {

@@ -11,7 +11,7 @@ namespace {
 // the weight lies in it.
 constexpr double kLeastShare = 1.0 / 1024;
 constexpr size_t kLeastPoints = 8;
-constexpr float kLeastSize = 0x1p-18f;  // coordinates have 2^-24
+constexpr float kLeastSize = 0x1p-17f;  // coordinates have 2^-24
 
 double total(std::span<const WeightedPoint> points) {
     double sum = 0.0;
@@ -34,17 +34,18 @@ bool choose_upper(float& u, float first) {
 
 }  // namespace
 
-QuadtreeDensity::QuadtreeDensity(std::span<WeightedPoint> points, float floor) {
+QuadtreeDensity::QuadtreeDensity(std::span<WeightedPoint> points, float floor, float finest) {
     const double sum = total(points);
     if (!(sum > 0.0)) return;
     floor_ = floor;
-    refine(0, points, Vec2(0.0f), 1.0f, kLeastShare * sum);
+    refine(0, points, Vec2(0.0f), 1.0f, {kLeastShare * sum, std::max(2.0f * finest, kLeastSize)});
 }
 
 void QuadtreeDensity::refine(uint32_t node, std::span<WeightedPoint> points, const Vec2& corner,
-                             float size, double least_weight) {
+                             float size, const Limits& limits) {
     const double weight = total(points);
-    if (points.size() < kLeastPoints || weight <= least_weight || size <= kLeastSize) return;
+    if (points.size() < kLeastPoints || weight <= limits.weight || size < limits.size)
+        return;
     const float half = 0.5f * size;
     const Vec2 middle = corner + Vec2(half, half);
     const auto split = [](std::span<WeightedPoint> part, auto is_lower) {
@@ -67,7 +68,7 @@ void QuadtreeDensity::refine(uint32_t node, std::span<WeightedPoint> points, con
     }
     for (uint32_t k = 0; k < 4; ++k) {
         const Vec2 at((k & 1) != 0 ? middle.x : corner.x, (k & 2) != 0 ? middle.y : corner.y);
-        refine(first_child + k, quarters[k], at, half, least_weight);
+        refine(first_child + k, quarters[k], at, half, limits);
     }
 }
 

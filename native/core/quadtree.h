@@ -18,9 +18,9 @@ struct WeightedPoint {
 class QuadtreeDensity {
 public:
     QuadtreeDensity() = default;  // uniform
-    // Follows the weight of the points, which it reorders; `floor` of all samples is uniform over
-    // the square.
-    QuadtreeDensity(std::span<WeightedPoint> points, float floor);
+    // Follows the weight of the points, which it reorders, in leaves of a side of `finest` or more;
+    // `floor` of all samples is uniform over the square.
+    QuadtreeDensity(std::span<WeightedPoint> points, float floor, float finest = 0.0f);
 
     struct Sample {
         Vec2 p;
@@ -35,8 +35,12 @@ private:
         float left = 0.0f;      // share of the left half
         std::array<float, 2> below{};  // of the lower quarter within the left and the right half
     };
+    struct Limits {  // below which a cell is not split
+        double weight;
+        float size;
+    };
     void refine(uint32_t node, std::span<WeightedPoint> points, const Vec2& corner, float size,
-                double least_weight);
+                const Limits& limits);
     float tree_pdf(Vec2 p) const;
 
     std::vector<Node> nodes_{Node{}};

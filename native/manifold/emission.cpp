@@ -42,10 +42,13 @@ Vec3 to_cone(const Vec2& place, float one_minus_cos) {
     const float scale = safe_sqrt(one_minus_cos * (2.0f - h));
     return {disk.x * scale, disk.y * scale, 1.0f - h};
 }
-Vec2 from_cone(const Vec3& w, float one_minus_cos) {
+// Its inverse; empty outside the cone.
+std::optional<Vec2> from_cone(const Vec3& w, float one_minus_cos) {
     const float sin2 = w.x * w.x + w.y * w.y;
+    // 1 - w.z, without cancellation: cones may be narrower than the spacing of floats below one.
     const float h = w.z > 0.0f ? sin2 / (1.0f + w.z) : 1.0f - w.z;
-    const float radius = std::sqrt(std::min(h / one_minus_cos, 1.0f));
+    if (h > one_minus_cos) return std::nullopt;
+    const float radius = std::sqrt(h / one_minus_cos);
     const float scale = sin2 > 0.0f ? radius / std::sqrt(sin2) : 0.0f;
     return concentric_square({w.x * scale, w.y * scale});
 }
@@ -69,10 +72,17 @@ std::optional<Place> place_of(const EmissionGuide& guide, uint32_t light, const 
         return Place{place, 0.25f / sqr(guide.radius)};
     }
     const Vec3 w = emission.frame.to_local(normalize(p - end.p));
-    if (w.z < 1.0f - emission.one_minus_cos) return std::nullopt;
-    const Vec2 place = from_cone(w, emission.one_minus_cos);
-    if (!inside(place)) return std::nullopt;
-    return Place{place, uniform_cone_pdf(emission.one_minus_cos)};
+    const std::optional<Vec2> place = from_cone(w, emission.one_minus_cos);
+    if (!place || !inside(*place)) return std::nullopt;
+    return Place{*place, uniform_cone_pdf(emission.one_minus_cos)};
+}
+
+// Side of the smallest cell of a light's square in which rays can be told from each other. Finer
+// ones would follow the spacing of floats.
+float finest_cell(const EmissionGuide& guide, uint32_t light, bool distant) {
+    constexpr float kSpacing = 8.0f * 0x1p-24f;  // of directions and, relatively, of positions
+    if (distant) return kSpacing * guide.start / guide.radius;
+    return kSpacing / std::sqrt(guide.lights[light].one_minus_cos);
 }
 
 void enclose_casters(const Scene& scene, const CasterSet& casters, EmissionGuide& guide) {
@@ -138,7 +148,8 @@ EmissionGuide aim_at_casters(const Scene& scene, const LightSet& lights, const C
                     place_of(guide, light, {y->distant, y->p, y->direction}, p))
                 points[light].push_back({place->p, weight});
         }
-        guide.lights[light].density = QuadtreeDensity(points[light], kFloor);
+        guide.lights[light].density = QuadtreeDensity(
+            points[light], kFloor, finest_cell(guide, light, lights.is_distant(light)));
     }
     return guide;
 }

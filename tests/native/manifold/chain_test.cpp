@@ -207,6 +207,169 @@ CasterPatch curved_patch(double u, double v, const std::array<double, 12>& k) {
     return patch;
 }
 
+// A chain in double, traced through the patches' first-order models: planes whose normals turn
+// linearly. Its own code, not chain_derivative()'s.
+struct TracedChain {
+    std::vector<ChainVertex> vertices;  // from x on
+    Vec3d x, y;
+
+    // Position and direction behind all vertices of a ray from `from`; eta of a vertex is that for
+    // rays from its first side, where the ray must come from.
+    std::pair<Vec3d, Vec3d> trace(Vec3d from, Vec3d d) const {
+        for (const ChainVertex& vertex : vertices) {
+            const CasterPatch& patch = vertex.patch;
+            const Vec3d p0(patch.p), pu(patch.dp_du), pv(patch.dp_dv), ng = normalize(cross(pu, pv));
+            from += d * (dot(p0 - from, ng) / dot(d, ng));
+            const Vec3d r = from - p0;
+            const double uu = dot(pu, pu), uv = dot(pu, pv), vv = dot(pv, pv),
+                         det = uu * vv - uv * uv;
+            const double du = (dot(r, pu) * vv - dot(r, pv) * uv) / det,
+                         dv = (dot(r, pv) * uu - dot(r, pu) * uv) / det;
+            Vec3d n = normalize(Vec3d(patch.n) + Vec3d(patch.dn_du) * du + Vec3d(patch.dn_dv) * dv);
+            if (dot(d, n) > 0.0) n = n * -1.0;
+            const double c = -dot(d, n), ratio = 1.0 / double(vertex.eta);
+            d = vertex.interaction == Interaction::refraction
+                    ? d * ratio + n * (c * ratio - std::sqrt(1 - (1 - c * c) * ratio * ratio))
+                    : d + n * (2 * c);
+        }
+        return {from, d};
+    }
+    TracedChain reversed() const {
+        TracedChain other{{vertices.rbegin(), vertices.rend()}, y, x};
+        for (ChainVertex& vertex : other.vertices)
+            if (vertex.interaction == Interaction::refraction) vertex.eta = 1.0f / vertex.eta;
+        return other;
+    }
+    // |d solid angle at x / d area at y| across the ray, by differences of the traced map.
+    double geometry() const {
+        const Vec3d d0 = normalize(Vec3d(vertices[0].patch.p) - x);
+        const Vec3d out = normalize(y - Vec3d(vertices.back().patch.p));
+        const Frame frame = Frame::around(Vec3(d0)), plane = Frame::around(Vec3(out));
+        const auto landing = [&](const Vec3d& turn) {
+            const auto [from, w] = trace(x, normalize(d0 + turn));
+            const Vec3d q = from + w * (dot(y - from, out) / dot(w, out)) - y;
+            return std::array{dot(q, Vec3d(plane.x)), dot(q, Vec3d(plane.y))};
+        };
+        constexpr double h = 1e-5;
+        const auto slope = [&](const Vec3& axis) {
+            const auto a = landing(Vec3d(axis) * h), b = landing(Vec3d(axis) * -h);
+            return std::array{(a[0] - b[0]) / (2 * h), (a[1] - b[1]) / (2 * h)};
+        };
+        const auto a = slope(frame.x), b = slope(frame.y);
+        return 1.0 / std::abs(a[0] * b[1] - a[1] * b[0]);
+    }
+};
+
+// Patches are placed along a random walk of light, each turned so that it scatters as it should:
+// the chain is admissible by construction. With `mapped`, normals lean away from the geometry.
+std::optional<TracedChain> random_chain(int count, bool mapped, Pcg& pcg) {
+    const auto uniform = [&](double a, double b) { return a + (b - a) * double(pcg.one()); };
+    const auto random_vector = [&](double size) {
+        return Vec3d(uniform(-size, size), uniform(-size, size), uniform(-size, size));
+    };
+    TracedChain chain;
+    chain.x = random_vector(0.3);
+    Vec3d p = chain.x, d = normalize(Vec3d(0, 0, 1) + random_vector(0.2));
+    for (int i = 0; i < count; ++i) {
+        p = p + d * uniform(0.6, 1.5);
+        ChainVertex vertex;
+        vertex.interaction = pcg.one() < 0.5f ? Interaction::reflection : Interaction::refraction;
+        const bool enters = pcg.one() < 0.5f;
+        const double ior = uniform(1.1, 1.7), eta = enters ? ior : 1.0 / ior;
+        vertex.eta = float(eta);
+        CasterPatch& patch = vertex.patch;
+        const Vec3d n = normalize(d * -1.0 + random_vector(0.5));  // towards where light comes from
+        const Vec3d ng = normalize(n + random_vector(mapped ? 0.15 : 0.0));
+        const Frame frame = Frame::around(Vec3(ng));
+        const double front = pcg.one() < 0.5f ? 1.0 : -1.0;  // whether it sees the front
+        patch.p = Vec3(p);
+        patch.dp_du = frame.x * float(uniform(0.5, 2)) + frame.y * float(uniform(-0.4, 0.4));
+        patch.dp_dv = frame.y * float(uniform(0.5, 2));
+        patch.n = Vec3(n * front);
+        patch.ng = Vec3(ng * front);
+        const auto lean = [&] {
+            const Vec3d change = random_vector(0.4);
+            return Vec3(change - n * dot(change, n));
+        };
+        patch.dn_du = lean();
+        patch.dn_dv = lean();
+        const double c = -dot(d, Vec3d(patch.n) * front), inv = 1.0 / double(vertex.eta);
+        const Vec3d normal = Vec3d(patch.n) * front;
+        if (vertex.interaction == Interaction::refraction) {
+            const double cos2 = 1 - (1 - c * c) * inv * inv;
+            if (cos2 < 0.05) return std::nullopt;
+            d = d * inv + normal * (c * inv - std::sqrt(cos2));
+        } else {
+            d = d + normal * (2 * c);
+        }
+        if (std::abs(dot(d, ng)) < 0.1) return std::nullopt;
+        chain.vertices.push_back(vertex);
+    }
+    chain.y = p + d * uniform(0.6, 1.5);
+    return chain;
+}
+
+void for_random_chains(bool mapped, const std::function<void(const TracedChain&)>& body) {
+    for (int count = 1; count <= 3; ++count) {
+        Pcg pcg{uint64_t(count)};
+        int done = 0;
+        for (int trial = 0; trial < 2000 && done < 300; ++trial)
+            if (const std::optional<TracedChain> chain = random_chain(count, mapped, pcg)) {
+                // Near a fold differences see its curvature.
+                const double g = chain->geometry();
+                if (!(g > 1e-4 && g < 1e2)) continue;
+                body(*chain);
+                ++done;
+            }
+        EXPECT_EQ(done, 300);
+    }
+}
+
+// Vertices keep single precision.
+constexpr double kChainPrecision = 1e-4;
+
+TEST(ChainDerivative, MatchesDifferencesThroughManyVertices) {
+    for (const bool mapped : {false, true})
+        for_random_chains(mapped, [](const TracedChain& chain) {
+            const ChainEnd end{false, Vec3(chain.y), {}};
+            const auto derivative = chain_derivative(Vec3(chain.x), chain.vertices, end);
+            ASSERT_TRUE(derivative);
+            const double g = chain.geometry();
+            // A sharp focus magnifies what rounding leaves of the vertices' places.
+            EXPECT_NEAR(derivative->geometry / g, 1.0, kChainPrecision * std::max(1.0, g));
+        });
+}
+
+// The etendue against the other way round: traced, and by the function itself.
+TEST(ChainDerivative, IsReciprocal) {
+    for (const bool mapped : {false, true}) {
+        double largest = 0.0;
+        for_random_chains(mapped, [&](const TracedChain& chain) {
+            const auto there = chain_derivative(Vec3(chain.x), chain.vertices,
+                                                {false, Vec3(chain.y), {}});
+            const TracedChain back = chain.reversed();
+            const auto returned =
+                chain_derivative(Vec3(back.x), back.vertices, {false, Vec3(back.y), {}});
+            ASSERT_TRUE(there && returned);
+            const double expected = back.geometry();
+            const double tolerance = kChainPrecision * std::max(1.0, expected);
+            EXPECT_NEAR(there->geometry * there->etendue / expected, 1.0, tolerance);
+            EXPECT_NEAR(returned->geometry / expected, 1.0, tolerance);
+            EXPECT_NEAR(there->etendue * returned->etendue, 1.0, kChainPrecision);
+            double indices = 1.0;
+            for (const ChainVertex& vertex : chain.vertices)
+                if (vertex.interaction == Interaction::refraction)
+                    indices /= double(vertex.eta) * double(vertex.eta);
+            largest = std::max(largest, std::abs(there->etendue / indices - 1.0));
+        });
+        // Without maps indices are all there is to it.
+        if (mapped)
+            EXPECT_GT(largest, 0.2);
+        else
+            EXPECT_LT(largest, kChainPrecision);
+    }
+}
+
 // The constraints' Jacobian is that of Newton's local equation: exact up to terms that vanish with
 // C, so it is checked at a root: x, u and v random, the light placed where the scattered ray goes.
 TEST_P(BothConstraints, DerivativesMatchCentralDifferencesAtRoots) {

@@ -47,6 +47,22 @@ TEST(ConcentricDisk, IsContinuousAndReachesCentreAndRim) {
     }
 }
 
+TEST(ConcentricDisk, HasAnInverse) {
+    const auto expect_back = [](const Vec2& u) {
+        EXPECT_NEAR((concentric_square(concentric_disk(u)) - u).length(), 0.0f, 3e-7f) << u;
+    };
+    Uniforms uniforms(6);
+    for (int i = 0; i < 100000; ++i) expect_back(uniforms.two());
+    for (int i = 0; i <= 64; ++i) {
+        const float t = static_cast<float>(i) / 64;
+        for (const Vec2& u : {Vec2(0.5f, t), Vec2(t, 0.5f), Vec2(t, t), Vec2(t, 1 - t), Vec2(0, t),
+                              Vec2(1, t), Vec2(t, 0), Vec2(t, 1)})
+            expect_back(u);
+    }
+    for (const float small : {1e-30f, 1e-10f})
+        EXPECT_NEAR((concentric_square({small, -small}) - Vec2(0.5f, 0.5f)).length(), 0.0f, 1e-7f);
+}
+
 TEST(SphereWarps, HaveTheirDensities) {
     const SphereGrid grid{Frame::around(Vec3(0, 0, 1))};
     Uniforms uniforms(2);

@@ -87,8 +87,8 @@ CASES = {
 }
 # Lights that path tracing cannot hit, and only caustics that the camera sees directly.
 DELTA_LIGHTS = {
-    "point": Case("ring", (64, 64), 0, 256, light_factor=0.0, max_bounces=2, detects=0.1),
-    "sun": Case("reflective_plane", (64, 64), 0, 128, sun=10.0, max_bounces=2, detects=0.1),
+    "point": Case("ring", (64, 64), 0, 256, light_factor=0.0, max_bounces=1, detects=0.1),
+    "sun": Case("ring", (64, 64), 0, 256, sun=10.0, max_bounces=1, detects=0.1),
 }
 WITH_CASTERS = tuple(case for case in CASES.values() if case.biased_samples)
 CORNELL = CASES["cornell"]

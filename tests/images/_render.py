@@ -5,7 +5,8 @@ The last argument is a JSON file, the job:
   scene           .blend file
   size            [width, height] of the frame
   light_factor    the sizes of area, point and spot lights are multiplied by it
-  sun             if given, all lights become suns without a disc, of this irradiance in W/m^2
+  sun             if given, all lights become suns without a disc, of this irradiance in W/m^2,
+                  that shine to the origin from where they were
   texels          the world's image is averaged over squares of so many texels
   renders         name -> settings: `engine` CYCLES or SPECULA (the default), `samples`, `seed`,
                   `parts`; and for Specula fields of desc.RenderSettings, enumerations by name
@@ -77,7 +78,8 @@ def prepare(job: dict):
     scene = bpy.context.scene
     scene.render.resolution_x, scene.render.resolution_y = job["size"]
     scene.render.resolution_percentage = 100
-    for light in {obj.data for obj in scene.objects if obj.type == "LIGHT"}:
+    lamps = [obj for obj in scene.objects if obj.type == "LIGHT"]
+    for light in {obj.data for obj in lamps}:
         if light.type == "AREA":
             light.size *= job.get("light_factor", 1)
             light.size_y *= job.get("light_factor", 1)
@@ -88,6 +90,10 @@ def prepare(job: dict):
             light.type = "SUN"
             sun = bpy.data.lights[name]  # of another class now
             sun.energy, sun.angle = job["sun"], 0.0
+    if job.get("sun"):
+        for obj in lamps:
+            obj.rotation_mode = "QUATERNION"
+            obj.rotation_quaternion = obj.location.to_track_quat("Z", "Y")
     if job.get("texels", 1) > 1:
         for node in scene.world.node_tree.nodes:
             if node.type == "TEX_ENVIRONMENT":

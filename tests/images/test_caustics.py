@@ -50,11 +50,11 @@ def scaled(image, factor: float):
 def excess_z(images: dict, names: list[str], truth, factor: float = 1.0):
     """z of the caustics' energy over the renders `names` together, scaled by `factor`.
 
-    Splats and walks have their noise in different blocks: they are weighed by their own kind.
+    Light tracing alone has its noise elsewhere than walks: it is weighed by what it adds to them.
     """
     others = [[images[v] for v in ALL_VARIANTS if v != name] for name in names]
-    if names[0] in WITH_LIGHT:
-        others = [[images[v] for v in WITH_LIGHT if v != name] for name in names]
+    if names == [LIGHT_TRACING]:
+        others = [[images[JOINT.name]]]
     weights = [statistics.caustics_weights(group, truth) for group in others]
     tested = [scaled(images[name], factor) for name in names]
     excess, error = statistics.caustics_excess(tested, weights, truth)

@@ -48,16 +48,15 @@ RenderSettings to_settings(const spc_render_settings& s) {
                          s.max_transmission_bounces, s.max_transparent_bounces};
     integrator.transparent_film = s.transparent_film != 0;
     ManifoldSettings& manifold = integrator.manifold;
-    manifold.enabled =
-        s.method == SPC_METHOD_SMS_UNBIASED || s.method == SPC_METHOD_SMS_BIASED;
+    manifold.enabled = s.method == SPC_METHOD_SMS_UNBIASED || s.method == SPC_METHOD_SMS_BIASED;
     manifold.biased = s.method == SPC_METHOD_SMS_BIASED;
     manifold.set_size = s.set_size;
     manifold.constraint = static_cast<Constraint>(s.constraint);
     manifold.two_stage = s.two_stage != 0;
     manifold.reflections = s.caustics_reflective != 0;
     manifold.refractions = s.caustics_refractive != 0;
-    settings.light_tracing = s.method == SPC_METHOD_LT ||
-                             (manifold.enabled && s.light_tracing != SPC_LIGHT_TRACING_OFF);
+    settings.light_tracing =
+        s.method == SPC_METHOD_LT || (manifold.enabled && s.light_tracing != SPC_LIGHT_TRACING_OFF);
     settings.first_sample = s.first_sample;
     settings.samples = s.samples;
     settings.time_limit = s.time_limit;

@@ -103,8 +103,8 @@ void Film::store_tile(uint32_t tile, std::span<const PixelSums> pixels) {
     std::copy(pixels.begin(), pixels.end(), out.begin());
 }
 
-void Film::add_light_paths(std::span<const Splat> splats, const PixelFilter& filter,
-                           uint64_t paths, double per_picture) {
+void Film::add_light_paths(std::span<const Splat> splats, const PixelFilter& filter, uint64_t paths,
+                           double per_picture) {
     const std::lock_guard lock(light_mutex_);
     if (splats_.empty()) splats_.resize(pixels_.size());
     light_paths_ += static_cast<double>(paths);
@@ -166,8 +166,8 @@ void Film::read(Pass pass, std::span<float> out) const {
     for (size_t at = 0; at < splats_.size(); ++at) {
         const LightMean mean = light_mean(at);
         for (size_t c = 0; c < 3; ++c)
-            out[at * channels + c] += static_cast<float>(
-                pass == Pass::variance ? mean.variance[c] : mean.value[c]);
+            out[at * channels + c] +=
+                static_cast<float>(pass == Pass::variance ? mean.variance[c] : mean.value[c]);
     }
 }
 

@@ -29,8 +29,8 @@ public:
         if (!y || (light_visibility(world_.lights, y->light) & kVisibleShadow) == 0)
             return std::nullopt;
         y_ = *y;
-        const EmittedRay emitted = emit(*settings_.light_tracing.guide, y_,
-                                        sampler_[Domain::light_direction].two());
+        const EmittedRay emitted =
+            emit(*settings_.light_tracing.guide, y_, sampler_[Domain::light_direction].two());
         away_ = emitted.direction;
         radiance_ = radiance_at(world_.lights, scene_, y_, away_);
         if (is_black(radiance_)) return std::nullopt;
@@ -179,7 +179,7 @@ private:
     Spectrum passed_{1.0f};  // through transparent surfaces
     uint32_t transparent_ = 0;
     uint32_t segment_ = 0;
-    bool through_caster_ = false;  // since the last vertex
+    bool through_caster_ = false;                 // since the last vertex
     std::array<Vertex, kLongestChain> vertices_;  // from the light on
     uint32_t count_ = 0;
 };
@@ -198,9 +198,8 @@ constexpr uint32_t kGenerations = 3, kPilotPaths = 1u << 15, kPilotChunk = 1u <<
 constexpr float kLargestWeight = 32.0f;  // times the mean
 
 std::vector<EmissionSample> pilot(const RenderScene& world, const IntegratorSettings& settings,
-                                  float margin, uint32_t seed, uint32_t generation,
-                                  uint32_t threads, const std::atomic<bool>& cancelled,
-                                  LightPathStats& stats) {
+                                  float margin, uint32_t seed, uint32_t generation, uint32_t threads,
+                                  const std::atomic<bool>& cancelled, LightPathStats& stats) {
     constexpr uint32_t chunks = kPilotPaths / kPilotChunk;
     std::array<std::vector<EmissionSample>, chunks> found;
     std::array<LightPathStats, chunks> counted;
@@ -209,8 +208,7 @@ std::vector<EmissionSample> pilot(const RenderScene& world, const IntegratorSett
         std::vector<Splat> splats;
         for (uint32_t c; (c = next.fetch_add(1)) < chunks && !cancelled.load();) {
             for (uint32_t i = 0; i < kPilotChunk; ++i) {
-                const uint64_t index =
-                    (uint64_t{generation} * chunks + c) * kPilotChunk + i;
+                const uint64_t index = (uint64_t{generation} * chunks + c) * kPilotChunk + i;
                 splats.clear();
                 std::optional<EmissionSample> sample =
                     LightTracer(world, settings, margin, light_sampler(~seed, index), splats,

@@ -95,10 +95,9 @@ struct PathTracer {
             const Spectrum radiance =
                 lamp_radiance(world.lights.lamps[sun], Vec3(0.0f), ray.direction * -1.0f);
             if (is_black(radiance)) continue;
-            sum += radiance *
-                   weight_of_lamp(
-                       pdf_direct_sun(world.lights, sun, ray.direction),
-                       end_afar(sun, pdf_light_point_sun(world.lights, sun, ray.direction)));
+            sum += radiance * weight_of_lamp(pdf_direct_sun(world.lights, sun, ray.direction),
+                                             end_afar(sun, pdf_light_point_sun(world.lights, sun,
+                                                                               ray.direction)));
         }
         return sum;
     }
@@ -185,8 +184,7 @@ struct PathTracer {
 
     bool may_receive(const Surface& surface) const {
         return (settings.manifold.enabled || settings.light_tracing.guide != nullptr) &&
-               !world.casters.empty() &&
-               has_smooth_closure(surface.closures) &&
+               !world.casters.empty() && has_smooth_closure(surface.closures) &&
                scene().instances[surface.hit.instance].receiver &&
                bounces.leaves_room_for_chain(settings.limits);
     }
@@ -209,17 +207,17 @@ struct PathTracer {
         const Spectrum caustic =
             throughput * (1.0f / chance) *
             manifold_radiance(techniques_of(world, settings),
-                              {surface.p, surface.p_error, surface.ng, surface.wo,
-                               &surface.closures, bounces.transparent_left(settings.limits),
-                               film_per_area},
+                              {surface.p, surface.p_error, surface.ng, surface.wo, &surface.closures,
+                               bounces.transparent_left(settings.limits), film_per_area},
                               sampler, counts);
-        const double squares = static_cast<double>(
-            (sqr(caustic.x) + sqr(caustic.y) + sqr(caustic.z)) * (1.0f / 3.0f));
-        const double work = static_cast<double>(counts.iterations - before.iterations +
-                                                counts.rays - before.rays);
-        stats.evidence[depth].add({squares * static_cast<double>(chance),
-                                   work / static_cast<double>(chance)});
-        if (counts.capped > before.capped) counts.capped_energy += static_cast<double>(luminance(caustic));
+        const double squares =
+            static_cast<double>((sqr(caustic.x) + sqr(caustic.y) + sqr(caustic.z)) * (1.0f / 3.0f));
+        const double work =
+            static_cast<double>(counts.iterations - before.iterations + counts.rays - before.rays);
+        stats.evidence[depth].add(
+            {squares * static_cast<double>(chance), work / static_cast<double>(chance)});
+        if (counts.capped > before.capped)
+            counts.capped_energy += static_cast<double>(luminance(caustic));
         return caustic;
     }
 

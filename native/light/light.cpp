@@ -44,8 +44,7 @@ std::optional<DirectSample> sample_emitter_from(const LightSet& lights, const Sc
     if (is_black(radiance)) return std::nullopt;
     const float margin = position_error(scene, q.hit.instance, q.hit.triangle) / cos;
     return DirectSample{
-        wi,    d, radiance, q.pdf_area * d2 / cos, false, lights.of_emitter(emitter),
-        margin};
+        wi, d, radiance, q.pdf_area * d2 / cos, false, lights.of_emitter(emitter), margin};
 }
 
 }  // namespace
@@ -186,8 +185,7 @@ std::optional<LightPoint> sample_light_point(const LightSet& lights, const Scene
                                              const Vec3& u) {
     if (lights.caustic_selection.empty()) return std::nullopt;
     const DiscreteDistribution::Sample chosen = lights.caustic_selection.sample(u.x);
-    std::optional<LightPoint> y =
-        sample_point_of_light(lights, scene, chosen.index, Vec2(u.y, u.z));
+    std::optional<LightPoint> y = sample_point_of_light(lights, scene, chosen.index, Vec2(u.y, u.z));
     if (y) y->pdf *= chosen.probability;
     return y;
 }

@@ -161,9 +161,8 @@ private:
 Spectrum manifold_radiance(const Techniques& techniques, const Receiver& receiver,
                            const Sampler& sampler, ManifoldStats& stats) {
     const CasterSet& casters = techniques.casters;
-    const std::optional<LightPoint> y =
-        sample_light_point(techniques.lights, techniques.scene,
-                           sampler[Domain::manifold_light].three());
+    const std::optional<LightPoint> y = sample_light_point(techniques.lights, techniques.scene,
+                                                           sampler[Domain::manifold_light].three());
     if (!y) return Spectrum(0.0f);
     const CasterChoice choice = choose_caster(casters, receiver.p, sides_of(receiver), end_of(*y),
                                               sampler[Domain::manifold_caster].one());

@@ -34,10 +34,10 @@ double probability_from_light(const Scene& scene, const CausticPath& path,
             i + 1 < chain.size() ? normalize(chain[i + 1].patch.p - p) : end.from(p, unused);
         const Vec3 to_receiver = normalize((i > 0 ? chain[i - 1].patch.p : path.x) - p);
         evaluate_surface(scene, path.vertices[i].hit, to_light, surface);
-        product *= static_cast<double>(
-            delta_lobe(surface.closures, surface.ng, to_light, to_receiver,
-                       chain[i].interaction == Interaction::refraction)
-                .probability);
+        product *=
+            static_cast<double>(delta_lobe(surface.closures, surface.ng, to_light, to_receiver,
+                                           chain[i].interaction == Interaction::refraction)
+                                    .probability);
     }
     return product;
 }
@@ -63,9 +63,8 @@ bool manifold_owns(const Techniques& techniques, const CausticPath& path) {
 }
 
 bool light_tracing_owns(const Techniques& techniques, const CausticPath& path) {
-    return techniques.light_tracing.guide != nullptr && path.receiver &&
-           path.film_per_area > 0.0f && path.count > 0 &&
-           allowed(techniques.manifold, path.vertices[0].interaction) &&
+    return techniques.light_tracing.guide != nullptr && path.receiver && path.film_per_area > 0.0f &&
+           path.count > 0 && allowed(techniques.manifold, path.vertices[0].interaction) &&
            within_limits(techniques.limits, path);
 }
 

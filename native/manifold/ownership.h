@@ -43,10 +43,11 @@ inline constexpr uint32_t kLongestChain = 12;
 // From a smooth scattering at the receiver x through the chain: without the light's end.
 struct CausticPath {
     Vec3 x{0.0f};
-    ReceiverSides sides{};       // by the side of the path that arrived
-    float pdf_omega = 0.0f;      // of the scattering at x towards the chain
-    bool receiver = false;       // x has the role, the closure and the bounces left
-    bool through_caster = false; // straight through a transparent part of any caster before the first vertex
+    ReceiverSides sides{};   // by the side of the path that arrived
+    float pdf_omega = 0.0f;  // of the scattering at x towards the chain
+    bool receiver = false;   // x has the role, the closure and the bounces left
+    bool through_caster =
+        false;  // straight through a transparent part of any caster before the first vertex
     // Pixels^2 of the film per m^2 at x where the camera sees x, directly or through transparent
     // surfaces; else 0.
     float film_per_area = 0.0f;
@@ -77,8 +78,9 @@ inline constexpr double kManifoldWorth = 1.0 / 32;
 // one sample of the whole picture; all divided by film_per_area, if that is positive.
 struct CausticDensities {
     double geometry = 0.0;  // |dw_x/dA_y|, the cosine at y included
-    double path_tracing = 0.0;   // p_bsdf(w) |dw_x/dA_y| times the chances of all lobes; 0 for delta lights
-    double manifold = 0.0;  // p_L(y) times the chance of the caster and kManifoldWorth
+    double path_tracing =
+        0.0;  // p_bsdf(w) |dw_x/dA_y| times the chances of all lobes; 0 for delta lights
+    double manifold = 0.0;       // p_L(y) times the chance of the caster and kManifoldWorth
     double light_tracing = 0.0;  // paths p_L(y) p_e(w_y) |dw_y/dA_x| times the chances of all lobes
 
     // What light tracing multiplies the path's light with: its geometry over the densities, of which

@@ -195,7 +195,7 @@ uint64_t Session::light_paths_that_pay(const LightPilot& pilot) const {
     constexpr double kShare = 0.25;        // of the camera paths' work, at most
     constexpr double kSignificant = 0.05;  // share of the picture's light that deserves all of it
     constexpr double kLeast = 0.125, kMost = 8.0;  // for each pixel
-    constexpr uint32_t kProbes = 1024;             // camera paths
+    constexpr uint32_t kProbes = 512;              // camera paths
 
     const auto& [x0, y0, width, height] = world_.scene->camera.crop;
     const uint64_t pixels = uint64_t{width} * height;
@@ -205,8 +205,8 @@ uint64_t Session::light_paths_that_pay(const LightPilot& pilot) const {
     double luminance_sum = 0.0;
     for (uint32_t i = 0; i < kProbes && !must_stop(); ++i) {
         const auto pixel = static_cast<uint32_t>(pixels * i / kProbes);
-        const FilmSample sample = take_sample(x0 + pixel % width, y0 + pixel / width,
-                                              ~i, always, probes);
+        const FilmSample sample =
+            take_sample(x0 + pixel % width, y0 + pixel / width, ~i, always, probes);
         luminance_sum += static_cast<double>(luminance(sample.radiance));
     }
     const PathStats& path = probes.path;
@@ -214,8 +214,8 @@ uint64_t Session::light_paths_that_pay(const LightPilot& pilot) const {
         static_cast<double>(path.rays + path.manifold.rays + path.manifold.iterations) / kProbes;
     const double light = luminance_sum / kProbes * static_cast<double>(pixels);
     const double share = kShare * std::min(1.0, pilot.luminance / (kSignificant * light));
-    return static_cast<uint64_t>(
-        std::ceil(static_cast<double>(pixels) * std::clamp(share * work / pilot.rays, kLeast, kMost)));
+    return static_cast<uint64_t>(std::ceil(static_cast<double>(pixels) *
+                                           std::clamp(share * work / pilot.rays, kLeast, kMost)));
 }
 
 // Whether the whole job was done.
@@ -280,9 +280,9 @@ bool Session::render_pixels(uint32_t tile, uint32_t first, uint32_t count,
             for (uint32_t i = 0; i < count; ++i) {
                 // Every pixel gets its first samples, however short the time.
                 if (first > 0 ? should_stop() : must_stop()) return false;
-                const FilmSample sample = take_sample(crop[0] + b.x0 + x, crop[1] + b.y0 + y,
-                                                      settings_.first_sample + first + i, activation,
-                                                      stats);
+                const FilmSample sample =
+                    take_sample(crop[0] + b.x0 + x, crop[1] + b.y0 + y,
+                                settings_.first_sample + first + i, activation, stats);
                 if (cancelled_.load(std::memory_order_relaxed)) return false;  // cut short, perhaps
                 accumulate(pixel, sample);
             }
@@ -295,15 +295,15 @@ bool Session::render_pixels(uint32_t tile, uint32_t first, uint32_t count,
 
 // x and y in the full frame: a crop is a window into the same picture.
 FilmSample Session::take_sample(uint32_t x, uint32_t y, uint32_t index,
-                               const Activation& activation, RenderStats& stats) const {
+                                const Activation& activation, RenderStats& stats) const {
     const Camera& camera = world_.scene->camera;
     const Sampler sampler(settings_.seed, y * camera.width + x, index);
     const Vec2 offset = filter_.sample(sampler[Domain::film].two());
     const Vec2 lens = camera.aperture_radius > 0.0f ? sampler[Domain::lens].two() : Vec2(0.0f, 0.0f);
     const Ray ray = camera.ray(static_cast<float>(x) + 0.5f + offset.x,
                                static_cast<float>(y) + 0.5f + offset.y, lens);
-    PathSample path = path_radiance(world_, settings_.integrator, activation, ray, lens, sampler,
-                                    stats.path);
+    PathSample path =
+        path_radiance(world_, settings_.integrator, activation, ray, lens, sampler, stats.path);
     ++stats.samples;
     if (!is_finite(path.radiance) || !is_finite(path.caustics) || !is_finite(path.position) ||
         !is_finite(path.normal) || !std::isfinite(path.alpha)) {

@@ -42,7 +42,7 @@ void resolve_uv_layers(Scene& scene);  // layer names -> indices, fallback tange
 void note_materials(Scene& scene);     // what instances and scene have to know of their materials
 void assign_caustics_roles(Scene& scene);
 void check_light_tracing(Scene& scene);  // after the roles
-void bake_single_users(Scene& scene);  // world-space vertices for meshes with one instance
+void bake_single_users(Scene& scene);    // world-space vertices for meshes with one instance
 void bound_scene(Scene& scene);
 
 }  // namespace spc

@@ -19,8 +19,9 @@ struct Scene {
     std::vector<LightDesc> lights;
     Camera camera;
     Environment environment;
-    bool any_transparency = false;    // some material lets shadow rays through
-    bool same_for_scattered_rays = true;  // diffuse, glossy and transmission rays see the same objects
+    bool any_transparency = false;  // some material lets shadow rays through
+    bool same_for_scattered_rays =
+        true;                         // diffuse, glossy and transmission rays see the same objects
     float bounds_radius = 0.0f;       // half the diagonal of the box around all geometry and lamps
     std::vector<std::string> report;  // for the log
     std::unique_ptr<Accel> accel;

@@ -239,6 +239,7 @@ TEST(Session, CancelReturnsSoonAmidHeavyTrials) {
         spc_render_settings settings = endless(2);
         settings.method = method;
         settings.set_size = 4096;
+        settings.light_tracing = SPC_LIGHT_TRACING_OFF;
         const SessionPtr session = start(scene.get(), settings);
         std::this_thread::sleep_for(std::chrono::milliseconds(300));
         const Clock::time_point asked = Clock::now();

@@ -44,14 +44,14 @@ Picture render(const RenderScene& world, IntegratorSettings settings, const Meth
                uint32_t rounds, uint32_t seed) {
     constexpr uint32_t kPixels = kSide * kSide;
     if (method.manifold) settings.manifold = test::unbiased_manifold();
-    std::unique_ptr<const EmissionGuide> guide;
+    std::unique_ptr<const LightPilot> pilot;
     if (method.light_paths) {
         settings.light_tracing.paths = kPixels;
         LightPathStats stats;
         const std::atomic<bool> cancelled{false};
-        guide = learn_emission(world, settings, 0.0f, seed, 1, cancelled, stats);
-        EXPECT_TRUE(guide) << "no light path finds the picture";
-        settings.light_tracing.guide = guide.get();
+        pilot = learn_emission(world, settings, 0.0f, seed, 1, cancelled, stats);
+        EXPECT_TRUE(pilot) << "no light path finds the picture";
+        settings.light_tracing.guide = &pilot->guide;
     }
     Picture picture;
     PathStats path_stats;
@@ -71,12 +71,13 @@ Picture render(const RenderScene& world, IntegratorSettings settings, const Meth
             for (uint32_t x = 0; x < kSide; ++x) {
                 const Sampler sampler(seed, (round * kSide + y) * kSide + x, 0);
                 const Vec2 u = sampler[Domain::film].two();
-                const Ray ray = world.scene->camera.ray(float(x) + u.x, float(y) + u.y);
-                add(x, y, average(path_radiance(world, settings, {1, 1, 1}, ray, Vec2(0.5f),
-                                                sampler, path_stats)
-                                      .radiance));
+                const Ray ray = world.scene->camera.ray(float(x) + u.x, float(y) + u.y, Vec2(0.5f));
+                add(x, y,
+                    average(path_radiance(world, settings, {1, 1, 1}, ray, Vec2(0.5f), sampler,
+                                          path_stats)
+                                .radiance));
             }
-        for (uint32_t i = 0; guide && i < kPixels; ++i) {
+        for (uint32_t i = 0; pilot && i < kPixels; ++i) {
             splats.clear();
             trace_light_path(world, settings, 0.0f, seed + round, i, splats, light_stats);
             for (const Splat& splat : splats) {
@@ -148,8 +149,7 @@ void add_glowing(SceneMaker& maker, const Mesh& mesh, const Vec3& p) {
         CausticsRole::automatic);
 }
 // The camera looks through: what lamps it would see in casters is noise here.
-void add_caster(SceneMaker& maker, const Mesh& mesh, const Graph& graph,
-                const Transform& transform) {
+void add_caster(SceneMaker& maker, const Mesh& mesh, const Graph& graph, const Transform& transform) {
     add(maker, mesh, graph, transform, kVisibleAll & ~uint32_t{kVisibleCamera},
         CausticsRole::caster);
 }
@@ -187,8 +187,8 @@ void set_panorama(SceneMaker& maker) {
             const bool bright = y >= 11 && y < 14 && x >= 6 && x < 11;
             for (int c = 0; c < 3; ++c) texels.push_back(bright ? 20.0f : 0.2f);
         }
-    const uint32_t image = maker.builder.add_image(image_from_floats(
-        "sky", texels, 32, 16, 3, ColorSpace::linear, AlphaMode::none));
+    const uint32_t image = maker.builder.add_image(
+        image_from_floats("sky", texels, 32, 16, 3, ColorSpace::linear, AlphaMode::none));
     Graph graph = test::background(1, 1, 1);
     graph.name = "panorama";
     graph.nodes.push_back({"Sky", "environment_texture", image});
@@ -204,7 +204,11 @@ struct Setup {
 std::vector<Setup> casters_under_a_bulb() {
     const Graph sheet = test::combined(test::transparent(0.8f), test::diffuse(0.5f), 0.4f);
     return {
-        {"mirror ball", [](SceneMaker& m) { add_ball(m, test::mirror()); add_bulb(m); }},
+        {"mirror ball",
+         [](SceneMaker& m) {
+             add_ball(m, test::mirror());
+             add_bulb(m);
+         }},
         {"mirror",
          [](SceneMaker& m) {
              add_panel(m, test::mirror());
@@ -213,12 +217,15 @@ std::vector<Setup> casters_under_a_bulb() {
         {"normal-mapped mirror",
          [](SceneMaker& m) {
              m.builder.add_image(gentle_waves());
-             add_caster(m, test::with_uvs(test::grid(
-                                      1, [](double u, double v) { return Vec3d(1.4 * u - 0.7, 1.4 * v - 0.7, 0); },
-                                      [](double, double) { return Vec3d(0, 0, 1); }),
-                                  1),
-                   test::normal_mapped(test::mirror(), Vec2(1.0f, 1.0f)),
-                   test::rotation_x(1.3f, Vec3(0.0f, 0.9f, 0.6f)));
+             add_caster(
+                 m,
+                 test::with_uvs(
+                     test::grid(
+                         1, [](double u, double v) { return Vec3d(1.4 * u - 0.7, 1.4 * v - 0.7, 0); },
+                         [](double, double) { return Vec3d(0, 0, 1); }),
+                     1),
+                 test::normal_mapped(test::mirror(), Vec2(1.0f, 1.0f)),
+                 test::rotation_x(1.3f, Vec3(0.0f, 0.9f, 0.6f)));
              add_bulb(m, {0, -0.7f, 2.2f});
          }},
         {"glass slab",
@@ -228,7 +235,10 @@ std::vector<Setup> casters_under_a_bulb() {
              add_bulb(m, {0.7f, 0.2f, 2.5f}, 0.6f);
          }},
         {"glass ball",
-         [](SceneMaker& m) { add_ball(m, test::glass(1.5f)); add_bulb(m); }},
+         [](SceneMaker& m) {
+             add_ball(m, test::glass(1.5f));
+             add_bulb(m);
+         }},
         {"sheets around the ball",
          [sheet](SceneMaker& m) {
              add_ball(m, test::mirror());
@@ -320,7 +330,8 @@ void expect_agreement(const std::vector<Setup>& setups) {
             const std::string what = std::string(setup.name) + " by " + method.name;
             expect_same(actual, expected, what, 4 * int(setups.size()));
             if (!method.light_paths) continue;
-            if (method.manifold) expect_same(actual, light_paths, what + ", or without", 4 * int(setups.size()));
+            if (method.manifold)
+                expect_same(actual, light_paths, what + ", or without", 4 * int(setups.size()));
             light_paths = actual;
             const double share = actual.splats.mean() / actual.mean[4].mean(),
                          noise = std::hypot(expected.mean[4].standard_error(),
@@ -345,13 +356,14 @@ TEST(LightPathsSlow, AgreeForReceiversThatFewSee) {
     const auto floor_of = [](uint32_t visibility) {
         return [visibility](SceneMaker& m) {
             add_panel(m, test::mirror());
-            add(m, test::square(0.5f), test::diffuse(0.8f), test::translation({0, 0, 0.1f}), visibility,
-                CausticsRole::receiver);
+            add(m, test::square(0.5f), test::diffuse(0.8f), test::translation({0, 0, 0.1f}),
+                visibility, CausticsRole::receiver);
             add_bulb(m, {0, -0.7f, 2.2f});
         };
     };
-    expect_agreement({{"floor for the camera", floor_of(kVisibleCamera)},
-                      {"floor for all but the camera", floor_of(kVisibleAll & ~uint32_t{kVisibleCamera})}});
+    expect_agreement(
+        {{"floor for the camera", floor_of(kVisibleCamera)},
+         {"floor for all but the camera", floor_of(kVisibleAll & ~uint32_t{kVisibleCamera})}});
 }
 
 // Lights that path tracing never finds.

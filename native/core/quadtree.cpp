@@ -44,8 +44,7 @@ QuadtreeDensity::QuadtreeDensity(std::span<WeightedPoint> points, float floor, f
 void QuadtreeDensity::refine(uint32_t node, std::span<WeightedPoint> points, const Vec2& corner,
                              float size, const Limits& limits) {
     const double weight = total(points);
-    if (points.size() < kLeastPoints || weight <= limits.weight || size < limits.size)
-        return;
+    if (points.size() < kLeastPoints || weight <= limits.weight || size < limits.size) return;
     const float half = 0.5f * size;
     const Vec2 middle = corner + Vec2(half, half);
     const auto split = [](std::span<WeightedPoint> part, auto is_lower) {

@@ -31,8 +31,8 @@ public:
 
 private:
     struct Node {
-        uint32_t children = 0;  // index of the first of four, x fastest; 0: a leaf
-        float left = 0.0f;      // share of the left half
+        uint32_t children = 0;         // index of the first of four, x fastest; 0: a leaf
+        float left = 0.0f;             // share of the left half
         std::array<float, 2> below{};  // of the lower quarter within the left and the right half
     };
     struct Limits {  // below which a cell is not split

@@ -26,12 +26,12 @@ LightSphere sphere_of(const Bounds& bounds) {
 
 LightSphere sphere_of(const Scene& scene, const LightSet& lights, uint32_t light) {
     if (light >= lights.lamps.size())
-        return sphere_of(
-            scene.bounds_of(lights.emissive[light - lights.lamps.size()].instance));
+        return sphere_of(scene.bounds_of(lights.emissive[light - lights.lamps.size()].instance));
     const Lamp& lamp = lights.lamps[light];
     if (const auto* area = std::get_if<AreaLamp>(&lamp))
         return {area->center, area->length_x + area->length_y};
-    if (const auto* sphere = std::get_if<SphereLamp>(&lamp)) return {sphere->center, sphere->radius};
+    if (const auto* sphere = std::get_if<SphereLamp>(&lamp))
+        return {sphere->center, sphere->radius};
     return {std::get<PointLamp>(lamp).center, 0.0f};
 }
 
@@ -128,19 +128,18 @@ EmissionGuide aim_at_casters(const Scene& scene, const LightSet& lights, const C
         points[sample.light].push_back(sample.place);
         learned_weight[sample.light] += static_cast<double>(sample.place.weight);
     }
-    const uint32_t aims =
-        std::clamp(kAimingPoints / count, kLeastAimingPoints, kMostAimingPoints);
+    const uint32_t aims = std::clamp(kAimingPoints / count, kLeastAimingPoints, kMostAimingPoints);
     for (uint32_t light = 0; light < count; ++light) {
         if (lights.caustic_selection.probability(light) == 0.0f) continue;
         const float weight =
             learned_weight[light] > 0.0
-                ? static_cast<float>(learned_weight[light] * static_cast<double>(
-                                         kAimedShare / (1.0f - kAimedShare)) / aims)
+                ? static_cast<float>(learned_weight[light] *
+                                     static_cast<double>(kAimedShare / (1.0f - kAimedShare)) / aims)
                 : 1.0f;
         Pcg pcg(light);
         for (uint32_t i = 0; i < aims; ++i) {
-            const std::optional<LightPoint> y = sample_point_of_light(
-                lights, scene, light, {pcg.one(), pcg.one()});
+            const std::optional<LightPoint> y =
+                sample_point_of_light(lights, scene, light, {pcg.one(), pcg.one()});
             const Caster& caster = casters.casters[pcg.bits() % casters.casters.size()];
             const Vec3 p = surface_position(scene, sample_on(caster, pcg));
             if (!y) continue;
@@ -163,8 +162,7 @@ EmittedRay emit(const EmissionGuide& guide, const LightPoint& y, const Vec2& u) 
         return {guide.center + across * guide.radius + y.direction * guide.start,
                 y.direction * -1.0f, at.p, at.pdf * (0.25f / sqr(guide.radius))};
     }
-    const Vec3 direction =
-        normalize(emission.frame.to_world(to_cone(at.p, emission.one_minus_cos)));
+    const Vec3 direction = normalize(emission.frame.to_world(to_cone(at.p, emission.one_minus_cos)));
     return {y.p, direction, at.p, at.pdf * uniform_cone_pdf(emission.one_minus_cos)};
 }
 

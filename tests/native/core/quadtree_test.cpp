@@ -46,8 +46,7 @@ test::ChiSquare fit_of(const QuadtreeDensity& density, const std::vector<double>
     test::Uniforms uniforms(5);
     for (int64_t i = 0; i < kSamples; ++i) {
         const QuadtreeDensity::Sample sample = density.sample(uniforms.two());
-        EXPECT_TRUE(sample.p.x >= 0.0f && sample.p.x < 1.0f && sample.p.y >= 0.0f &&
-                    sample.p.y < 1.0f)
+        EXPECT_TRUE(sample.p.x >= 0.0f && sample.p.x < 1.0f && sample.p.y >= 0.0f && sample.p.y < 1.0f)
             << sample.p;
         EXPECT_GT(sample.pdf, 0.0f);
         EXPECT_EQ(sample.pdf, density.pdf(sample.p));
@@ -102,7 +101,8 @@ TEST(QuadtreeDensity, FollowsTheWeights) {
         wanted[eighth(point.p)] += (1.0 - double(kFloor)) * double(point.weight) / total;
     test::Uniforms uniforms(6);
     constexpr int kSamples = 200000;
-    for (int i = 0; i < kSamples; ++i) got[eighth(density.sample(uniforms.two()).p)] += 1.0 / kSamples;
+    for (int i = 0; i < kSamples; ++i)
+        got[eighth(density.sample(uniforms.two()).p)] += 1.0 / kSamples;
     for (size_t i = 0; i < 64; ++i)
         EXPECT_NEAR(got[i], wanted[i], 5.0 * std::sqrt(wanted[i] / kSamples) + 2e-3) << i;
     // Between them there is the floor, and nothing else.

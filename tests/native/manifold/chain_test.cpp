@@ -159,9 +159,8 @@ TEST_P(BothConstraints, FlatRefractionIsSnellsPoint) {
     const double sin1 = low / std::hypot(low, depth), cos1 = std::sqrt(1 - sin1 * sin1);
     const double sin2 = ior * sin1, cos2 = std::sqrt(1 - sin2 * sin2);
     const double dx_dtheta = depth / (cos1 * cos1) + height / (cos2 * cos2) * (ior * cos1 / cos2);
-    expect_relative(
-        geometry_of(Interaction::refraction, found.root->eta, x, found.root->patch, end),
-        1.0 / (across / sin1 * cos2 * dx_dtheta), "G");
+    expect_relative(geometry_of(Interaction::refraction, found.root->eta, x, found.root->patch, end),
+                    1.0 / (across / sin1 * cos2 * dx_dtheta), "G");
 }
 
 // Without a change of index light goes straight on, and wi + eta wo has no direction.
@@ -345,8 +344,8 @@ TEST(ChainDerivative, IsReciprocal) {
     for (const bool mapped : {false, true}) {
         double largest = 0.0;
         for_random_chains(mapped, [&](const TracedChain& chain) {
-            const auto there = chain_derivative(Vec3(chain.x), chain.vertices,
-                                                {false, Vec3(chain.y), {}});
+            const auto there =
+                chain_derivative(Vec3(chain.x), chain.vertices, {false, Vec3(chain.y), {}});
             const TracedChain back = chain.reversed();
             const auto returned =
                 chain_derivative(Vec3(back.x), back.vertices, {false, Vec3(back.y), {}});
@@ -453,9 +452,8 @@ TEST(ChainDerivative, MatchesDifferencesOfTheTracedMap) {
         constexpr double h = 1e-3;
         const Vec2 a = (landing(Vec3d(frame.x) * h) - landing(Vec3d(frame.x) * -h)) * float(0.5 / h);
         const Vec2 b = (landing(Vec3d(frame.y) * h) - landing(Vec3d(frame.y) * -h)) * float(0.5 / h);
-        const double g =
-            geometry_of(refracts ? Interaction::refraction : Interaction::reflection, float(ior),
-                        Vec3(x), patch, {false, Vec3(y), {}});
+        const double g = geometry_of(refracts ? Interaction::refraction : Interaction::reflection,
+                                     float(ior), Vec3(x), patch, {false, Vec3(y), {}});
         EXPECT_NEAR(g * std::abs(double(a.x * b.y - a.y * b.x)), 1.0, 2e-4);
     }
 }

@@ -41,7 +41,8 @@ std::vector<LightCase> all_lights() {
         lamp("sphere beside the casters", point_lamp(10.0f, 0.4f, {0.0f, 0.0f, 0.9f})),
         lamp("rectangle", area_lamp(10.0f, AreaShape::rectangle, {0.8f, 0.3f}, above, down)),
         lamp("ellipse", area_lamp(10.0f, AreaShape::ellipse, {0.8f, 0.3f}, above, down)),
-        lamp("large rectangle", area_lamp(10.0f, AreaShape::rectangle, {6, 6}, {0, 0, 2}, {0, 0, -1})),
+        lamp("large rectangle",
+             area_lamp(10.0f, AreaShape::rectangle, {6, 6}, {0, 0, 2}, {0, 0, -1})),
         lamp("parallel sun", sun_lamp(1.0f, 0.0f, tilted)),
         lamp("sun with a disc", sun_lamp(1.0f, 0.02f, tilted)),
         {"emissive mesh",
@@ -52,13 +53,12 @@ std::vector<LightCase> all_lights() {
          [](SceneMaker& maker) {
              std::vector<float> texels(size_t{16} * 8 * 3, 0.1f);
              std::fill_n(texels.begin() + (5 * 16 + 3) * 3, 6, 50.0f);
-             const uint32_t image = maker.builder.add_image(image_from_floats(
-                 "sky", texels, 16, 8, 3, ColorSpace::linear, AlphaMode::none));
+             const uint32_t image = maker.builder.add_image(
+                 image_from_floats("sky", texels, 16, 8, 3, ColorSpace::linear, AlphaMode::none));
              Graph graph = background(1, 1, 1);
              graph.nodes.push_back({"Sky", "environment_texture", image});
              graph.links.push_back({2, "Color", 1, "Color"});
-             maker.builder.set_environment(
-                 {maker.builder.add_material(graph), kVisibleAll, true});
+             maker.builder.set_environment({maker.builder.add_material(graph), kVisibleAll, true});
          }},
     };
 }
@@ -88,7 +88,8 @@ std::vector<Bench> benches() {
         add_casters(maker);
         c.add(maker);
         Bench bench{maker.finish(), 0, c.name};
-        const auto y = sample_light_point(bench.world.lights, *bench.world.scene, {0.5f, 0.4f, 0.3f});
+        const auto y =
+            sample_light_point(bench.world.lights, *bench.world.scene, {0.5f, 0.4f, 0.3f});
         EXPECT_TRUE(y) << c.name;
         if (y) bench.light = y->light;
         all.push_back(std::move(bench));
@@ -139,9 +140,8 @@ TEST(Emission, DensityIntegratesToOne) {
             Uniforms uniforms(4);
             MeanEstimate integral, size;
             const bool distant = bench.world.lights.is_distant(bench.light);
-            const double domain =
-                distant ? 4.0 * std::pow(double(guide.radius), 2)
-                        : 2.0 * std::numbers::pi * double(emission.one_minus_cos);
+            const double domain = distant ? 4.0 * std::pow(double(guide.radius), 2)
+                                          : 2.0 * std::numbers::pi * double(emission.one_minus_cos);
             // Wider than the square, or the cone where there is more than that.
             const float wide = std::min(1.5f * emission.one_minus_cos, 2.0f);
             for (int i = 0; i < kSamples; ++i) {
@@ -195,8 +195,8 @@ TEST(Emission, IsExactFromFarAway) {
         float distance, radius;
         double tolerance;  // of the solid angle; directions have a spacing of 6e-8
     };
-    for (const Case& c : {Case{100.0f, 0.1f, 1e-3}, Case{1e4f, 0.5f, 2e-2}, Case{100.0f, 5e-4f, 3e-2},
-                          Case{1e3f, 5e-4f, 0.4}})
+    for (const Case& c : {Case{100.0f, 0.1f, 1e-3}, Case{1e4f, 0.5f, 2e-2},
+                          Case{100.0f, 5e-4f, 3e-2}, Case{1e3f, 5e-4f, 0.4}})
         for (const Vec3& towards : {Vec3(0, 0, 1), normalize(Vec3(1, -2, 1.5f))}) {
             SceneMaker maker;
             Mesh disk = grid(
@@ -209,8 +209,7 @@ TEST(Emission, IsExactFromFarAway) {
             maker.add(disk, mirror(), facing(Vec3(0.0f), towards * -1.0f), CausticsRole::caster);
             maker.builder.add_light(point_lamp(100.0f, 0.0f, towards * c.distance));
             const RenderScene world = maker.finish();
-            const EmissionGuide guide =
-                aim_at_casters(*world.scene, world.lights, world.casters);
+            const EmissionGuide guide = aim_at_casters(*world.scene, world.lights, world.casters);
             Uniforms uniforms(6);
             const auto y = sample_point_of_light(world.lights, *world.scene, 0, {0.5f, 0.5f});
             ASSERT_TRUE(y);

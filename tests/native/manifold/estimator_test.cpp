@@ -128,7 +128,8 @@ TEST(ManifoldEstimatorSlow, ComparisonNoticesAWrongShare) {
     maker.builder.add_light(large);
     const RenderScene world = maker.finish();
     const Ray below = test::ray_to({0.0f, -1.0f, 0.4f}, {0.2f, 0.1f, 0.0f});
-    const test::RadianceEstimate expected = test::estimate(world, test::unlimited(), 12000000, below);
+    const test::RadianceEstimate expected =
+        test::estimate(world, test::unlimited(), 12000000, below);
     const test::RadianceEstimate actual =
         test::estimate(world, test::unlimited(test::unbiased_manifold()), 1000000, below, 2);
     EXPECT_TRUE(test::same_mean(actual.radiance, expected.radiance, kFamily));

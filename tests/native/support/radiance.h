@@ -34,7 +34,8 @@ RadianceEstimate estimate(const RenderScene& world, const IntegratorSettings& se
     RadianceEstimate result;
     PathStats stats;
     for (uint32_t i = 0; i < samples; ++i) {
-        const PathSample sample = path_radiance(world, settings, {1, 1, 1}, ray(i), Vec2(0.5f), Sampler(seed, i, 0), stats);
+        const PathSample sample = path_radiance(world, settings, {1, 1, 1}, ray(i), Vec2(0.5f),
+                                                Sampler(seed, i, 0), stats);
         EXPECT_TRUE(is_finite(sample.radiance));
         const double value =
             (double(sample.radiance.x) + double(sample.radiance.y) + double(sample.radiance.z)) /

@@ -47,12 +47,15 @@ private:
     // To the next surface, and beyond. Whether the path goes on.
     bool advance() {
         ++stats_.rays;
-        const std::optional<Hit> hit = scene_.accel->intersect(ray_, kVisibleScattered);
+        const std::optional<Hit> hit =
+            scene_.accel->intersect(ray_, kVisibleScattered | kVisibleCamera);
         if (!hit) return false;
         ray_.t_near = past(hit->t);
         if (hit->light != kNone) return true;  // lamps are looked through
         const Instance& instance = scene_.instances[hit->surface.instance];
-        if (count_ > 0 && instance.receiver) connect(hit->surface);
+        if (count_ > 0 && instance.receiver && (instance.visibility & kVisibleCamera) != 0)
+            connect(hit->surface);
+        if ((instance.visibility & kScattered) == 0) return true;  // nothing but the camera sees it
         if (!instance.caster && !scene_.any_transparency) return false;
 
         Surface surface;

@@ -140,5 +140,111 @@ TEST(Film, UntouchedPixelsAreZeroInEveryPass) {
         for (const float value : read(film, Pass(pass))) EXPECT_EQ(value, 0.0f) << "pass " << pass;
 }
 
+// ---- light paths
+
+double sum_of(const std::vector<float>& image, size_t channels) {
+    double sum = 0.0;
+    for (size_t i = 0; i < image.size(); i += channels) sum += double(image[i]);
+    return sum;
+}
+
+TEST(FilmOfLightPaths, BoxTakesEachSplatOnce) {
+    const PixelFilter box(FilterKind::box, 1.0f);
+    test::Uniforms uniforms(2);
+    std::vector<Vec2> places{{0.0f, 0.0f}, {1.0f, 2.0f}, {2.5f, 3.0f}, {3.0f, 1.5f}};  // borders, too
+    for (int i = 0; i < 100; ++i) places.push_back(uniforms.two() * 4.0f);
+    for (const Vec2& place : places) {
+        Film film(4, 4);
+        const Splat splat{place, Spectrum(3.0f)};
+        film.add_light_paths({&splat, 1}, box, 1, 1.0);
+        const std::vector<float> combined = read(film, Pass::combined);
+        EXPECT_NEAR(combined[4 * (size_t(place.y) * 4 + size_t(place.x))], 3.0f, 1e-5f) << place;
+        EXPECT_NEAR(sum_of(combined, 4), 3.0, 1e-5) << place;
+    }
+}
+
+// A pixel takes of splats what it would have taken of its own samples, on average, and a splat
+// gives all that it has.
+TEST(FilmOfLightPaths, FiltersAsSamplesAre) {
+    for (const FilterKind kind : {FilterKind::gaussian, FilterKind::blackman_harris}) {
+        const PixelFilter filter(kind, 1.5f);
+        test::Uniforms uniforms(3);
+        test::MeanEstimate total, by_splats, by_samples, power;
+        const auto radiance = [](const Vec2& p) { return std::exp(0.4f * p.x - 0.3f * p.y) * 0.1f; };
+        constexpr uint32_t kSize = 9, kMiddle = 4;
+        for (int i = 0; i < 20000; ++i) {
+            const Vec2 place = uniforms.two() * float(kSize);
+            Film film(kSize, kSize);
+            const float density = 1.0f / (kSize * kSize);
+            const Splat splat{place, Spectrum(radiance(place) / density)},
+                inside{Vec2(4.0f, 4.0f) + uniforms.two(), Spectrum(1.0f)};
+            film.add_light_paths({&splat, 1}, filter, 1, 1.0);
+            by_splats.add(double(read(film, Pass::combined)[4 * (kMiddle * kSize + kMiddle)]));
+            Film other(kSize, kSize);
+            other.add_light_paths({&inside, 1}, filter, 1, 1.0);
+            total.add(sum_of(read(other, Pass::combined), 4));
+            const double sample = double(radiance(Vec2(4.5f, 4.5f) + filter.sample(uniforms.two())));
+            by_samples.add(sample);
+            power.add(1.05 * sample);
+        }
+        EXPECT_TRUE(test::same_mean(by_splats, by_samples, 1e-3));
+        EXPECT_TRUE(test::is_mean(total, 1.0, 1e-3, 1e-5));
+        EXPECT_FALSE(test::is_mean(power, by_samples.mean(), 1e-3));
+    }
+}
+
+// The same splats on a window of the film are the window of the whole picture.
+TEST(FilmOfLightPaths, CropIsAWindow) {
+    const PixelFilter filter(FilterKind::blackman_harris, 1.5f);
+    test::Uniforms uniforms(4);
+    Film whole(12, 9), window(5, 4);
+    std::vector<Splat> splats;
+    for (int i = 0; i < 300; ++i)
+        splats.push_back({{uniforms() * 16.0f - 2.0f, uniforms() * 13.0f - 2.0f}, Spectrum(1.0f)});
+    whole.add_light_paths(splats, filter, 100, 10.0);
+    for (Splat& splat : splats) splat.film -= Vec2(3.0f, 2.0f);
+    window.add_light_paths(splats, filter, 100, 10.0);
+    for (const Pass pass : {Pass::combined, Pass::caustics, Pass::variance}) {
+        const size_t channels = pass_channels(pass);
+        const std::vector<float> all = read(whole, pass), part = read(window, pass);
+        for (size_t y = 0; y < 4; ++y)
+            for (size_t x = 0; x < 5; ++x)
+                EXPECT_NEAR(part[(y * 5 + x) * channels], all[((y + 2) * 12 + x + 3) * channels],
+                            1e-5f * all[((y + 2) * 12 + x + 3) * channels] + 1e-7f);
+    }
+}
+
+// Paths of which a few splat: the pass against the spread of many pictures, and against the closed
+// form of a sum of independent ones.
+TEST(FilmOfLightPaths, VarianceIsThatOfThePicture) {
+    const PixelFilter box(FilterKind::box, 1.0f);
+    constexpr uint64_t kPaths = 400;
+    constexpr double kPerPicture = 50.0, kChance = 0.1, kValue = 2.0;
+    test::Uniforms uniforms(5);
+    test::MeanEstimate mean, squared, told;
+    const double expected = kPerPicture * kChance * kValue;
+    for (int trial = 0; trial < 4000; ++trial) {
+        Film film(1, 1);
+        for (int batch = 0; batch < 2; ++batch) {
+            std::vector<Splat> splats;
+            for (uint64_t i = 0; i < kPaths / 2; ++i)
+                if (double(uniforms()) < kChance)
+                    splats.push_back({{0.5f, 0.5f}, Spectrum(float(kValue))});
+            film.add_light_paths(splats, box, kPaths / 2, kPerPicture);
+        }
+        const double value = double(read(film, Pass::combined)[0]);
+        EXPECT_EQ(read(film, Pass::caustics)[0], float(value));
+        mean.add(value);
+        squared.add((value - expected) * (value - expected));
+        told.add(double(read(film, Pass::variance)[0]));
+    }
+    const double variance =
+        kPerPicture * kPerPicture / double(kPaths) * kChance * (1.0 - kChance) * kValue * kValue;
+    const double significance = test::sidak(1e-3, 3);
+    EXPECT_TRUE(test::is_mean(mean, expected, significance));
+    EXPECT_TRUE(test::is_mean(squared, variance, significance));
+    EXPECT_TRUE(test::is_mean(told, variance, significance, 3e-3 * variance));
+}
+
 }  // namespace
 }  // namespace spc

@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A session with light paths: what it promises of its image, its ends, and the chances that it
+// gives to manifold estimates.
+#include "render/session.h"
+
+#include "support/radiance.h"
+
+#include <gtest/gtest.h>
+
+namespace spc {
+namespace {
+
+using test::SceneMaker;
+using namespace std::chrono_literals;
+
+constexpr uint32_t kSide = 40;  // pixels: nine tiles, of which five are not whole
+
+// A floor under a mirror and a sheet of glass.
+RenderScene scene_of(bool with_casters, float lamp_radius = 0.05f) {
+    SceneMaker maker;
+    Camera camera;
+    const Vec3 from(0.0f, -3.0f, 2.0f);
+    camera.to_world = test::rotation_x(std::atan2(-from.y, from.z), from);
+    camera.width = camera.height = kSide;
+    camera.crop = {0, 0, kSide, kSide};
+    camera.viewplane = {-0.3f, 0.3f, -0.3f, 0.3f};
+    maker.builder.set_camera(camera);
+    maker.add(test::square(4.0f), test::diffuse(0.8f), {}, CausticsRole::receiver);
+    if (with_casters) {
+        maker.add(test::square(0.6f), test::mirror(), test::rotation_x(1.3f, {0.0f, 0.9f, 0.6f}),
+                  CausticsRole::caster);
+        maker.add(test::sphere(16, 0.2), test::glass(1.5f), test::translation({0.3f, 0.0f, 0.4f}),
+                  CausticsRole::caster);
+    }
+    LightDesc light;
+    light.name = "lamp";
+    light.type = LightType::point;
+    light.to_world = test::translation(Vec3(0, -0.7f, 2.2f));
+    light.power = Spectrum(100.0f);
+    light.radius = lamp_radius;
+    maker.builder.add_light(light);
+    return maker.finish();
+}
+
+RenderSettings settings_with(uint32_t samples, uint32_t threads = 1) {
+    RenderSettings settings;
+    settings.integrator.manifold = test::unbiased_manifold();
+    settings.light_tracing = true;
+    settings.samples = samples;
+    settings.threads = threads;
+    return settings;
+}
+
+struct Rendered {
+    std::vector<float> combined, caustics, variance;
+    RenderStats stats;
+};
+Rendered render(const RenderScene& world, const RenderSettings& settings) {
+    Session session(world, settings);
+    EXPECT_EQ(session.wait(60s).state, RenderState::done);
+    EXPECT_EQ(session.failure(), nullptr);
+    const auto read = [&](Pass pass) {
+        std::vector<float> out(size_t{pass_channels(pass)} * kSide * kSide);
+        session.film().read(pass, out);
+        return out;
+    };
+    Rendered rendered{read(Pass::combined), read(Pass::caustics), read(Pass::variance),
+                      session.stats()};
+    EXPECT_EQ(rendered.stats.nan_samples + rendered.stats.light.nan_splats, 0u);
+    return rendered;
+}
+
+TEST(SessionWithLightPaths, ThreadsDoNotShow) {
+    const RenderScene world = scene_of(true);
+    const Rendered one = render(world, settings_with(12));
+    EXPECT_GT(one.stats.light.splats, 1000u);
+    EXPECT_GT(one.stats.path.manifold.estimates, 1000u);
+    for (const uint32_t threads : {2u, 5u}) {
+        const Rendered many = render(world, settings_with(12, threads));
+        EXPECT_EQ(many.combined, one.combined) << threads;
+        EXPECT_EQ(many.caustics, one.caustics) << threads;
+        EXPECT_EQ(many.variance, one.variance) << threads;
+        EXPECT_EQ(many.stats.light.splats, one.stats.light.splats) << threads;
+        EXPECT_EQ(many.stats.path.manifold.walks, one.stats.path.manifold.walks) << threads;
+    }
+}
+
+TEST(SessionWithLightPaths, NeedsCastersAndLight) {
+    EXPECT_EQ(render(scene_of(false), settings_with(2)).stats.light.paths, 0u);
+    const RenderScene world = scene_of(true);
+    RenderSettings off = settings_with(2);
+    off.light_tracing = false;
+    EXPECT_EQ(render(world, off).stats.light.paths, 0u);
+    EXPECT_GT(render(world, settings_with(2)).stats.light.paths, 0u);
+}
+
+TEST(SessionWithLightPaths, CancelReturnsSoonFromThePilot) {
+    const RenderScene world = scene_of(true);
+    for (const auto delay : {0ms, 1ms, 5ms, 20ms, 60ms}) {
+        RenderSettings settings = settings_with(1u << 20, 2);
+        Session session(world, settings);
+        std::this_thread::sleep_for(delay);
+        const auto asked = std::chrono::steady_clock::now();
+        session.cancel();
+        EXPECT_EQ(session.wait(60s).state, RenderState::cancelled);
+        EXPECT_LT(std::chrono::steady_clock::now() - asked, 200ms) << "after " << delay.count();
+    }
+}
+
+// Means of one square of the picture over many seeds.
+constexpr uint32_t kPart = 10, kParts = kSide / kPart;
+std::vector<test::MeanEstimate> parts_of(const RenderScene& world, RenderSettings settings,
+                                         uint32_t seeds, uint32_t first_seed) {
+    std::vector<test::MeanEstimate> parts(kParts * kParts);
+    for (uint32_t seed = 0; seed < seeds; ++seed) {
+        settings.seed = first_seed + seed;
+        const Rendered rendered = render(world, settings);
+        std::vector<double> sum(parts.size());
+        for (uint32_t y = 0; y < kSide; ++y)
+            for (uint32_t x = 0; x < kSide; ++x)
+                sum[y / kPart * kParts + x / kPart] +=
+                    double(rendered.combined[4 * (size_t{y} * kSide + x)]) / (kPart * kPart);
+        for (size_t i = 0; i < parts.size(); ++i) parts[i].add(sum[i]);
+    }
+    return parts;
+}
+
+void expect_same(const std::vector<test::MeanEstimate>& a, const std::vector<test::MeanEstimate>& b,
+                 const char* what) {
+    for (size_t i = 0; i < a.size(); ++i)
+        EXPECT_TRUE(test::same_mean(a[i], b[i], test::sidak(1e-3, int(a.size()))))
+            << what << ", part " << i;
+}
+
+// Path tracing finds a lamp of this size: what all others are compared with.
+constexpr float kLargeLamp = 0.4f;
+
+TEST(SessionWithLightPathsSlow, ShortAndLongRendersHaveOneMean) {
+    const RenderScene world = scene_of(true, kLargeLamp);
+    RenderSettings alone = settings_with(256);
+    alone.light_tracing = false;
+    alone.integrator.manifold.enabled = false;
+    const auto expected = parts_of(world, alone, 12, 1000);
+    RenderSettings first_pass = settings_with(64);
+    first_pass.time_limit = 1e-6f;
+    expect_same(parts_of(world, first_pass, 200, 1), expected, "the first pass");
+    // Long enough for chances of manifold estimates to fall below one.
+    expect_same(parts_of(world, settings_with(32), 40, 300), expected, "with chances");
+    RenderSettings manifold = settings_with(32);
+    manifold.light_tracing = false;
+    expect_same(parts_of(world, manifold, 40, 400), expected, "manifold with chances");
+    // Sample ranges: [0, 8) and [8, 16) are pictures of one mean.
+    RenderSettings later = settings_with(8);
+    later.first_sample = 8;
+    expect_same(parts_of(world, later, 100, 500), expected, "samples from the eighth on");
+}
+
+// ---- the chances themselves, by hand
+
+// Half of the samples of each pixel are 0, the others 2 a: mean a, variance n / (n - 1) a^2.
+std::vector<PixelSums> pixels_with(double a, uint32_t n, size_t count = 4) {
+    PixelSums pixel;
+    pixel.count = n;
+    for (size_t c = 0; c < 3; ++c) {
+        pixel.radiance[c] = n * a;
+        pixel.radiance_squared[c] = n * 2.0 * a * a;
+    }
+    return std::vector<PixelSums>(count, pixel);
+}
+TileEvidence evidence_of(uint64_t samples, uint64_t rays, double second_moment, double cost) {
+    TileEvidence evidence;
+    evidence.samples = samples;
+    evidence.rays = rays;
+    evidence.manifold[0] = {second_moment, cost};
+    return evidence;
+}
+
+TEST(Activation, IsOneWithoutEvidence) {
+    const Activation ones{1.0f, 1.0f, 1.0f};
+    EXPECT_EQ(activation_for({}, pixels_with(1.0, 8)), ones);
+    // Two samples of each pixel, then enough but in too few of them.
+    EXPECT_EQ(activation_for(evidence_of(8, 100, 0.0, 1000.0), pixels_with(1.0, 2)), ones);
+    std::vector<PixelSums> pixels = pixels_with(1.0, 16);
+    pixels[2].count = 1;
+    EXPECT_EQ(activation_for(evidence_of(49, 100, 0.0, 1000.0), pixels), ones);
+}
+
+TEST(Activation, IsOneWithoutVariance) {
+    EXPECT_EQ(activation_for(evidence_of(64, 100, 0.0, 1000.0), pixels_with(0.0, 16)),
+              (Activation{1.0f, 1.0f, 1.0f}));
+}
+
+TEST(Activation, IsLeastWhereTheManifoldGivesNothing) {
+    const Activation chances =
+        activation_for(evidence_of(64, 200, 0.0, 1000.0), pixels_with(1.0, 16));
+    EXPECT_EQ(chances, (Activation{0.125f, 1.0f, 1.0f}));  // deeper ones cost nothing
+}
+
+TEST(Activation, IsOneWhereTheManifoldIsTheNoise) {
+    // All of the variance, at no more cost than that of the rest.
+    const Activation chances =
+        activation_for(evidence_of(64, 200, 64 * 16.0 / 15.0, 200.0), pixels_with(1.0, 16));
+    EXPECT_EQ(chances[0], 1.0f);
+}
+
+// sqrt((V_m / C_m) / (V_r / C_r)).
+TEST(Activation, BalancesVarianceAndCost) {
+    const double variance = 16.0 / 15.0, moment = 0.2, rays = 2.0, cost = 10.0;
+    const Activation chances = activation_for(
+        evidence_of(64, uint64_t(64 * rays), 64 * moment, 64 * cost), pixels_with(1.0, 16));
+    EXPECT_NEAR(chances[0], std::sqrt(moment / cost / ((variance - moment) / rays)), 1e-5);
+    EXPECT_GT(chances[0], 0.126f);
+    EXPECT_LT(chances[0], 0.9f);
+}
+
+}  // namespace
+}  // namespace spc

@@ -55,7 +55,8 @@ private:
         const Instance& instance = scene_.instances[hit->surface.instance];
         if (count_ > 0 && instance.receiver && (instance.visibility & kVisibleCamera) != 0)
             connect(hit->surface);
-        if ((instance.visibility & kScattered) == 0) return true;  // nothing but the camera sees it
+        if ((instance.visibility & kVisibleScattered) == 0)
+            return true;  // nothing but the camera sees it
         if (!instance.caster && !scene_.any_transparency) return false;
 
         Surface surface;

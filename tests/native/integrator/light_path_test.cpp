@@ -144,8 +144,9 @@ void add_bulb(SceneMaker& maker, const Vec3& p = {0.8f, -0.8f, 0.7f}, float radi
     maker.builder.add_light(light);
 }
 
+// Objects that hide from some of the scattered rays would keep light paths away.
 void add_glowing(SceneMaker& maker, const Mesh& mesh, const Vec3& p) {
-    add(maker, mesh, test::emission(20.0f), test::translation(p), kNotDirectly,
+    add(maker, mesh, test::emission(20.0f), test::translation(p), kVisibleAll & ~kVisibleCamera,
         CausticsRole::automatic);
 }
 // The camera looks through: what lamps it would see in casters is noise here.

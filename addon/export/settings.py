@@ -54,6 +54,7 @@ def export_settings(scene, is_preview: bool = False) -> RenderSettings:
         settings.seed += scene.frame_current
     if is_preview:
         settings.samples = min(settings.samples, PREVIEW_SAMPLES)
+        settings.light_tracing = LightTracing.OFF  # its pilot takes longer than so few samples
     return settings
 
 

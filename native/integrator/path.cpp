@@ -288,8 +288,8 @@ RenderScene prepare(std::unique_ptr<Scene> scene, uint32_t threads) {
 }
 
 // L(x0, w0) = sum over path vertices of throughput x (emission + direct + manifold). Each path is
-// owned by one estimator or shared by two with weights that sum to one: manifold/estimator.h says
-// which.
+// owned by one estimator or shared by several with weights that sum to one: manifold/ownership.h
+// says which.
 PathSample path_radiance(const RenderScene& world, const IntegratorSettings& settings,
                          const Activation& activation, const Ray& camera_ray, const Vec2& lens,
                          const Sampler& sampler, PathStats& stats) {

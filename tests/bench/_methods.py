@@ -195,7 +195,7 @@ METHODS = {
         ),
         _biased(4, SKY, "v", "sets"),
         _biased(8, BLUE, "^", "sets"),
-        _biased(16, GREEN, "D", "sets", "light"),
+        _biased(16, GREEN, "D", "sets"),
         _biased(16, BLUE, "^", "light", light_tracing="ON"),
         _biased(32, PURPLE, "P", "sets"),
         _cycles("cycles-pt", "path tracing", BLUE, "o"),

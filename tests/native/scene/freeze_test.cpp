@@ -152,6 +152,35 @@ TEST(Freeze, RolesAndReport) {
     }
 }
 
+// Light paths cannot know which kind of ray the camera's path would come by.
+TEST(Freeze, NoLightTracingWhereSomeRaysSeeOtherObjects) {
+    struct Case {
+        uint32_t visibility;
+        bool caster, same;
+    };
+    for (const Case& c :
+         {Case{kVisibleAll, true, true}, Case{kVisibleCamera, true, true},
+          Case{kVisibleAll & ~kVisibleShadow, true, true},
+          Case{kVisibleAll & ~kVisibleDiffuse, true, false},
+          Case{kVisibleCamera | kVisibleGlossy, true, false}, Case{kVisibleGlossy, false, true}}) {
+        test::SceneMaker maker;
+        maker.add(test::square(1.0f), c.caster ? test::mirror() : test::diffuse(0.5f));
+        Instance other;
+        other.name = "screen";
+        other.mesh = maker.builder.add_mesh(test::square(2.0f));
+        other.materials = {maker.builder.add_material(test::diffuse(0.5f))};
+        other.visibility = c.visibility;
+        maker.builder.add_instance(other);
+        const RenderScene world = maker.finish();
+        EXPECT_EQ(world.scene->same_for_scattered_rays, c.same) << c.visibility;
+        const std::vector<std::string>& report = world.scene->report;
+        const bool told = std::any_of(report.begin(), report.end(), [](const std::string& line) {
+            return line.find("screen: hidden from some kinds of rays") != std::string::npos;
+        });
+        EXPECT_EQ(told, !c.same) << c.visibility;
+    }
+}
+
 TEST(Freeze, MissingUvLayerIsReported) {
     test::SceneMaker maker;
     maker.builder.add_image(image_from_floats("grey", std::vector<float>{0.5f}, 1, 1, 1,

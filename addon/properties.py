@@ -23,7 +23,7 @@ METHODS = (
 
 LIGHT_TRACING = (
     ("AUTO", "Automatic", "Trace as many paths from the light as pay"),
-    ("ON", "On", "Always trace paths from the light, too"),
+    ("ON", "On", "Trace paths from the light, too; today the same as automatic"),
     ("OFF", "Off", "Find caustics from the camera's side alone"),
 )
 

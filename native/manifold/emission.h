@@ -23,7 +23,7 @@ struct EmissionGuide {
     std::vector<LightEmission> lights;
 };
 
-// What light can be used for aiming: points of light that led to something worth it.
+// Where a light path began, with what it added to the picture as its weight.
 struct EmissionSample {
     uint32_t light;
     WeightedPoint place;  // in the light's unit square

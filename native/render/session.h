@@ -94,7 +94,7 @@ private:
     double seconds() const;
 
     const RenderScene& world_;
-    RenderSettings settings_;  // constant but for what the constructor adds
+    RenderSettings settings_;  // constant once prepared_
     const PixelFilter filter_;
     Film film_;
     const uint32_t pass_count_;

@@ -335,7 +335,7 @@ typedef enum spc_method {
     SPC_METHOD_LT = 3 /* path tracing and light tracing, no manifold */
 } spc_method;
 
-/* Light paths beside the methods SPC_METHOD_SMS_*. AUTO: as many as pay. */
+/* Light paths beside the methods SPC_METHOD_SMS_*, as many as pay. AUTO: as ON, for now. */
 typedef enum spc_light_tracing {
     SPC_LIGHT_TRACING_AUTO = 0,
     SPC_LIGHT_TRACING_ON = 1,
@@ -360,7 +360,8 @@ typedef struct spc_render_settings {
     uint32_t constraint;    /* spc_constraint */
     uint32_t two_stage;    /* 1: walk on the smooth surface first where a caster has a normal map */
     uint32_t set_size;     /* walks per estimate of SPC_METHOD_SMS_BIASED, [1, 4096] */
-    uint32_t first_sample; /* absolute index; [0,8) and [8,16) together are [0,16) */
+    uint32_t first_sample; /* absolute index; [0,8) and [8,16) together are [0,16): to the bit
+                              * for SPC_METHOD_PT, in the mean for methods that learn as they go */
     uint32_t samples;      /* per pixel, >= 1 */
     float time_limit; /* seconds of rendering, 0 = none; a render that reaches it is complete */
     uint32_t seed;
@@ -429,7 +430,8 @@ typedef enum spc_pass {
     SPC_PASS_POSITION = 2, /* 3: world, m; of the first sample, as depth */
     SPC_PASS_NORMAL = 3,   /* 3: world, shading normal, mean */
     SPC_PASS_CAUSTICS = 4, /* 3: the manifold's and light tracing's share of Combined */
-    SPC_PASS_VARIANCE = 5, /* 3: variance of the mean of Combined's RGB */
+    SPC_PASS_VARIANCE = 5, /* 3: variance of the mean of Combined's RGB; light paths splat on several
+                            * pixels, so that errors of neighbours are correlated */
     SPC_PASS_COUNT = 6
 } spc_pass;
 

@@ -240,6 +240,10 @@ RenderStats = _struct(
     ("nan_samples", c_uint64),
     ("light_paths", c_uint64),
     ("splats", c_uint64),
+    ("sheet_leads", c_uint64),
+    ("sheet_chains", c_uint64),
+    ("missed_chains", c_uint64),
+    ("missed_energy", c_double),
 )
 
 _HANDLE = c_void_p

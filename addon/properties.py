@@ -15,6 +15,11 @@ METHODS = (
         "but the light paths that these walks miss are lost",
     ),
     (
+        "SHEETS",
+        "Light Sheets",
+        "All light paths through casters at once, from grids of rays that each light sends",
+    ),
+    (
         "LT",
         "Light Tracing",
         "Path tracing from the camera and from the light, without manifold sampling",

@@ -48,6 +48,8 @@ class Statistics:
         ]
         if render["walks"]:
             rows.append(("Walks", self._walks()))
+        if render["sheet_leads"]:
+            rows.append(("Light sheets", self._sheets()))
         if render["light_paths"]:
             rows.append(("Light paths", self._light_paths()))
         if render["trial_estimates"]:
@@ -60,6 +62,15 @@ class Statistics:
             f"{render['walks']:,} for {_count(render['estimates'], 'estimate')}, "
             f"{_per(render['walks_converged'], render['walks']):.1%} found a path, "
             f"{_per(render['iterations'], render['walks']):.1f} iterations each"
+        )
+
+    def _sheets(self) -> str:
+        render = self.render_stats
+        return (
+            f"{_per(render['sheet_leads'], render['estimates']):.2g} leads and "
+            f"{_per(render['sheet_chains'], render['estimates']):.2g} chains an estimate, "
+            f"{_per(render['missed_energy'], render['manifold_energy']):.3%} of the light found "
+            "beside them"
         )
 
     def _light_paths(self) -> str:

@@ -73,6 +73,7 @@ class Method(IntEnum):
     SMS_UNBIASED = 1
     SMS_BIASED = 2
     LT = 3
+    SHEETS = 4
 
 
 class LightTracing(IntEnum):

@@ -21,7 +21,7 @@ constexpr uint32_t kMostWalks = 4096;
 constexpr float kWidestFilter = 1000.0f;
 
 void check_settings(const spc_render_settings& s) {
-    require(s.method <= SPC_METHOD_LT, fmt::format("unknown method {}", s.method));
+    require(s.method <= SPC_METHOD_SHEETS, fmt::format("unknown method {}", s.method));
     require(s.light_tracing <= SPC_LIGHT_TRACING_OFF,
             fmt::format("unknown light tracing {}", s.light_tracing));
     require(s.constraint <= SPC_CONSTRAINT_ANGLE_DIFFERENCE,
@@ -48,8 +48,10 @@ RenderSettings to_settings(const spc_render_settings& s) {
                          s.max_transmission_bounces, s.max_transparent_bounces};
     integrator.transparent_film = s.transparent_film != 0;
     ManifoldSettings& manifold = integrator.manifold;
-    manifold.enabled = s.method == SPC_METHOD_SMS_UNBIASED || s.method == SPC_METHOD_SMS_BIASED;
+    manifold.enabled = s.method != SPC_METHOD_PT && s.method != SPC_METHOD_LT;
     manifold.biased = s.method == SPC_METHOD_SMS_BIASED;
+    manifold.sheets = s.method == SPC_METHOD_SHEETS;
+    manifold.longest_chain = manifold.sheets ? spc::kLongestManifoldChain : 1;
     manifold.set_size = s.set_size;
     manifold.constraint = static_cast<Constraint>(s.constraint);
     manifold.two_stage = s.two_stage != 0;
@@ -160,7 +162,11 @@ spc_status spc_render_get_stats(spc_session* session, spc_render_stats* stats) {
                   s.manifold_energy,
                   s.nan_samples + s.light.nan_splats,
                   s.light.paths,
-                  s.light.splats};
+                  s.light.splats,
+                  m.leads,
+                  m.roots,
+                  m.missed,
+                  m.missed_energy};
     });
 }
 

@@ -7,38 +7,6 @@
 
 namespace spc {
 
-struct BounceCounts {
-    uint32_t total = 0, diffuse = 0, glossy = 0, transmission = 0, transparent = 0;
-
-    void add(BounceKind kind) {
-        switch (kind) {
-            case BounceKind::diffuse: ++diffuse; break;
-            case BounceKind::glossy: ++glossy; break;
-            case BounceKind::transmission: ++transmission; break;
-            case BounceKind::transparent:
-                ++transparent;
-                return;  // not counted in the total, as in Cycles
-        }
-        ++total;
-    }
-    // Past a limit a path still sees lights, but no more surfaces: its last vertex had its direct
-    // light already.
-    bool exhausted(const BounceLimits& limits) const {
-        return total > limits.total || diffuse > limits.diffuse || glossy > limits.glossy ||
-               transmission > limits.transmission;
-    }
-    // Surfaces that the path may still look through, and every shadow ray that it casts.
-    uint32_t transparent_left(const BounceLimits& limits) const {
-        return limits.transparent - std::min(limits.transparent, transparent);
-    }
-    // Whether a vertex here may scatter once more, by whichever smooth closure, and be lit at the
-    // next vertex.
-    bool leaves_room_for_chain(const BounceLimits& limits) const {
-        return total < limits.total && diffuse < limits.diffuse && glossy < limits.glossy &&
-               transmission < limits.transmission;
-    }
-};
-
 // The stretch of path since the last vertex that next event estimation or the manifold could have
 // connected.
 struct PathHistory {
@@ -48,15 +16,19 @@ struct PathHistory {
         chain       // then interactions with casters
     };
     Stage stage = Stage::unconnected;
-    CausticPath caustic;  // as far as it has come
+    CausticPath caustic;         // as far as it has come
+    bool passed_caster = false;  // straight through a part of one, since the last vertex
 
-    void append_smooth(const Surface& surface, float pdf, bool may_receive, float film_per_area) {
+    // `before`: the path's bounces when it came here.
+    void append_smooth(const Surface& surface, float pdf, bool may_receive, float film_per_area,
+                       const BounceCounts& before) {
         stage = Stage::scattered;
         caustic.x = surface.p;
         caustic.sides = {surface.ng, has_smooth_transmission(surface.closures)};
         caustic.pdf_omega = pdf;
         caustic.receiver = may_receive;
-        caustic.through_caster = false;
+        caustic.through_caster = passed_caster = false;
+        caustic.before = before;
         caustic.film_per_area = film_per_area;
         caustic.count = 0;
     }
@@ -67,13 +39,15 @@ struct PathHistory {
                              casters.of_instance[hit.instance] != kNone &&
                              caustic.count < kLongestChain;
         stage = goes_on ? Stage::chain : Stage::unconnected;
+        caustic.through_caster |= passed_caster;
+        passed_caster = false;
         if (goes_on)
             caustic.vertices[caustic.count++] = {
                 hit, sample.refracted ? Interaction::refraction : Interaction::reflection, 0.0f};
         return goes_on;
     }
     void append_transparent(const Instance& instance) {
-        if (stage == Stage::scattered && instance.caster) caustic.through_caster = true;
+        passed_caster |= instance.caster;
     }
 };
 

@@ -71,7 +71,7 @@ private:
 
     bool look_through(const Instance& instance, const ClosureSample& next) {
         passed_ *= next.weight;
-        through_caster_ = through_caster_ || instance.caster;
+        passed_caster_ = passed_caster_ || instance.caster;
         return ++transparent_ <= settings_.limits.transparent;
     }
 
@@ -84,7 +84,8 @@ private:
             interaction == Interaction::reflection ? kVisibleGlossy : kVisibleTransmission;
         if (count_ == 0 && (light_visibility(world_.lights, y_.light) & kind) == 0) return false;
         vertices_[count_++] = {surface.p, {surface.hit, interaction, 0.0f}};
-        through_caster_ = false;
+        through_caster_ = through_caster_ || (count_ > 1 && passed_caster_);
+        passed_caster_ = false;
         ray_ = {offset_origin({surface.p, surface.ng, surface.p_error}, next.wi), next.wi, 0.0f,
                 kInfinity};
         return true;
@@ -108,7 +109,7 @@ private:
         path.sides = {surface.ng, has_smooth_transmission(surface.closures)};
         path.pdf_omega = at_x.pdf_omega;
         path.receiver = true;
-        path.through_caster = through_caster_;
+        path.through_caster = through_caster_ || passed_caster_;
         path.film_per_area = view->film_per_area * std::abs(dot(surface.ng, to_camera));
         Spectrum value = at_x.f_cos * passed_ * radiance_ * trace_back(path);
         const Techniques techniques = techniques_of(world_, settings_);
@@ -183,7 +184,8 @@ private:
     Spectrum passed_{1.0f};  // through transparent surfaces
     uint32_t transparent_ = 0;
     uint32_t segment_ = 0;
-    bool through_caster_ = false;                 // since the last vertex
+    bool passed_caster_ = false;   // straight through a part of one since the last vertex
+    bool through_caster_ = false;  // or between earlier vertices
     std::array<Vertex, kLongestChain> vertices_;  // from the light on
     uint32_t count_ = 0;
 };

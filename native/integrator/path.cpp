@@ -25,7 +25,7 @@ uint32_t kinds_seeing(uint32_t visibility) {
 struct PathTracer {
     const RenderScene& world;
     const IntegratorSettings& settings;
-    const Activation& activation;
+    const PassState& pass;
     PathStats& stats;
     Vec2 lens;
     Ray ray;
@@ -199,7 +199,7 @@ struct PathTracer {
     // Throughput included.
     Spectrum caustic_radiance(const Surface& surface, float film_per_area, const Sampler& sampler) {
         const size_t depth = receiver_depth(bounces.total);
-        const float chance = activation[depth];
+        const float chance = pass.activation[depth];
         if (chance < 1.0f && sampler[Domain::manifold_activation].one() >= chance)
             return Spectrum(0.0f);
         ManifoldStats& counts = stats.manifold;
@@ -208,8 +208,8 @@ struct PathTracer {
             throughput * (1.0f / chance) *
             manifold_radiance(techniques_of(world, settings),
                               {surface.p, surface.p_error, surface.ng, surface.wo, &surface.closures,
-                               bounces.transparent_left(settings.limits), film_per_area},
-                              sampler, counts);
+                               bounces.transparent_left(settings.limits), film_per_area, bounces},
+                              pass.sheets, sampler, counts);
         const double squares =
             static_cast<double>((sqr(caustic.x) + sqr(caustic.y) + sqr(caustic.z)) * (1.0f / 3.0f));
         const double work =
@@ -243,9 +243,10 @@ struct PathTracer {
         throughput *= next.weight;
         if (!survive_roulette(sampler)) return false;
         if (next.kind == BounceKind::transparent) return look_through(hit);
+        const BounceCounts before = bounces;
         bounces.add(next.kind);
         if (!next.delta)
-            history.append_smooth(surface, next.pdf_omega, receives, film);
+            history.append_smooth(surface, next.pdf_omega, receives, film, before);
         else if (history.append_delta(surface.hit, next, world.casters))
             history.caustic.vertices[history.caustic.count - 1].probability =
                 lobe_probability(surface, next);
@@ -291,9 +292,9 @@ RenderScene prepare(std::unique_ptr<Scene> scene, uint32_t threads) {
 // owned by one estimator or shared by several with weights that sum to one: manifold/ownership.h
 // says which.
 PathSample path_radiance(const RenderScene& world, const IntegratorSettings& settings,
-                         const Activation& activation, const Ray& camera_ray, const Vec2& lens,
+                         const PassState& pass, const Ray& camera_ray, const Vec2& lens,
                          const Sampler& sampler, PathStats& stats) {
-    PathTracer path{world, settings, activation, stats, lens, camera_ray};
+    PathTracer path{world, settings, pass, stats, lens, camera_ray};
     PathSample out;
     Surface surface;
     for (uint32_t vertex = 0;; ++vertex) {

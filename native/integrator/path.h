@@ -37,6 +37,12 @@ inline size_t receiver_depth(uint32_t bounces) {
 // Chance of a manifold estimate at a receiver of each depth.
 using Activation = std::array<float, kReceiverDepths>;
 
+// What a sample of the picture knows.
+struct PassState {
+    Activation activation;
+    LightSheets sheets{};  // where ManifoldSettings::sheets asks for them
+};
+
 // What manifold estimates at receivers of one depth gave and cost, as if there had been one at each.
 struct ActivationEvidence {
     double second_moment = 0.0;  // of what they add to their pixels, mean of the channels
@@ -66,7 +72,7 @@ struct PathSample {
 
 // `lens`: what the camera's ray was made with.
 PathSample path_radiance(const RenderScene& world, const IntegratorSettings& settings,
-                         const Activation& activation, const Ray& camera_ray, const Vec2& lens,
+                         const PassState& pass, const Ray& camera_ray, const Vec2& lens,
                          const Sampler& sampler, PathStats& stats);
 
 }  // namespace spc

@@ -83,7 +83,8 @@ LightSet build_lights(const Scene& scene, uint32_t threads) {
         const bool seen = (scene.environment.visibility & kVisibleScattered) != 0;
         const double flux = seen ? world_total(lights) * disc : 0.0;
         power.push_back(lights.world_is_constant ? 0.0 : flux);
-        caustic_power.push_back(scene.environment.feeds_caustics ? flux : 0.0);
+        const bool feeds = seen && scene.environment.feeds_caustics;
+        caustic_power.push_back(feeds ? world_total_of_peaks(lights) * disc : 0.0);
     }
     lights.selection = select_by_power(power);
     lights.caustic_selection = select_by_power(caustic_power);
@@ -165,7 +166,7 @@ std::optional<LightPoint> sample_point_of_light(const LightSet& lights, const Sc
         y.direction = point.direction;
         y.pdf = point.pdf;
     } else if (light == lights.of_world()) {
-        const std::optional<WorldSample> s = sample_world(lights, u);
+        const std::optional<WorldSample> s = sample_world_peaks(lights, u);
         if (!s) return std::nullopt;
         y.distant = true;
         y.direction = s->wi;
@@ -217,7 +218,7 @@ float pdf_light_point_surface(const LightSet& lights, const SurfaceHit& hit) {
 float pdf_light_point_world(const LightSet& lights, const Vec3& wi) {
     if (!lights.has_world) return 0.0f;
     const float probability = chance(lights.caustic_selection, lights.of_world());
-    return probability > 0.0f ? probability * world_pdf(lights, wi) : 0.0f;
+    return probability > 0.0f ? probability * world_peaks_pdf(lights, wi) : 0.0f;
 }
 
 float pdf_light_point_sun(const LightSet& lights, uint32_t light, const Vec3& wi) {

@@ -32,6 +32,9 @@ struct LightSet {
     std::vector<uint32_t> emissive_of_instance;  // index into `emissive`, or kNone
     bool has_world = false;
     Distribution2D world_map;  // over the world's radiance in latitude-longitude, solid angle accounted for
+    // The same over its narrow bright parts alone: they feed casters, what is left of the world is so
+    // smooth that path tracing finds it easily.
+    Distribution2D world_peaks;
     Spectrum world_constant{0.0f};  // valid if world_is_constant
     bool world_is_constant = false;
 

@@ -14,6 +14,8 @@ constexpr uint32_t kLeastWidth = 256, kMostWidth = 4096;
 // Least density of a direction against the mean, so that none which the table takes for black is
 // out of reach.
 constexpr float kDensityFloor = 1e-3f;
+// Radiance of a peak, at least, over the mean.
+constexpr float kPeak = 8.0f;
 
 Vec3 to_direction(const Vec2& position) {
     const Vec2 azimuth = unit_circle(0.5f - position.x + (position.x > 0.5f ? 1.0f : 0.0f));
@@ -101,23 +103,50 @@ void spread_to_neighbours(Table& table) {
     }
 }
 
-// From radiance to density over the square, which is wider than the sphere towards the poles, with
-// its floor.
-void weigh_by_solid_angle(Table& table) {
-    std::vector<float> sin_theta(table.height);
-    for (uint32_t y = 0; y < table.height; ++y)
-        sin_theta[y] =
-            std::sin(kPi * (static_cast<float>(y) + 0.5f) / static_cast<float>(table.height));
-    double sum = 0.0, sum_sin = 0.0;
-    for (uint32_t y = 0; y < table.height; ++y)
-        for (uint32_t x = 0; x < table.width; ++x) {
-            sum += static_cast<double>(table.at(x, y)) * sin_theta[y];
-            sum_sin += sin_theta[y];
-        }
-    const auto least = static_cast<float>(kDensityFloor * sum / sum_sin);
+float sin_theta(const Table& table, uint32_t y) {
+    return std::sin(kPi * (static_cast<float>(y) + 0.5f) / static_cast<float>(table.height));
+}
+
+double mean_over_sphere(Table& table) {
+    double sum = 0.0, weight = 0.0;
+    for (uint32_t y = 0; y < table.height; ++y) {
+        const double sine = sin_theta(table, y);
+        for (uint32_t x = 0; x < table.width; ++x) sum += sine * static_cast<double>(table.at(x, y));
+        weight += sine * table.width;
+    }
+    return sum / weight;
+}
+
+// From radiance to density over the square, which is wider than the sphere towards the poles.
+// `change` comes first.
+template <class Change>
+Distribution2D density_over_square(Table table, const Change& change) {
     for (uint32_t y = 0; y < table.height; ++y)
         for (uint32_t x = 0; x < table.width; ++x)
-            table.at(x, y) = std::max(table.at(x, y), least) * sin_theta[y];
+            table.at(x, y) = change(table.at(x, y)) * sin_theta(table, y);
+    return {table.values, table.width, table.height};
+}
+
+std::optional<WorldSample> sample_map(const Distribution2D& map, const Vec2& u) {
+    const Distribution2D::Sample s = map.sample(u);
+    const Vec3 wi = to_direction(s.position);
+    const float sin_theta = std::sqrt(wi.x * wi.x + wi.y * wi.y);
+    if (!(sin_theta > 0.0f)) return std::nullopt;
+    return WorldSample{wi, to_omega(s.pdf, sin_theta)};
+}
+
+float map_pdf(const Distribution2D& map, const Vec3& wi) {
+    const float sin_theta = std::sqrt(wi.x * wi.x + wi.y * wi.y);
+    if (!(sin_theta > 0.0f)) return 0.0f;
+    // atan2 keeps the digits near the poles that acos loses.
+    const Vec2 position(0.5f - std::atan2(wi.y, wi.x) * (0.5f * kInvPi),
+                        1.0f - std::atan2(sin_theta, wi.z) * kInvPi);
+    return to_omega(map.pdf(position), sin_theta);
+}
+
+double integral_of(const Distribution2D& map) {
+    constexpr double pi = std::numbers::pi;
+    return map.empty() ? 0.0 : 2.0 * pi * pi * map.mean();
 }
 
 }  // namespace
@@ -133,35 +162,39 @@ void build_world(const Scene& scene, LightSet& lights, uint32_t threads) {
     }
     Table table = tabulate(scene, material, threads);
     spread_to_neighbours(table);
-    weigh_by_solid_angle(table);
-    lights.world_map = Distribution2D(table.values, table.width, table.height);
+    const auto mean = static_cast<float>(mean_over_sphere(table));
+    const auto with_floor = [mean](float value) { return std::max(value, kDensityFloor * mean); };
+    const auto peak = [mean](float value) { return value > kPeak * mean ? value : 0.0f; };
+    lights.world_map = density_over_square(table, with_floor);
+    lights.world_peaks = density_over_square(table, peak);
     lights.has_world = !lights.world_map.empty();
 }
 
 double world_total(const LightSet& lights) {
     constexpr double pi = std::numbers::pi;
     if (!lights.has_world) return 0.0;
-    if (lights.world_is_constant) return 4.0 * pi * luminance(lights.world_constant);
-    return 2.0 * pi * pi * lights.world_map.mean();
+    if (lights.world_is_constant)
+        return 4.0 * std::numbers::pi * static_cast<double>(luminance(lights.world_constant));
+    return integral_of(lights.world_map);
 }
+
+double world_total_of_peaks(const LightSet& lights) { return integral_of(lights.world_peaks); }
 
 std::optional<WorldSample> sample_world(const LightSet& lights, const Vec2& u) {
     if (lights.world_is_constant) return WorldSample{uniform_sphere(u), kUniformSpherePdf};
-    const Distribution2D::Sample s = lights.world_map.sample(u);
-    const Vec3 wi = to_direction(s.position);
-    const float sin_theta = std::sqrt(wi.x * wi.x + wi.y * wi.y);
-    if (!(sin_theta > 0.0f)) return std::nullopt;
-    return WorldSample{wi, to_omega(s.pdf, sin_theta)};
+    return sample_map(lights.world_map, u);
 }
 
 float world_pdf(const LightSet& lights, const Vec3& wi) {
-    if (lights.world_is_constant) return kUniformSpherePdf;
-    const float sin_theta = std::sqrt(wi.x * wi.x + wi.y * wi.y);
-    if (!(sin_theta > 0.0f)) return 0.0f;
-    // atan2 keeps the digits near the poles that acos loses.
-    const Vec2 position(0.5f - std::atan2(wi.y, wi.x) * (0.5f * kInvPi),
-                        1.0f - std::atan2(sin_theta, wi.z) * kInvPi);
-    return to_omega(lights.world_map.pdf(position), sin_theta);
+    return lights.world_is_constant ? kUniformSpherePdf : map_pdf(lights.world_map, wi);
+}
+
+std::optional<WorldSample> sample_world_peaks(const LightSet& lights, const Vec2& u) {
+    return sample_map(lights.world_peaks, u);
+}
+
+float world_peaks_pdf(const LightSet& lights, const Vec3& wi) {
+    return map_pdf(lights.world_peaks, wi);
 }
 
 }  // namespace spc

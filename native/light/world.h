@@ -11,8 +11,9 @@ namespace spc {
 
 // Sets the world_* members of `lights` and has_world. `threads` 0 = all.
 void build_world(const Scene& scene, LightSet& lights, uint32_t threads);
-// Integral of luminance over all directions, W/m^2.
+// Integral of luminance over all directions, and over the peaks, W/m^2.
 double world_total(const LightSet& lights);
+double world_total_of_peaks(const LightSet& lights);
 
 struct WorldSample {
     Vec3 wi;
@@ -21,5 +22,8 @@ struct WorldSample {
 // Empty at a pole itself. Only with has_world.
 std::optional<WorldSample> sample_world(const LightSet& lights, const Vec2& u);
 float world_pdf(const LightSet& lights, const Vec3& wi);
+// Among the peaks alone.
+std::optional<WorldSample> sample_world_peaks(const LightSet& lights, const Vec2& u);
+float world_peaks_pdf(const LightSet& lights, const Vec3& wi);
 
 }  // namespace spc

@@ -129,6 +129,14 @@ SurfaceHit sample_on(const Caster& caster, Pcg& pcg) {
     return {caster.instance, triangle, b.x, b.y};
 }
 
+Vec3 towards_caster(const Caster& caster, const Vec3& x, const Vec2& u) {
+    const Vec3 to_center = caster.center - x;
+    const float d2 = length_squared(to_center), sin2 = sqr(caster.radius) / d2;
+    const float one_minus_cos = sin2 < 1.0f ? sin2 / (1.0f + std::sqrt(1.0f - sin2)) : 2.0f;
+    const Vec3 local = uniform_cone(u, one_minus_cos);
+    return d2 > 0.0f ? Frame::around(to_center * (1.0f / std::sqrt(d2))).to_world(local) : local;
+}
+
 CasterChoice choose_caster(const CasterSet& set, const Vec3& x, const ReceiverSides& sides,
                            const ChainEnd& end, float u) {
     const BoundSum sum = sum_bounds(set, x, sides, end);

@@ -31,6 +31,9 @@ CasterSet build_casters(const Scene& scene);
 // A point uniform over the caster's specular area.
 SurfaceHit sample_on(const Caster& caster, Pcg& pcg);
 
+// A direction uniform in the cone in which x sees the caster's bounding sphere.
+Vec3 towards_caster(const Caster& caster, const Vec3& x, const Vec2& u);
+
 // Where light can arrive at a receiver.
 struct ReceiverSides {
     Vec3 ng;

@@ -141,16 +141,12 @@ std::optional<ConstraintValue> evaluate_constraint(Constraint constraint, Intera
     return value;
 }
 
-namespace {
+RayDual ray_dual_from(const Vec3& w) {
+    const Frame frame = Frame::around(w);
+    return {Vec3d(w), {Vec3d(0.0), Vec3d(0.0)}, {Vec3d(frame.x), Vec3d(frame.y)}};
+}
 
-// What becomes of a ray and of its two neighbours at a vertex.
-struct RayDual {
-    Vec3d d;                      // unit
-    std::array<Vec3d, 2> dp, dd;  // of position and direction, by the two turns at x
-};
-
-// Goes on to the plane of `patch`, then turns. False where there is no way on.
-bool pass_vertex(const ChainVertex& vertex, double distance, RayDual& ray, double& etendue) {
+bool pass_vertex(const ChainVertex& vertex, double distance, RayDual& ray) {
     const CasterPatch& patch = vertex.patch;
     const Vec3d pu(patch.dp_du), pv(patch.dp_dv), nu(patch.dn_du), nv(patch.dn_dv), ng(patch.ng);
     const Vec3d d = ray.d;
@@ -176,7 +172,7 @@ bool pass_vertex(const ChainVertex& vertex, double distance, RayDual& ray, doubl
     }
     const double out_n = dot(ray.d, n), out_ng = dot(ray.d, ng);
     // Projected solid angles by the normal that bends, over those by the geometry.
-    etendue *= ratio * ratio * std::abs(out_ng * dn / (out_n * dng));
+    ray.etendue *= ratio * ratio * std::abs(out_ng * dn / (out_n * dng));
 
     const double uu = dot(pu, pu), uv = dot(pu, pv), vv = dot(pv, pv), det_uv = uu * vv - uv * uv;
     for (size_t j = 0; j < 2; ++j) {
@@ -194,22 +190,17 @@ bool pass_vertex(const ChainVertex& vertex, double distance, RayDual& ray, doubl
     return true;
 }
 
-}  // namespace
-
 std::optional<ChainDerivative> chain_derivative(const Vec3& x, std::span<const ChainVertex> chain,
                                                 const ChainEnd& end) {
     Vec3d from(x);
-    RayDual ray{.d = Vec3d(0.0), .dp = {Vec3d(0.0), Vec3d(0.0)}, .dd = {Vec3d(0.0), Vec3d(0.0)}};
-    double etendue = 1.0;
+    RayDual ray;
     for (const ChainVertex& vertex : chain) {
         const Vec3d along = Vec3d(vertex.patch.p) - from;
         const double distance = length(along);
-        ray.d = along / distance;
-        if (&vertex == chain.data()) {
-            const Frame frame = Frame::around(Vec3(ray.d));
-            ray.dd = {Vec3d(frame.x), Vec3d(frame.y)};
-        }
-        if (!pass_vertex(vertex, distance, ray, etendue)) return std::nullopt;
+        const Vec3d d = along / distance;
+        if (&vertex == chain.data()) ray = ray_dual_from(Vec3(d));
+        ray.d = d;
+        if (!pass_vertex(vertex, distance, ray)) return std::nullopt;
         from = Vec3d(vertex.patch.p);
     }
     const Frame frame = Frame::around(Vec3(ray.d));
@@ -222,7 +213,7 @@ std::optional<ChainDerivative> chain_derivative(const Vec3& x, std::span<const C
     const double det = std::abs(dot(e1, dq1) * dot(e2, dq2) - dot(e2, dq1) * dot(e1, dq2));
     // On a fold all light of the chain meets: the density there is infinite, but nothing ever
     // samples it exactly.
-    return ChainDerivative{1.0 / std::max(det, 1e-30), etendue};
+    return ChainDerivative{1.0 / std::max(det, 1e-30), ray.etendue};
 }
 
 }  // namespace spc

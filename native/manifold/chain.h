@@ -46,6 +46,18 @@ struct ChainVertex {
     CasterPatch patch;
 };
 
+// A ray and its two neighbours along a chain, in double precision.
+struct RayDual {
+    Vec3d d;                      // unit
+    std::array<Vec3d, 2> dp, dd;  // of position and direction, by two orthogonal turns at x
+    double etendue = 1.0;         // see ChainDerivative
+};
+// Leaves x along the unit direction w.
+RayDual ray_dual_from(const Vec3& w);
+// Goes on by `distance` m to the plane of a vertex, then turns there. False where there is no way
+// on: total internal reflection, or a vertex seen edge-on.
+bool pass_vertex(const ChainVertex& vertex, double distance, RayDual& ray);
+
 struct ChainDerivative {
     // |d solid angle at x / d area at y|, 1/m^2, without the cosine at y; distant ends: by solid
     // angle at the light.

@@ -153,17 +153,33 @@ EmissionGuide aim_at_casters(const Scene& scene, const LightSet& lights, const C
     return guide;
 }
 
-EmittedRay emit(const EmissionGuide& guide, const LightPoint& y, const Vec2& u) {
-    const LightEmission& emission = guide.lights[y.light];
-    const QuadtreeDensity::Sample at = emission.density.sample(u);
+Ray ray_at(const EmissionGuide& guide, const LightPoint& y, const Vec2& place) {
     if (y.distant) {
         const Frame frame = Frame::around(y.direction);
-        const Vec3 across = frame.x * (2.0f * at.p.x - 1.0f) + frame.y * (2.0f * at.p.y - 1.0f);
+        const Vec3 across = frame.x * (2.0f * place.x - 1.0f) + frame.y * (2.0f * place.y - 1.0f);
         return {guide.center + across * guide.radius + y.direction * guide.start,
-                y.direction * -1.0f, at.p, at.pdf * (0.25f / sqr(guide.radius))};
+                y.direction * -1.0f};
     }
-    const Vec3 direction = normalize(emission.frame.to_world(to_cone(at.p, emission.one_minus_cos)));
-    return {y.p, direction, at.p, at.pdf * uniform_cone_pdf(emission.one_minus_cos)};
+    const LightEmission& emission = guide.lights[y.light];
+    return {y.p, normalize(emission.frame.to_world(to_cone(place, emission.one_minus_cos)))};
+}
+
+std::optional<Vec2> place_towards(const EmissionGuide& guide, uint32_t light, const ChainEnd& end,
+                                  const Vec3& p) {
+    const std::optional<Place> place = place_of(guide, light, end, p);
+    if (!place) return std::nullopt;
+    return place->p;
+}
+
+float density_of_uniform(const EmissionGuide& guide, const LightPoint& y) {
+    return y.distant ? 0.25f / sqr(guide.radius)
+                     : uniform_cone_pdf(guide.lights[y.light].one_minus_cos);
+}
+
+EmittedRay emit(const EmissionGuide& guide, const LightPoint& y, const Vec2& u) {
+    const QuadtreeDensity::Sample at = guide.lights[y.light].density.sample(u);
+    const Ray ray = ray_at(guide, y, at.p);
+    return {ray.origin, ray.direction, at.p, at.pdf * density_of_uniform(guide, y)};
 }
 
 float emission_pdf(const EmissionGuide& guide, uint32_t light, const ChainEnd& end, const Vec3& p) {

@@ -40,6 +40,15 @@ struct EmittedRay {
 };
 EmittedRay emit(const EmissionGuide& guide, const LightPoint& y, const Vec2& u);
 
+// The ray that leaves y at a place of its light's unit square.
+Ray ray_at(const EmissionGuide& guide, const LightPoint& y, const Vec2& place);
+// Density of rays that are uniform over that square: by solid angle from y (1/sr); distant: by area
+// across the direction (1/m^2).
+float density_of_uniform(const EmissionGuide& guide, const LightPoint& y);
+// Place at which light from the end of a chain goes through the point p; empty outside the square.
+std::optional<Vec2> place_towards(const EmissionGuide& guide, uint32_t light, const ChainEnd& end,
+                                  const Vec3& p);
+
 // Density with which emit() sends light from the end of a chain through the point p; `light` is the
 // end's.
 float emission_pdf(const EmissionGuide& guide, uint32_t light, const ChainEnd& end, const Vec3& p);

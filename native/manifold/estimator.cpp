@@ -32,11 +32,13 @@ public:
         const ChainQuery query{receiver_.p, end_of(y_), &caster};
         const std::optional<ChainRoot> root = random_walk(scene_, settings_, query, pcg, stats_);
         if (!root) return Spectrum(0.0f);
-        const Spectrum value = contribution(*root);
+        const Spectrum value = contribution(chain_of(*root));
         if (is_black(value)) return value;
-        const uint32_t trials = count_trials(query, *root, pcg);
-        if (trials >= settings_.trial_cap) ++stats_.capped;
-        return value * static_cast<float>(trials);
+        return value * static_cast<float>(count_trials([&] {
+                   const std::optional<ChainRoot> again =
+                       random_walk(scene_, settings_, query, pcg, stats_);
+                   return again && same_root(settings_, *root, *again);
+               }));
     }
 
     // The sum over the different solutions of a fixed number of walks.
@@ -52,25 +54,102 @@ public:
             };
             if (std::any_of(found.begin(), found.end(), known)) continue;
             found.push_back(*root);
-            sum += contribution(*root);
+            sum += contribution(chain_of(*root));
         }
         return sum;
     }
 
+    // The sum over the solutions to which a sheet leads, weak ones by chance. What it misses at its
+    // folds and ends is left to walks, as many as it takes to find it again: they have next to
+    // nothing to find.
+    Spectrum by_sheet(const LightSheet& sheet, Pcg& pcg) {
+        FoundChains found;
+        const float u = pcg.one();
+        shoot_leads(sheet, u, found);
+        Spectrum sum(0.0f);
+        for (const FoundChain& one : found)
+            sum += contribution(one.solution.chain) * (1.0f / one.chance);
+        stats_.roots += found.size();
+        if (pcg.one() >= settings_.search_chance) return sum;
+        const std::optional<ChainSolution> missed = random_chain(pcg);
+        if (!missed || find(found, *missed) != nullptr) return sum;
+        shoot_leads(sheet, 0.0f, found);
+        if (find(found, *missed) != nullptr) return sum;
+        const Spectrum value = contribution(missed->chain);
+        if (is_black(value)) return sum;
+        const uint32_t trials = count_trials([&] {
+            const std::optional<ChainSolution> again = random_chain(pcg);
+            return again && same_solution(settings_, *missed, *again);
+        });
+        const Spectrum more = value * (static_cast<float>(trials) / settings_.search_chance);
+        ++stats_.missed;
+        stats_.missed_energy += static_cast<double>(luminance(more));
+        return sum + more;
+    }
+
 private:
+    struct FoundChain {
+        ChainSolution solution;
+        float chance;  // to be found
+    };
+    using FoundChains = std::vector<FoundChain>;
+
+    FoundChain* find(FoundChains& found, const ChainSolution& solution) const {
+        for (FoundChain& one : found)
+            if (same_solution(settings_, one.solution, solution)) return &one;
+        return nullptr;
+    }
+
+    void shoot_leads(const LightSheet& sheet, float u, FoundChains& found) {
+        static thread_local std::vector<Lead> leads;
+        leads.clear();
+        sheet.find_leads(receiver_.p, u, leads);
+        std::vector<const Lead*> arrived;
+        for (const Lead& lead : leads) {
+            const auto repeated = [&](const Lead* other) { return repeats(lead, *other); };
+            if (std::any_of(arrived.begin(), arrived.end(), repeated)) continue;
+            ++stats_.leads;
+            const std::optional<ChainSolution> solution =
+                shoot(scene_, settings_, start(), end_of(y_), *lead.kind, lead.w, stats_);
+            if (!solution) continue;
+            arrived.push_back(&lead);
+            if (FoundChain* known = find(found, *solution))
+                known->chance = std::max(known->chance, lead.chance);
+            else
+                found.push_back({*solution, lead.chance});
+        }
+    }
+
+    static Chain chain_of(const ChainRoot& root) {
+        Chain chain;
+        chain.count = 1;
+        chain.hits[0] = root.hit;
+        chain.vertices[0] = {root.interaction, root.eta, root.patch};
+        return chain;
+    }
+
+    RayStart start() const { return {receiver_.p, receiver_.ng, receiver_.p_error}; }
+
+    // From a random direction towards a random caster, with every interaction on the way left to
+    // chance: finds any chain with some probability.
+    std::optional<ChainSolution> random_chain(Pcg& pcg) {
+        const CasterChoice choice = choose_caster(techniques_.casters, receiver_.p,
+                                                  sides_of(receiver_), end_of(y_), pcg.one());
+        if (choice.index == kNone) return std::nullopt;
+        const std::optional<RandomChain> chain =
+            sample_chain(scene_, settings_, start(), techniques_.casters, choice.index, pcg, stats_);
+        if (!chain) return std::nullopt;
+        return shoot(scene_, settings_, start(), end_of(y_), chain->kind, chain->w, stats_);
+    }
+
     // What one solution contributes; zero if something stands in its way.
-    Spectrum contribution(const ChainRoot& root) {
-        const Vec3 wi = normalize(root.patch.p - receiver_.p);
+    Spectrum contribution(const Chain& chain) {
+        const Vec3 wi = normalize(chain.vertices[0].patch.p - receiver_.p);
         const ClosureEval at_x = eval(*receiver_.closures, receiver_.ng, receiver_.wo, wi);
         if (is_black(at_x.f_cos)) return Spectrum(0.0f);
+        const Vec3& last = chain.vertices[chain.count - 1].patch.p;
         float distance_y = 0.0f;
-        const Vec3 to_light = end_of(y_).from(root.patch.p, distance_y);
-        const Vec3 away = to_light * -1.0f;
-        Surface surface;
-        evaluate_surface(scene_, root.hit, wi * -1.0f, surface);
-        const DeltaLobe lobe = delta_lobe(surface.closures, surface.ng, surface.wo, to_light,
-                                          root.interaction == Interaction::refraction);
-        if (is_black(lobe.throughput)) return Spectrum(0.0f);
+        const Vec3 away = end_of(y_).from(last, distance_y) * -1.0f;
         const Spectrum radiance = radiance_at(lights_, scene_, y_, away);
         if (is_black(radiance)) return Spectrum(0.0f);
 
@@ -79,47 +158,80 @@ private:
         path.sides = sides_of(receiver_);
         path.pdf_omega = at_x.pdf_omega;
         path.receiver = true;
+        path.before = receiver_.before;
         path.film_per_area = receiver_.film_per_area;
-        path.count = 1;
-        path.vertices[0] = {root.hit, root.interaction, lobe.probability};
+        const Spectrum throughput = follow(chain, path);
+        if (is_black(throughput) || !manifold_owns(techniques_, path)) return Spectrum(0.0f);
         const std::optional<CausticDensities> densities =
             caustic_densities(techniques_, path, light_end(y_, away));
         if (!densities || !(densities->geometry > 0.0)) return Spectrum(0.0f);
-        const Spectrum through = passes(root);
-        return at_x.f_cos * lobe.throughput * radiance * through *
-               static_cast<float>(kManifoldWorth * densities->scale());
+        const Spectrum through = passes(chain);
+        return at_x.f_cos * throughput * radiance * through *
+               static_cast<float>(manifold_worth(settings_) * densities->scale());
     }
 
-    // Fraction of light that passes along both segments of a chain.
-    Spectrum passes(const ChainRoot& root) {
-        const uint32_t kind =
-            root.interaction == Interaction::reflection ? kVisibleGlossy : kVisibleTransmission;
-        if ((light_visibility(lights_, y_.light) & kind) == 0) return Spectrum(0.0f);
+    // The chain's vertices as a path has them; returns its throughput.
+    Spectrum follow(const Chain& chain, CausticPath& path) const {
+        Spectrum throughput(1.0f);
+        Surface surface;
+        Vec3 from = receiver_.p;
+        for (uint32_t i = 0; i < chain.count; ++i) {
+            const Vec3& p = chain.vertices[i].patch.p;
+            float unused;
+            const Vec3 to_light = i + 1 < chain.count
+                                      ? normalize(chain.vertices[i + 1].patch.p - p)
+                                      : end_of(y_).from(p, unused);
+            evaluate_surface(scene_, chain.hits[i], normalize(from - p), surface);
+            const Interaction interaction = chain.vertices[i].interaction;
+            const DeltaLobe lobe = delta_lobe(surface.closures, surface.ng, surface.wo, to_light,
+                                              interaction == Interaction::refraction);
+            throughput *= lobe.throughput;
+            if (is_black(throughput)) return throughput;
+            path.vertices[path.count++] = {chain.hits[i], interaction, lobe.probability};
+            from = p;
+        }
+        return throughput;
+    }
+
+    // Fraction of light that passes along all segments of a chain.
+    Spectrum passes(const Chain& chain) {
+        const auto kind_at = [&](uint32_t i) -> uint32_t {
+            return chain.vertices[i].interaction == Interaction::reflection ? kVisibleGlossy
+                                                                            : kVisibleTransmission;
+        };
+        const uint32_t last = chain.count - 1;
+        if ((light_visibility(lights_, y_.light) & kind_at(last)) == 0) return Spectrum(0.0f);
         uint32_t transparent_left = receiver_.transparent_left;
-        // Chains that look through a caster first are path tracing's: see
-        // ChainClass::through_caster.
-        const Spectrum to_vertex =
-            transmittance(scene_, {receiver_.p, receiver_.ng, receiver_.p_error}, vertex_of(root),
-                          kVisibleDiffuse, transparent_left, stats_.rays, Opaque::casters_too);
-        if (is_black(to_vertex) || !casts_shadow()) return to_vertex;
-        return to_vertex * transmittance(scene_, {root.patch.p, root.patch.ng, root.patch.p_error},
-                                         end_of_light(root), kind, transparent_left, stats_.rays);
+        Spectrum through(1.0f);
+        RayStart from = start();
+        uint32_t kind = kVisibleDiffuse;
+        for (uint32_t i = 0; i < chain.count; ++i) {
+            const CasterPatch& patch = chain.vertices[i].patch;
+            // Chains that look through a caster are path tracing's: CausticPath::through_caster.
+            through *= transmittance(scene_, from, vertex_end(from.p, patch), kind, transparent_left,
+                                     stats_.rays, Opaque::casters_too);
+            if (is_black(through)) return through;
+            from = {patch.p, patch.ng, patch.p_error};
+            kind = kind_at(i);
+        }
+        if (!casts_shadow()) return through;
+        return through * transmittance(scene_, from, end_of_light(from.p), kind, transparent_left,
+                                       stats_.rays);
     }
 
     // An emissive mesh does not block its own light.
-    ChainEnd end_of_light(const ChainRoot& root) const {
+    ChainEnd end_of_light(const Vec3& last) const {
         ChainEnd end = end_of(y_);
         if (y_.surface.instance == kNone) return end;
-        const float cosine = std::abs(dot(y_.n, normalize(y_.p - root.patch.p)));
+        const float cosine = std::abs(dot(y_.n, normalize(y_.p - last)));
         end.margin = position_error(scene_, y_.surface.instance, y_.surface.triangle) /
                      std::max(cosine, kLeastCosine);
         return end;
     }
 
-    ChainEnd vertex_of(const ChainRoot& root) const {
-        const float cosine = std::abs(dot(root.patch.ng, normalize(root.patch.p - receiver_.p)));
-        return {false, root.patch.p, Vec3(0.0f),
-                root.patch.p_error / std::max(cosine, kLeastCosine)};
+    static ChainEnd vertex_end(const Vec3& from, const CasterPatch& vertex) {
+        const float cosine = std::abs(dot(vertex.ng, normalize(vertex.p - from)));
+        return {false, vertex.p, Vec3(0.0f), vertex.p_error / std::max(cosine, kLeastCosine)};
     }
 
     // Whether occluders stop the light. Where they do not, path tracing leaves the chains to the
@@ -133,17 +245,15 @@ private:
                settings_.cancelled->load(std::memory_order_relaxed);
     }
 
-    // E[number of walks until the root comes again] = 1 / p_k: a geometric distribution, counted.
-    uint32_t count_trials(const ChainQuery& query, const ChainRoot& root, Pcg& pcg) {
+    // E[number of trials until a solution comes again] = 1 / p_k: a geometric distribution, counted.
+    template <class Trial>
+    uint32_t count_trials(const Trial& comes_again) {
         uint32_t trials = 1;
-        for (; trials < settings_.trial_cap && !is_cancelled(); ++trials) {
-            const std::optional<ChainRoot> again =
-                random_walk(scene_, settings_, query, pcg, stats_);
-            if (again && same_root(settings_, root, *again)) break;
-        }
+        while (trials < settings_.trial_cap && !is_cancelled() && !comes_again()) ++trials;
         ++stats_.trial_estimates;
         stats_.trials += trials;
         stats_.max_trials = std::max<uint64_t>(stats_.max_trials, trials);
+        if (trials >= settings_.trial_cap) ++stats_.capped;
         return trials;
     }
 
@@ -159,17 +269,26 @@ private:
 }  // namespace
 
 Spectrum manifold_radiance(const Techniques& techniques, const Receiver& receiver,
-                           const Sampler& sampler, ManifoldStats& stats) {
+                           const LightSheets& sheets, const Sampler& sampler,
+                           ManifoldStats& stats) {
     const CasterSet& casters = techniques.casters;
-    const std::optional<LightPoint> y = sample_light_point(techniques.lights, techniques.scene,
-                                                           sampler[Domain::manifold_light].three());
+    const Vec3 u = sampler[Domain::manifold_light].three();
+    Pcg pcg(sampler[Domain::manifold_seeds].stream_seed());
+    if (techniques.manifold.sheets) {
+        const auto count = static_cast<float>(sheets.size());
+        const auto index = static_cast<size_t>(u.x * count);
+        const LightSheet* sheet = sheets[std::min(index, sheets.size() - 1)].get();
+        if (sheet == nullptr) return Spectrum(0.0f);
+        ++stats.estimates;
+        return Estimate(techniques, receiver, sheet->light_point(), stats).by_sheet(*sheet, pcg);
+    }
+    const std::optional<LightPoint> y = sample_light_point(techniques.lights, techniques.scene, u);
     if (!y) return Spectrum(0.0f);
     const CasterChoice choice = choose_caster(casters, receiver.p, sides_of(receiver), end_of(*y),
                                               sampler[Domain::manifold_caster].one());
     if (choice.index == kNone) return Spectrum(0.0f);
 
     ++stats.estimates;
-    Pcg pcg(sampler[Domain::manifold_seeds].stream_seed());
     Estimate estimate(techniques, receiver, *y, stats);
     const Caster& caster = casters.casters[choice.index];
     return techniques.manifold.biased ? estimate.biased(caster, pcg)

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The manifold's estimate of the light that reaches a receiver through one specular interaction.
+// The manifold's estimate of the light that reaches a receiver through specular interactions.
 //
 //   L(x, wo) = sum over chains of  int f(x) cos T L(y) |dw/dA_y| dA_y
 //
-// A point y is drawn by power, one caster by its bound, and the chains between them by random
-// walks.
+// A point y is drawn by power. The chains to it come from random walks on one caster, drawn by its
+// bound, or from a light sheet.
 #pragma once
 
 #include "bsdf/closure.h"
 #include "manifold/ownership.h"
+#include "manifold/sheet.h"
 #include "manifold/walk.h"
 
 namespace spc {
@@ -22,11 +23,15 @@ struct Receiver {
     const ClosureList* closures;
     uint32_t transparent_left;  // surfaces that the rest of the path may be looked through
     float film_per_area;        // see CausticPath
+    BounceCounts before;        // see CausticPath
 };
+
+// Of several light points, drawn as sample_light_point() draws them; null where that drew none.
+using LightSheets = std::span<const std::unique_ptr<const LightSheet>>;
 
 // One estimate of the radiance from `receiver` towards its wo. [Zeltner20 Alg. 2] or, biased, [Alg.
 // 3].
 Spectrum manifold_radiance(const Techniques& techniques, const Receiver& receiver,
-                           const Sampler& sampler, ManifoldStats& stats);
+                           const LightSheets& sheets, const Sampler& sampler, ManifoldStats& stats);
 
 }  // namespace spc

@@ -11,10 +11,11 @@ bool allowed(const ManifoldSettings& settings, Interaction interaction) {
 
 // Whether path tracing may follow the chain to its light, by whichever closure x scatters.
 bool within_limits(const BounceLimits& limits, const CausticPath& path) {
-    uint32_t glossy = 1, transmission = 1;
+    uint32_t glossy = path.before.glossy + 1, transmission = path.before.transmission + 1;
     for (uint32_t i = 0; i + 1 < path.count; ++i)
         ++(path.vertices[i].interaction == Interaction::reflection ? glossy : transmission);
-    return path.count <= limits.total && limits.diffuse >= 1 && glossy <= limits.glossy &&
+    return path.before.total + path.count <= limits.total &&
+           path.before.diffuse + 1 <= limits.diffuse && glossy <= limits.glossy &&
            transmission <= limits.transmission;
 }
 
@@ -59,7 +60,9 @@ LightEnd light_end(const LightPoint& y, const Vec3& away) {
 
 bool manifold_owns(const Techniques& techniques, const CausticPath& path) {
     return techniques.manifold.enabled && path.receiver && !path.through_caster &&
-           path.count == 1 && allowed(techniques.manifold, path.vertices[0].interaction);
+           path.count > 0 && path.count <= techniques.manifold.longest_chain &&
+           allowed(techniques.manifold, path.vertices[0].interaction) &&
+           within_limits(techniques.limits, path);
 }
 
 bool light_tracing_owns(const Techniques& techniques, const CausticPath& path) {
@@ -90,10 +93,12 @@ std::optional<CausticDensities> caustic_densities(const Techniques& techniques,
     p.geometry = derivative->geometry * static_cast<double>(end.cosine);
     const bool by_manifold = manifold_owns(techniques, path);
     if (by_manifold) {
-        const uint32_t caster = techniques.casters.of_instance[path.vertices[0].hit.instance];
-        p.manifold = kManifoldWorth * static_cast<double>(end.pdf) *
-                     static_cast<double>(caster_probability(techniques.casters, caster, path.x,
-                                                            path.sides, end.end));
+        p.manifold = manifold_worth(techniques.manifold) * static_cast<double>(end.pdf);
+        if (!techniques.manifold.sheets) {
+            const uint32_t caster = techniques.casters.of_instance[path.vertices[0].hit.instance];
+            p.manifold *= static_cast<double>(
+                caster_probability(techniques.casters, caster, path.x, path.sides, end.end));
+        }
     }
     // Rays do not look through what a lamp without shadow shines through: they leave such a light
     // to those who connect to it.

@@ -6,6 +6,7 @@
 // densities with which each technique finds it, and all of them weigh it by the balance heuristic.
 #pragma once
 
+#include "bsdf/closure.h"
 #include "manifold/emission.h"
 
 namespace spc {
@@ -13,6 +14,38 @@ namespace spc {
 // Cycles' limits: a path may scatter this often and still be lit at its last vertex.
 struct BounceLimits {
     uint32_t total = 12, diffuse = 4, glossy = 4, transmission = 12, transparent = 8;
+};
+
+struct BounceCounts {
+    uint32_t total = 0, diffuse = 0, glossy = 0, transmission = 0, transparent = 0;
+
+    void add(BounceKind kind) {
+        switch (kind) {
+            case BounceKind::diffuse: ++diffuse; break;
+            case BounceKind::glossy: ++glossy; break;
+            case BounceKind::transmission: ++transmission; break;
+            case BounceKind::transparent:
+                ++transparent;
+                return;  // not counted in the total, as in Cycles
+        }
+        ++total;
+    }
+    // Past a limit a path still sees lights, but no more surfaces: its last vertex had its direct
+    // light already.
+    bool exhausted(const BounceLimits& limits) const {
+        return total > limits.total || diffuse > limits.diffuse || glossy > limits.glossy ||
+               transmission > limits.transmission;
+    }
+    // Surfaces that the path may still look through, and every shadow ray that it casts.
+    uint32_t transparent_left(const BounceLimits& limits) const {
+        return limits.transparent - std::min(limits.transparent, transparent);
+    }
+    // Whether a vertex here may scatter once more, by whichever smooth closure, and be lit at the
+    // next vertex.
+    bool leaves_room_for_chain(const BounceLimits& limits) const {
+        return total < limits.total && diffuse < limits.diffuse && glossy < limits.glossy &&
+               transmission < limits.transmission;
+    }
 };
 
 // Light paths beside the camera's.
@@ -46,8 +79,10 @@ struct CausticPath {
     ReceiverSides sides{};   // by the side of the path that arrived
     float pdf_omega = 0.0f;  // of the scattering at x towards the chain
     bool receiver = false;   // x has the role, the closure and the bounces left
-    bool through_caster =
-        false;  // straight through a transparent part of any caster before the first vertex
+    // Straight through a transparent part of any caster, between x and the first vertex or between
+    // vertices.
+    bool through_caster = false;
+    BounceCounts before{};  // of the camera's path when it came to x
     // Pixels^2 of the film per m^2 at x where the camera sees x, directly or through transparent
     // surfaces; else 0.
     float film_per_area = 0.0f;
@@ -72,7 +107,9 @@ bool light_tracing_owns(const Techniques& techniques, const CausticPath& path);
 // The balance heuristic takes estimates of equal density for equally good. The manifold's, which
 // choose one of many solutions and count trials, have this much of the worth of a sample that was
 // drawn with the same density.
-inline constexpr double kManifoldWorth = 1.0 / 32;
+inline double manifold_worth(const ManifoldSettings& settings) {
+    return settings.sheets ? 1.0 : 1.0 / 32;
+}
 
 // By area at y (distant light: solid angle at the light) and area at x; of the camera's paths for
 // one sample of the whole picture; all divided by film_per_area, if that is positive.
@@ -80,12 +117,12 @@ struct CausticDensities {
     double geometry = 0.0;  // |dw_x/dA_y|, the cosine at y included
     double path_tracing =
         0.0;  // p_bsdf(w) |dw_x/dA_y| times the chances of all lobes; 0 for delta lights
-    double manifold = 0.0;       // p_L(y) times the chance of the caster and kManifoldWorth
+    double manifold = 0.0;       // p_L(y) times the chance of the caster and manifold_worth()
     double light_tracing = 0.0;  // paths p_L(y) p_e(w_y) |dw_y/dA_x| times the chances of all lobes
 
     // What light tracing multiplies the path's light with: its geometry over the densities, of which
     // the estimator's own one divides it and the sum weighs. Finite on a fold. The manifold takes
-    // kManifoldWorth of it, which it has not been divided by.
+    // manifold_worth() of it, which it has not been divided by.
     double scale() const { return geometry / (path_tracing + manifold + light_tracing); }
 };
 // Empty where the chain cannot be, by the accuracy that there is.

@@ -10,12 +10,7 @@ namespace {
 // What x sees of the caster along a direction that is uniform in the cone of its bounding sphere.
 // Empty beside it.
 std::optional<SurfaceHit> sample_by_direction(const Scene& scene, const ChainQuery& query, Pcg& pcg) {
-    const Vec3 to_center = query.caster->center - query.x;
-    const float d2 = length_squared(to_center), sin2 = sqr(query.caster->radius) / d2;
-    const float one_minus_cos = sin2 < 1.0f ? sin2 / (1.0f + std::sqrt(1.0f - sin2)) : 2.0f;
-    const Vec3 local = uniform_cone(pcg.two(), one_minus_cos);
-    const Vec3 direction =
-        d2 > 0.0f ? Frame::around(to_center * (1.0f / std::sqrt(d2))).to_world(local) : local;
+    const Vec3 direction = towards_caster(*query.caster, query.x, pcg.two());
     // A receiver that is part of the caster must not see itself.
     const float t_near = 1e-4f * query.caster->radius;
     const std::optional<Hit> hit = scene.accel->intersect_caster(

@@ -45,6 +45,10 @@ void RenderStats::add(const RenderStats& other) {
     m.rays += o.rays;
     m.trial_estimates += o.trial_estimates;
     m.trials += o.trials;
+    m.leads += o.leads;
+    m.roots += o.roots;
+    m.missed += o.missed;
+    m.missed_energy += o.missed_energy;
     m.max_trials = std::max(m.max_trials, o.max_trials);
     m.capped += o.capped;
     m.capped_energy += o.capped_energy;
@@ -138,7 +142,10 @@ void Session::work(bool first) {
     _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
     _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
     try {
-        if (first) prepare_light_tracing();
+        if (first) {
+            prepare_sheets();
+            prepare_light_tracing();
+        }
     } catch (...) {
         fail();
     }
@@ -162,7 +169,8 @@ void Session::fail() {
 }
 
 void Session::run_jobs() {
-    const uint64_t jobs = static_cast<uint64_t>(film_.tile_count() + light_jobs_) * pass_count_;
+    const uint64_t jobs =
+        static_cast<uint64_t>(sheet_jobs() + light_jobs_ + film_.tile_count()) * pass_count_;
     while (!should_stop()) {
         const uint64_t job = next_job_.fetch_add(1);
         if (job >= jobs) break;
@@ -199,8 +207,9 @@ uint64_t Session::light_paths_that_pay(const LightPilot& pilot) const {
 
     const auto& [x0, y0, width, height] = world_.scene->camera.crop;
     const uint64_t pixels = uint64_t{width} * height;
-    Activation always;
-    always.fill(1.0f);
+    PassState always;
+    always.activation.fill(1.0f);
+    if (const auto sheets = sheets_of(0)) always.sheets = sheets->sheets;
     RenderStats probes;
     double luminance_sum = 0.0;
     for (uint32_t i = 0; i < kProbes && !must_stop(); ++i) {
@@ -220,9 +229,14 @@ uint64_t Session::light_paths_that_pay(const LightPilot& pilot) const {
 
 // Whether the whole job was done.
 bool Session::render_job(uint64_t job, RenderStats& stats) {
-    const uint32_t per_pass = light_jobs_ + film_.tile_count();
+    const uint32_t per_pass = sheet_jobs() + light_jobs_ + film_.tile_count();
     const auto pass = static_cast<uint32_t>(job / per_pass);
-    const auto part = static_cast<uint32_t>(job % per_pass);
+    auto part = static_cast<uint32_t>(job % per_pass);
+    if (part < sheet_jobs()) {
+        if (pass + 1 < pass_count_) build_sheet(pass + 1, part, stats);
+        return true;
+    }
+    part -= sheet_jobs();
     return part < light_jobs_ ? render_light_paths(pass, part, stats)
                               : render_tile(pass, part - light_jobs_, stats);
 }
@@ -234,14 +248,72 @@ bool Session::render_tile(uint32_t pass, uint32_t tile, RenderStats& stats) {
         if (should_stop()) return false;
         std::this_thread::yield();
     }
+    std::shared_ptr<const SheetStore> sheets = sheets_of(pass);
+    while (sheets && sheets->missing.load() > 0) {
+        if (pass > 0 ? should_stop() : must_stop()) return false;
+        std::this_thread::yield();
+    }
     std::vector<PixelSums> pixels = film_.copy_tile(tile);
-    const bool complete = render_pixels(tile, pass_begin(pass),
-                                        pass_begin(pass + 1) - pass_begin(pass), pixels, stats);
+    const bool complete =
+        render_pixels(tile, pass_begin(pass), pass_begin(pass + 1) - pass_begin(pass), sheets.get(),
+                      pixels, stats);
     film_.store_tile(tile, pixels);
     if (!complete) return false;
     evidence_[tile].add(stats);
     tile_passes_[tile].store(pass + 1);
+    if (sheets && --sheets_[pass]->users == 0) sheets_[pass]->sheets.clear();
     return true;
+}
+
+std::shared_ptr<const Session::SheetStore> Session::sheets_of(uint32_t pass) const {
+    return sheets_.empty() ? nullptr : sheets_[pass];
+}
+
+uint32_t Session::sheet_jobs() const { return sheets_per_sample_ * kLargestBatch; }
+
+// Sheets for the first pass; each pass then has those of the next built.
+void Session::prepare_sheets() {
+    constexpr uint32_t kMostSheets = 4, kPixelsOfTile = 256, kLeastTiles = 64, kMostTiles = 1024;
+    const LightSet& lights = world_.lights;
+    if (!settings_.integrator.manifold.sheets || world_.casters.empty() ||
+        lights.caustic_selection.empty())
+        return;
+    sheet_guide_ = aim_at_casters(*world_.scene, lights, world_.casters);
+    sheets_per_sample_ = std::min(lights.count(), kMostSheets);
+    // As large as leaves their making a small part of the work.
+    const auto& crop = world_.scene->camera.crop;
+    sheet_tiles_ = std::clamp(crop[2] * crop[3] / (kPixelsOfTile * sheets_per_sample_), kLeastTiles,
+                              kMostTiles);
+    for (uint32_t pass = 0; pass < pass_count_; ++pass) {
+        auto store = std::make_shared<SheetStore>();
+        store->sheets.resize(sheets_per_sample_ * (pass_begin(pass + 1) - pass_begin(pass)));
+        store->missing = static_cast<uint32_t>(store->sheets.size());
+        store->users = film_.tile_count();
+        sheets_.push_back(std::move(store));
+    }
+    RenderStats stats;
+    for (uint32_t part = 0; part < sheets_per_sample_; ++part) build_sheet(0, part, stats);
+    const std::lock_guard lock(mutex_);
+    stats_.add(stats);
+}
+
+// All pixels share a sample's light points, which are stratified over the samples.
+void Session::build_sheet(uint32_t pass, uint32_t part, RenderStats& stats) {
+    SheetStore& store = *sheets_[pass];
+    if (part >= store.sheets.size()) return;
+    const uint32_t index =
+        (settings_.first_sample + pass_begin(pass)) * sheets_per_sample_ + part;
+    const Sampler sampler(settings_.seed, kNone, index);
+    if (const std::optional<LightPoint> y =
+            sample_light_point(world_.lights, *world_.scene,
+                               sampler[Domain::manifold_light].three())) {
+        const SheetWorld world{*world_.scene, world_.lights, world_.casters, sheet_guide_,
+                               settings_.integrator.manifold.longest_chain};
+        store.sheets[part] =
+            std::make_unique<const LightSheet>(world, *y, sheet_tiles_);
+        stats.path.manifold.rays += store.sheets[part]->rays();
+    }
+    --store.missing;
 }
 
 // A part of the light paths of a pass.
@@ -270,9 +342,10 @@ bool Session::render_light_paths(uint32_t pass, uint32_t part, RenderStats& stat
 }
 
 bool Session::render_pixels(uint32_t tile, uint32_t first, uint32_t count,
-                            std::vector<PixelSums>& pixels, RenderStats& stats) {
+                            const SheetStore* sheets, std::vector<PixelSums>& pixels,
+                            RenderStats& stats) {
     const Film::TileBounds b = film_.bounds(tile);
-    const Activation activation = activation_for(evidence_[tile], pixels);
+    PassState state{activation_for(evidence_[tile], pixels)};
     const auto& crop = world_.scene->camera.crop;
     for (uint32_t y = 0; y < b.height; ++y) {
         for (uint32_t x = 0; x < b.width; ++x) {
@@ -280,9 +353,12 @@ bool Session::render_pixels(uint32_t tile, uint32_t first, uint32_t count,
             for (uint32_t i = 0; i < count; ++i) {
                 // Every pixel gets its first samples, however short the time.
                 if (first > 0 ? should_stop() : must_stop()) return false;
+                if (sheets)
+                    state.sheets = std::span(sheets->sheets)
+                                       .subspan(i * sheets_per_sample_, sheets_per_sample_);
                 const FilmSample sample =
                     take_sample(crop[0] + b.x0 + x, crop[1] + b.y0 + y,
-                                settings_.first_sample + first + i, activation, stats);
+                                settings_.first_sample + first + i, state, stats);
                 if (cancelled_.load(std::memory_order_relaxed)) return false;  // cut short, perhaps
                 accumulate(pixel, sample);
             }
@@ -295,7 +371,7 @@ bool Session::render_pixels(uint32_t tile, uint32_t first, uint32_t count,
 
 // x and y in the full frame: a crop is a window into the same picture.
 FilmSample Session::take_sample(uint32_t x, uint32_t y, uint32_t index,
-                                const Activation& activation, RenderStats& stats) const {
+                                const PassState& state, RenderStats& stats) const {
     const Camera& camera = world_.scene->camera;
     const Sampler sampler(settings_.seed, y * camera.width + x, index);
     const Vec2 offset = filter_.sample(sampler[Domain::film].two());
@@ -303,7 +379,7 @@ FilmSample Session::take_sample(uint32_t x, uint32_t y, uint32_t index,
     const Ray ray = camera.ray(static_cast<float>(x) + 0.5f + offset.x,
                                static_cast<float>(y) + 0.5f + offset.y, lens);
     PathSample path =
-        path_radiance(world_, settings_.integrator, activation, ray, lens, sampler, stats.path);
+        path_radiance(world_, settings_.integrator, state, ray, lens, sampler, stats.path);
     ++stats.samples;
     if (!is_finite(path.radiance) || !is_finite(path.caustics) || !is_finite(path.position) ||
         !is_finite(path.normal) || !std::isfinite(path.alpha)) {

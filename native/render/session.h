@@ -74,18 +74,29 @@ public:
 
 private:
     using Clock = std::chrono::steady_clock;
+    // Of one pass, those of its first sample first.
+    struct SheetStore {
+        std::vector<std::unique_ptr<const LightSheet>> sheets;
+        std::atomic<uint32_t> missing;  // not built yet
+        std::atomic<uint32_t> users;    // tiles that still need them
+    };
 
     void work(bool first);
     void run_jobs();
     void fail();
     void prepare_light_tracing();
+    void prepare_sheets();
+    uint32_t sheet_jobs() const;  // of each pass, for the next
     uint64_t light_paths_that_pay(const LightPilot& pilot) const;
     bool render_job(uint64_t job, RenderStats& stats);
     bool render_tile(uint32_t pass, uint32_t tile, RenderStats& stats);
     bool render_light_paths(uint32_t pass, uint32_t part, RenderStats& stats);
     bool render_pixels(uint32_t tile, uint32_t first, uint32_t count,
-                       std::vector<PixelSums>& pixels, RenderStats& stats);
-    FilmSample take_sample(uint32_t x, uint32_t y, uint32_t index, const Activation& activation,
+                       const SheetStore* sheets, std::vector<PixelSums>& pixels,
+                       RenderStats& stats);
+    void build_sheet(uint32_t pass, uint32_t part, RenderStats& stats);
+    std::shared_ptr<const SheetStore> sheets_of(uint32_t pass) const;
+    FilmSample take_sample(uint32_t x, uint32_t y, uint32_t index, const PassState& state,
                            RenderStats& stats) const;
     uint32_t pass_begin(
         uint32_t pass) const;  // relative sample index; of pass_count_ the number of samples
@@ -105,6 +116,10 @@ private:
     uint64_t light_paths_ = 0;  // for each sample of the picture
     std::atomic<uint64_t> light_jobs_done_{0};
     std::unique_ptr<const LightPilot> light_pilot_;
+    // Of the passes under way, in which all pixels share them; each is built during the pass before.
+    EmissionGuide sheet_guide_;
+    uint32_t sheets_per_sample_ = 0, sheet_tiles_ = 0;
+    std::vector<std::shared_ptr<SheetStore>> sheets_;  // of each pass
     std::latch prepared_{1};
     std::atomic<uint64_t> next_job_{0};
     std::atomic<bool> cancelled_{false}, out_of_time_{false}, failed_{false};

@@ -332,10 +332,11 @@ typedef enum spc_method {
     SPC_METHOD_SMS_UNBIASED = 1, /* [Zeltner20, Alg. 2] */
     /* [Zeltner20, Alg. 3]: loses the solutions that `set_size` walks miss */
     SPC_METHOD_SMS_BIASED = 2,
-    SPC_METHOD_LT = 3 /* path tracing and light tracing, no manifold */
+    SPC_METHOD_LT = 3,    /* path tracing and light tracing, no manifold */
+    SPC_METHOD_SHEETS = 4 /* manifold: all chains by light sheets, walks for what they miss */
 } spc_method;
 
-/* Light paths beside the methods SPC_METHOD_SMS_*, as many as pay. AUTO: as ON, for now. */
+/* Light paths beside the manifold's methods, as many as pay. AUTO: as ON, for now. */
 typedef enum spc_light_tracing {
     SPC_LIGHT_TRACING_AUTO = 0,
     SPC_LIGHT_TRACING_ON = 1,
@@ -421,6 +422,10 @@ typedef struct spc_render_stats {
     uint64_t nan_samples;   /* samples and splats dropped for not being finite */
     uint64_t light_paths;   /* from lights; those that learned where to start included */
     uint64_t splats;        /* that light paths added to the picture */
+    /* Of SPC_METHOD_SHEETS: chains that sheets told to look for, different ones that were there, and
+     * others that walks found beside them, with the luminance that these gave. */
+    uint64_t sheet_leads, sheet_chains, missed_chains;
+    double missed_energy;
 } spc_render_stats;
 SPC_API spc_status spc_render_get_stats(spc_session* session, spc_render_stats* stats);
 

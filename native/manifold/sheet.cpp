@@ -1,0 +1,467 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "manifold/sheet.h"
+
+namespace spc {
+
+namespace {
+
+constexpr uint32_t kCells = 16;  // of a tile, along each side
+constexpr uint32_t kCorners = kCells + 1;
+constexpr uint32_t kFinestLevel = 16;
+
+// Where one ray ends on a receiver.
+struct Landing {
+    ChainKind kind;    // from the light on
+    uint32_t ordinal;  // among the receivers behind the last caster
+    BeamEdge edge;
+    float path;        // m from the light, or from where the rays of a distant one begin
+    uint32_t instance;
+    Vec3 ng;
+    float throughput;  // largest component
+};
+
+// Follows one ray from the light along every way through the casters.
+class SheetRay {
+public:
+    SheetRay(const SheetWorld& world, const LightPoint& y, std::vector<Landing>& landings,
+             uint64_t& rays)
+        : world_(world), scene_(world.scene), y_(y), landings_(landings), rays_(rays) {}
+
+    void follow(const Vec2& place) {
+        Ray ray = ray_at(world_.guide, y_, place);
+        if (is_black(radiance_at(world_.lights, scene_, y_, ray.direction))) return;
+        if (y_.surface.instance != kNone)
+            ray.origin = offset_origin(
+                {y_.p, y_.n, position_error(scene_, y_.surface.instance, y_.surface.triangle)},
+                ray.direction);
+        follow(ray, 0.0f, ChainKind{}, 1.0f);
+    }
+
+private:
+    void follow(Ray ray, float path, const ChainKind& kind, float throughput) {
+        uint32_t ordinal = 0;
+        for (;;) {
+            ++rays_;
+            const std::optional<Hit> hit = scene_.accel->intersect(ray, kVisibleScattered);
+            if (!hit) return;
+            ray.t_near = past(hit->t);
+            if (hit->light != kNone) continue;  // lamps are looked through
+            const Instance& instance = scene_.instances[hit->surface.instance];
+            if (kind.count > 0 && instance.receiver)
+                land(ray, path, *hit, kind, ordinal++, throughput);
+            if (world_.casters.of_instance[hit->surface.instance] != kNone)
+                return branch(ray, path + hit->t, hit->surface, kind, throughput);
+            const bool transparent =
+                scene_.any_transparency && ordinal < kMostReceivers &&
+                !is_black(surface_transparency(scene_, hit->surface, ray.direction * -1.0f));
+            if (!transparent) return;
+        }
+    }
+
+    void land(const Ray& ray, float path, const Hit& hit, const ChainKind& kind, uint32_t ordinal,
+              float throughput) {
+        const Vec3 landed = surface_position(scene_, hit.surface);
+        landings_.push_back({kind, ordinal, {ray.origin, ray.direction, landed},
+                             path + hit.t, hit.surface.instance,
+                             front_normal(scene_, hit.surface.instance, hit.surface.triangle),
+                             throughput});
+    }
+
+    // Reflected and refracted, as far as either carries light.
+    void branch(const Ray& ray, float path, const SurfaceHit& hit, const ChainKind& kind,
+                float throughput) {
+        if (kind.count == world_.longest_chain) return;
+        const SpecularInterface& specular = scene_.material_of(hit).specular;
+        Surface surface;
+        evaluate_surface(scene_, hit, ray.direction * -1.0f, surface);
+        const CasterPatch patch = evaluate_caster(scene_, hit, false);
+        for (const Interaction interaction : {Interaction::reflection, Interaction::refraction}) {
+            if (!has_interaction(specular, interaction)) continue;
+            if (kind.count == 0 && !light_takes(interaction)) continue;
+            const float eta = eta_seen_from(patch.ng, ray.direction * -1.0f, specular.ior);
+            RayDual dual = ray_dual_from(ray.direction);
+            if (!pass_vertex({interaction, eta, patch}, 0.0, dual)) continue;
+            const Vec3 out(dual.d);
+            const bool refracts = interaction == Interaction::refraction;
+            if ((dot(out, surface.ng) < 0.0f) != refracts) continue;
+            const DeltaLobe lobe =
+                delta_lobe(surface.closures, surface.ng, surface.wo, out, refracts);
+            const float left = throughput * max_component(lobe.throughput);
+            if (!(left > kLeastThroughput)) continue;
+            ChainKind longer = kind;
+            longer.append({hit.instance, interaction});
+            const Vec3 origin = offset_origin({surface.p, surface.ng, surface.p_error}, out);
+            follow({origin, out, 0.0f, kInfinity}, path, longer, left);
+        }
+    }
+
+    bool light_takes(Interaction interaction) const {
+        const uint32_t kind =
+            interaction == Interaction::reflection ? kVisibleGlossy : kVisibleTransmission;
+        return (light_visibility(world_.lights, y_.light) & kind) != 0;
+    }
+
+    static constexpr uint32_t kMostReceivers = 4;
+    static constexpr float kLeastThroughput = 1.0f / 512;
+
+    const SheetWorld& world_;
+    const Scene& scene_;
+    const LightPoint& y_;
+    std::vector<Landing>& landings_;
+    uint64_t& rays_;
+};
+
+// A square of a light's unit square, of side 2^-level.
+struct Square {
+    uint32_t x, y, level;
+    float area() const { return std::ldexp(1.0f, -2 * static_cast<int>(level)); }
+};
+
+// A square's grid of rays, made into beams.
+class Tile {
+public:
+    Tile(const SheetWorld& world, const LightPoint& y, const Square& tile, BeamSet& out)
+        : out_(out) {
+        const float side = std::ldexp(1.0f, -static_cast<int>(tile.level));
+        // Solid angle, or area across the direction of a distant light, of a beam.
+        beam_size_ = 0.5f * sqr(side / kCells) / density_of_uniform(world.guide, y);
+        distant_ = y.distant;
+        for (uint32_t j = 0; j < kCorners; ++j)
+            for (uint32_t i = 0; i < kCorners; ++i) {
+                const auto at = [&](uint32_t corner, uint32_t k) {
+                    const float place = (static_cast<float>(corner) +
+                                         static_cast<float>(k) / static_cast<float>(kCells)) *
+                                        side;
+                    return std::min(place, 1.0f - 0x1p-24f);
+                };
+                begin_[j * kCorners + i] = static_cast<uint32_t>(landings_.size());
+                SheetRay(world, y, landings_, out_.rays).follow({at(tile.x, i), at(tile.y, j)});
+            }
+        begin_[kCorners * kCorners] = static_cast<uint32_t>(landings_.size());
+        marks_.resize(landings_.size());
+        for (uint32_t j = 0; j < kCells; ++j)
+            for (uint32_t i = 0; i < kCells; ++i) fill_cell(i, j);
+        finish();
+    }
+
+    // How much of the tile's light comes by cells that are no smooth part of a sheet, in cells.
+    float irregularity() const { return irregularity_; }
+
+private:
+    struct Mark {
+        bool forward = false, backward = false;  // orientations of the beams around
+        uint32_t beams = 0, expected = 0;
+    };
+
+    uint32_t corner(uint32_t i, uint32_t j) const { return j * kCorners + i; }
+
+    // The landing of the same kind at another corner, or kNone.
+    uint32_t counterpart(const Landing& landing, uint32_t at) const {
+        for (uint32_t k = begin_[at]; k < begin_[at + 1]; ++k)
+            if (landings_[k].ordinal == landing.ordinal && landings_[k].kind == landing.kind)
+                return k;
+        return kNone;
+    }
+
+    void fill_cell(uint32_t i, uint32_t j) {
+        const std::array<uint32_t, 4> corners{corner(i, j), corner(i + 1, j), corner(i + 1, j + 1),
+                                              corner(i, j + 1)};
+        for (size_t c = 0; c < 4; ++c)
+            for (uint32_t k = begin_[corners[c]]; k < begin_[corners[c] + 1]; ++k) {
+                std::array<uint32_t, 4> ends;
+                bool first = true;  // the corner at which this kind comes first
+                for (size_t o = 0; o < 4; ++o) {
+                    ends[o] = o == c ? k : counterpart(landings_[k], corners[o]);
+                    first = first && (o >= c || ends[o] == kNone);
+                }
+                if (first) fill_kind(ends);
+            }
+    }
+
+    void fill_kind(const std::array<uint32_t, 4>& ends) {
+        float throughput = 0.0f;
+        bool whole = true;
+        for (size_t c = 0; c < 4; ++c) {
+            const uint32_t k = ends[c];
+            whole = whole && k != kNone;
+            if (k == kNone) continue;
+            throughput = std::max(throughput, landings_[k].throughput);
+            marks_[k].expected += c % 2 == 0 ? 2 : 1;
+        }
+        add_beam(ends[0], ends[1], ends[2]);
+        add_beam(ends[0], ends[2], ends[3]);
+        irregularity_ += throughput * (whole ? std::min(1.0f, bend(ends)) : 1.0f);
+    }
+
+    // How far the cell's fourth corner lies from where three of them would have it, by their
+    // distances.
+    float bend(const std::array<uint32_t, 4>& ends) const {
+        const auto p = [&](size_t i) { return landings_[ends[i]].edge.landed; };
+        const float off = length(p(0) + p(2) - p(1) - p(3));
+        const float size = std::max({length(p(1) - p(0)), length(p(2) - p(1)), length(p(3) - p(2)),
+                                     length(p(0) - p(3))});
+        return size > 0.0f ? off / size : 0.0f;
+    }
+
+    void add_beam(uint32_t a, uint32_t b, uint32_t c) {
+        if (a == kNone || b == kNone || c == kNone) return;
+        const Landing &la = landings_[a], &lb = landings_[b], &lc = landings_[c];
+        const Vec3 e1 = lb.edge.landed - la.edge.landed, e2 = lc.edge.landed - la.edge.landed;
+        const float longest = std::max({length(e1), length(e2), length(e1 - e2)});
+        const bool flat = la.instance == lb.instance && la.instance == lc.instance &&
+                          dot(la.ng, lb.ng) > kFlat && dot(la.ng, lc.ng) > kFlat;
+        const float depth = longest * (flat ? kFlatDepth : 1.0f) +
+                            1e-5f * length(la.edge.landed - la.edge.last);
+        const bool forward = dot(cross(e1, e2), la.edge.d) > 0.0f;
+        for (const uint32_t k : {a, b, c}) {
+            (forward ? marks_[k].forward : marks_[k].backward) = true;
+            ++marks_[k].beams;
+        }
+        out_.beams.push_back({{a, b, c}, 0, 0.0f, depth, 0.0f});
+    }
+
+    // In proportion to the light in the beam, over what there would be without the casters.
+    float chance_of(const Beam& beam) const {
+        constexpr float kCertain = 1.0f / 8, kLeast = 1.0f / 512;
+        const Landing &a = landings_[beam.edges[0]], &b = landings_[beam.edges[1]],
+                      &c = landings_[beam.edges[2]];
+        const Vec3 e1 = b.edge.landed - a.edge.landed, e2 = c.edge.landed - a.edge.landed;
+        const float area = 0.5f * std::abs(dot(cross(e1, e2), a.edge.d));
+        const float size = beam_size_ * (distant_ ? 1.0f : sqr(a.path));
+        const float light = std::max({a.throughput, b.throughput, c.throughput}) * size;
+        const float chance = light < kCertain * area ? light / (kCertain * area) : 1.0f;
+        return std::max(power_of_two_below(chance), kLeast);
+    }
+    static float power_of_two_below(float a) {
+        int exponent;
+        return a > 0.0f ? (std::frexp(a, &exponent), std::ldexp(0.5f, exponent)) : 0.0f;
+    }
+
+    // Margins are wide where a sheet folds over or ends: there chains lie beyond its triangles.
+    void finish() {
+        std::map<ChainKind, uint32_t> index;
+        for (const Landing& landing : landings_) {
+            out_.edges.push_back(landing.edge);
+            const auto [at, added] =
+                index.try_emplace(landing.kind, static_cast<uint32_t>(index.size()));
+            if (added) out_.kinds.push_back(landing.kind.reversed());
+        }
+        for (Beam& beam : out_.beams) {
+            beam.kind = index[landings_[beam.edges[0]].kind];
+            beam.margin = kMargin;
+            beam.chance = chance_of(beam);
+            for (const uint32_t k : beam.edges) {
+                const Mark& mark = marks_[k];
+                if (mark.forward && mark.backward) {
+                    beam.margin = std::max(beam.margin, kFoldMargin);
+                    beam.chance = std::min(1.0f, kFoldGain * beam.chance);
+                }
+                if (mark.beams < mark.expected) beam.margin = std::max(beam.margin, kEndMargin);
+            }
+        }
+    }
+
+    static constexpr float kFlat = 0.999f, kFlatDepth = 0.05f;
+    // A beam on a fold may carry more light than its area tells.
+    static constexpr float kFoldGain = 8.0f;
+    static constexpr float kMargin = 0.1f, kFoldMargin = 0.5f, kEndMargin = 1.0f;
+
+    BeamSet& out_;
+    float beam_size_;
+    bool distant_;
+    std::vector<Landing> landings_;
+    std::vector<Mark> marks_;
+    std::array<uint32_t, kCorners * kCorners + 1> begin_{};
+    float irregularity_ = 0.0f;
+};
+
+// Where x lies between the three rays of a beam: barycentrics of the second and third, and m along
+// the rays from where they landed. Two steps of Newton's method on p(b) + s d(b) = x.
+std::optional<Vec3> locate(const std::array<const BeamEdge*, 3>& edges, const Vec3& x) {
+    const Vec3 p0 = edges[0]->landed, e1 = edges[1]->landed - p0, e2 = edges[2]->landed - p0;
+    const Vec3 d0 = edges[0]->d, f1 = edges[1]->d - d0, f2 = edges[2]->d - d0;
+    Vec3 at(1.0f / 3, 1.0f / 3, 0.0f);
+    for (int i = 0; i < 2; ++i) {
+        const Vec3 d = d0 + f1 * at.x + f2 * at.y;
+        const Vec3 c1 = e1 + f1 * at.z, c2 = e2 + f2 * at.z;
+        const Vec3 off = x - (p0 + e1 * at.x + e2 * at.y + d * at.z);
+        const Vec3 normal = cross(c1, c2);
+        const float det = dot(normal, d);
+        if (std::abs(det) < 1e-30f) return std::nullopt;
+        at += Vec3(dot(cross(off, c2), d), dot(cross(c1, off), d), dot(normal, off)) * (1.0f / det);
+    }
+    return at;
+}
+
+Bounds bounds_of(const std::array<const BeamEdge*, 3>& edges, const Beam& beam) {
+    const Vec3 center =
+        (edges[0]->landed + edges[1]->landed + edges[2]->landed) * (1.0f / 3);
+    const float scale = 1.0f + 3.0f * beam.margin;
+    Bounds bounds;
+    for (const BeamEdge* edge : edges) {
+        const Vec3 p = center + (edge->landed - center) * scale;
+        bounds.extend(p - edge->d * beam.depth);
+        bounds.extend(p + edge->d * beam.depth);
+    }
+    return bounds;
+}
+
+std::array<const BeamEdge*, 3> edges_of(const BeamSet& set, const Beam& beam) {
+    return {&set.edges[beam.edges[0]], &set.edges[beam.edges[1]], &set.edges[beam.edges[2]]};
+}
+
+// Squares of one level into which the places fall, and their neighbours.
+std::vector<Square> squares_around(std::span<const Vec2> places, uint32_t level) {
+    const uint32_t side = 1u << level;
+    std::map<std::pair<uint32_t, uint32_t>, bool> set;
+    for (const Vec2& place : places) {
+        const auto x = static_cast<uint32_t>(place.x * static_cast<float>(side));
+        const auto y = static_cast<uint32_t>(place.y * static_cast<float>(side));
+        for (uint32_t j = y > 0 ? y - 1 : 0; j <= std::min(y + 1, side - 1); ++j)
+            for (uint32_t i = x > 0 ? x - 1 : 0; i <= std::min(x + 1, side - 1); ++i)
+                set[{j, i}] = true;
+    }
+    std::vector<Square> squares;
+    for (const auto& [at, used] : set) squares.push_back({at.second, at.first, level});
+    return squares;
+}
+
+// Where random points of the casters lie in the light's square.
+std::vector<Vec2> places_of_casters(const SheetWorld& world, const LightPoint& y) {
+    constexpr uint32_t kPoints = 1u << 14;
+    std::vector<Vec2> places;
+    Pcg pcg(y.light);
+    for (uint32_t i = 0; i < kPoints; ++i) {
+        const Caster& caster = world.casters.casters[i % world.casters.casters.size()];
+        const Vec3 p = surface_position(world.scene, sample_on(caster, pcg));
+        if (const std::optional<Vec2> place =
+                place_towards(world.guide, y.light, {y.distant, y.p, y.direction}, p))
+            places.push_back(*place);
+    }
+    return places;
+}
+
+// The finest level at which the places fill no more squares than that.
+std::vector<Square> first_squares(std::span<const Vec2> places, size_t most) {
+    std::vector<Square> squares = squares_around(places, 0);
+    for (uint32_t level = 1; level <= kFinestLevel; ++level) {
+        std::vector<Square> finer = squares_around(places, level);
+        if (finer.size() > most) break;
+        squares = std::move(finer);
+    }
+    return squares;
+}
+
+struct TracedTile {
+    Square square;
+    float irregular;  // by area of the unit square
+    BeamSet beams;
+};
+
+// Splits the least regular tiles, an eighth of them at a time.
+std::vector<TracedTile> trace_tiles(const SheetWorld& world, const LightPoint& y, size_t budget) {
+    std::vector<TracedTile> tiles;
+    const auto add = [&](const Square& square) {
+        TracedTile traced{square, 0.0f, {}};
+        traced.irregular = Tile(world, y, square, traced.beams).irregularity() * square.area();
+        if (square.level == kFinestLevel) traced.irregular = 0.0f;
+        if (!traced.beams.edges.empty()) tiles.push_back(std::move(traced));
+    };
+    const std::vector<Vec2> places = places_of_casters(world, y);
+    for (const Square& square : first_squares(places, budget / 4)) add(square);
+    while (!tiles.empty() && tiles.size() < budget) {
+        const auto by_need = [](const TracedTile& a, const TracedTile& b) {
+            return a.irregular < b.irregular;
+        };
+        std::stable_sort(tiles.begin(), tiles.end(), by_need);
+        size_t splits = std::min(tiles.size() / 8 + 1, (budget - tiles.size()) / 3 + 1);
+        std::vector<Square> coarse;
+        for (; splits > 0 && !tiles.empty() && tiles.back().irregular > 0.0f; --splits) {
+            coarse.push_back(tiles.back().square);
+            tiles.pop_back();
+        }
+        if (coarse.empty()) break;
+        for (const Square& square : coarse)
+            for (uint32_t q = 0; q < 4; ++q)
+                add({2 * square.x + (q & 1), 2 * square.y + (q >> 1), square.level + 1});
+    }
+    return tiles;
+}
+
+}  // namespace
+
+LightSheet::LightSheet(const SheetWorld& world, const LightPoint& y, uint32_t tiles) : y_(y) {
+    std::map<ChainKind, uint32_t> kinds;
+    for (const TracedTile& tile : trace_tiles(world, y, tiles)) append(tile.beams, kinds);
+    build_layers();
+}
+
+void LightSheet::build_layers() {
+    constexpr int kLayers = 10;
+    layers_.resize(kLayers);
+    std::array<std::vector<Bounds>, kLayers> boxes;
+    for (uint32_t i = 0; i < all_.beams.size(); ++i) {
+        const Beam& beam = all_.beams[i];
+        const auto k = static_cast<size_t>(std::clamp(-std::ilogb(beam.chance), 0, kLayers - 1));
+        layers_[k].beams.push_back(i);
+        boxes[k].push_back(bounds_of(edges_of(all_, beam), beam));
+    }
+    for (size_t k = 0; k < kLayers; ++k) {
+        layers_[k].largest = std::ldexp(1.0f, -static_cast<int>(k));
+        layers_[k].tree = std::make_unique<const BoxTree>(std::move(boxes[k]));
+    }
+}
+
+void LightSheet::append(const BeamSet& part, std::map<ChainKind, uint32_t>& kinds) {
+    const auto offset = static_cast<uint32_t>(all_.edges.size());
+    all_.edges.insert(all_.edges.end(), part.edges.begin(), part.edges.end());
+    std::vector<uint32_t> index(part.kinds.size());
+    for (size_t k = 0; k < part.kinds.size(); ++k) {
+        const auto [at, added] =
+            kinds.try_emplace(part.kinds[k], static_cast<uint32_t>(kinds.size()));
+        if (added) all_.kinds.push_back(part.kinds[k]);
+        index[k] = at->second;
+    }
+    for (Beam beam : part.beams) {
+        for (uint32_t& edge : beam.edges) edge += offset;
+        beam.kind = index[beam.kind];
+        all_.beams.push_back(beam);
+    }
+    all_.rays += part.rays;
+}
+
+bool repeats(const Lead& lead, const Lead& other) {
+    if (lead.inside || !other.inside || other.chance < lead.chance || lead.kind != other.kind ||
+        lead.forward != other.forward)
+        return false;
+    const auto shared = [&](uint32_t edge) {
+        return std::find(other.edges.begin(), other.edges.end(), edge) != other.edges.end();
+    };
+    return std::any_of(lead.edges.begin(), lead.edges.end(), shared);
+}
+
+void LightSheet::find_leads(const Vec3& x, float u, std::vector<Lead>& leads) const {
+    for (const Layer& layer : layers_)
+        if (layer.largest > u)
+            layer.tree->visit(x, [&](uint32_t i) { add_lead(all_.beams[layer.beams[i]], x, leads); });
+    std::stable_partition(leads.begin(), leads.end(), [](const Lead& lead) { return lead.inside; });
+}
+
+void LightSheet::add_lead(const Beam& beam, const Vec3& x, std::vector<Lead>& leads) const {
+    const std::array<const BeamEdge*, 3> edges = edges_of(all_, beam);
+    const std::optional<Vec3> at = locate(edges, x);
+    if (!at || !(std::abs(at->z) <= beam.depth)) return;
+    const float b0 = 1.0f - at->x - at->y, least = std::min({b0, at->x, at->y});
+    if (!(least >= -beam.margin)) return;
+    const Vec3 last = edges[0]->last * b0 + edges[1]->last * at->x + edges[2]->last * at->y;
+    const Vec3 to = last - x;
+    const float distance = length(to);
+    if (!(distance > 0.0f)) return;
+    const bool forward = dot(cross(edges[1]->landed - edges[0]->landed,
+                                   edges[2]->landed - edges[0]->landed),
+                             edges[0]->d) > 0.0f;
+    leads.push_back({&all_.kinds[beam.kind], to * (1.0f / distance), beam.chance, least >= 0.0f,
+                     forward, beam.edges});
+}
+
+}  // namespace spc

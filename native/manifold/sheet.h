@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Light sheets: all chains between a receiver and one point of a light, without random walks.
+//
+// For one light point a chain of any length maps two coordinates at the light to a point on a
+// receiver. So a grid of rays is traced from the light through the casters once; its cells become
+// triangles on the receivers, one sheet of them for each kind of chain, and the triangles around a
+// point tell which chains lead to it ([Watt90], [Nishita94] traced beams so, to shade with). Here
+// each is the start of a shot that finds the chain exactly.
+#pragma once
+
+#include "manifold/emission.h"
+#include "manifold/shooting.h"
+#include "scene/box_tree.h"
+
+#include <map>
+
+namespace spc {
+
+// What sheets are made of.
+struct SheetWorld {
+    const Scene& scene;
+    const LightSet& lights;
+    const CasterSet& casters;
+    const EmissionGuide& guide;
+    uint32_t longest_chain;
+};
+
+// A ray behind its last caster.
+struct BeamEdge {
+    Vec3 last;    // vertex on that caster
+    Vec3 d;       // unit direction behind it
+    Vec3 landed;  // on a receiver
+};
+// Three rays of one kind of chain that are neighbours at the light.
+struct Beam {
+    std::array<uint32_t, 3> edges;
+    uint32_t kind;
+    float margin;  // in barycentrics, by which it reaches beyond its rays
+    float depth;   // m along the rays, before and behind where they landed
+    float chance;  // to be looked at, where a query meets it; a power of two
+};
+struct BeamSet {
+    std::vector<BeamEdge> edges;
+    std::vector<Beam> beams;
+    std::vector<ChainKind> kinds;  // from the receiver on
+    uint64_t rays = 0;
+};
+// A chain that may exist, and the direction at the receiver in which to look for it.
+struct Lead {
+    const ChainKind* kind;
+    Vec3 w;
+    float chance;  // that a query has this lead
+    // Of the beam that gave it: x lies between its rays themselves; how they turn around it.
+    bool inside, forward;
+    std::array<uint32_t, 3> edges;
+};
+// Whether `lead`, which is beside its beam, says no more than `other`, inside a neighbour of that
+// beam.
+bool repeats(const Lead& lead, const Lead& other);
+
+class LightSheet {
+public:
+    // Of some `tiles` parts, which are smaller where what becomes of the rays varies most.
+    LightSheet(const SheetWorld& world, const LightPoint& y, uint32_t tiles);
+
+    const LightPoint& light_point() const { return y_; }
+    uint64_t rays() const { return all_.rays; }  // that it took
+    size_t beams() const { return all_.beams.size(); }
+    // Of the beams that x lies in or, by their margin, next to, those whose chance is above u: of a
+    // chain to which several of them lead, the chance that a uniform u finds it is the largest of
+    // theirs. Those that it lies in come first.
+    void find_leads(const Vec3& x, float u, std::vector<Lead>& leads) const;
+
+private:
+    // Beams of similar chance: weak ones spread over large boxes, in which most queries need not
+    // look.
+    struct Layer {
+        float largest;  // chance
+        std::vector<uint32_t> beams;
+        std::unique_ptr<const BoxTree> tree;
+    };
+    void append(const BeamSet& part, std::map<ChainKind, uint32_t>& kinds);
+    void build_layers();
+    void add_lead(const Beam& beam, const Vec3& x, std::vector<Lead>& leads) const;
+
+    LightPoint y_;
+    BeamSet all_;
+    std::vector<Layer> layers_;
+};
+
+}  // namespace spc

@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "manifold/shooting.h"
+
+namespace spc {
+
+namespace {
+
+// Of single precision, with room for the handful of operations that each coordinate has seen.
+constexpr float kUnitRoundoff = 8.0f * 0x1p-24f;
+
+float largest_coordinate(const Vec3& p) {
+    return std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+}
+
+// Where a ray that has left the surface at a small angle is past its rounding.
+float leave(const RayStart& from, const Vec3& w) {
+    constexpr float kLeastCosine = 1e-2f;
+    return 2.0f * from.error / std::max(std::abs(dot(from.ng, w)), kLeastCosine);
+}
+
+// A shot: the ray behind its last vertex, and by how much it misses.
+struct Shot {
+    Chain chain;
+    RayDual ray;
+    Vec2 c;               // angle by which it misses, rad, in two directions
+    Vec2 dc_dx, dc_dy;    // by the two turns at the receiver
+    float noise;          // what rounding leaves of it at an exact solution
+    Vec3 w;                // at the receiver
+    float first_distance;  // m, to the first vertex
+    float size() const { return c.length(); }
+};
+
+class Shooter {
+public:
+    Shooter(const Scene& scene, const RayStart& x, const ChainEnd& end, const ChainKind& kind,
+            ManifoldStats& stats)
+        : scene_(scene), x_(x), end_(end), kind_(kind), stats_(stats) {}
+
+    // False where the ray does not make it.
+    bool fire(const Vec3& w, Shot& shot) const {
+        shot.w = w;
+        shot.chain.count = kind_.count;
+        shot.ray = ray_dual_from(w);
+        RayStart from = x_;
+        Vec3 d = w;
+        for (uint32_t i = 0; i < kind_.count; ++i) {
+            const ChainLink& link = kind_.links[i];
+            ++stats_.rays;
+            const std::optional<Hit> hit = scene_.accel->intersect_caster(
+                link.instance, {from.p, d, leave(from, d), kInfinity});
+            if (!hit) return false;
+            const SpecularInterface& specular = scene_.material_of(hit->surface).specular;
+            if (!has_interaction(specular, link.interaction)) return false;
+            shot.chain.hits[i] = hit->surface;
+            ChainVertex& vertex = shot.chain.vertices[i];
+            vertex.interaction = link.interaction;
+            vertex.patch = evaluate_caster(scene_, hit->surface, false);
+            vertex.eta = eta_seen_from(vertex.patch.ng, d * -1.0f, specular.ior);
+            const Vec3d along = Vec3d(vertex.patch.p) - Vec3d(from.p);
+            const double distance = length(along);
+            if (!(distance > 0.0)) return false;
+            shot.ray.d = along / distance;
+            const Vec3d before = shot.ray.d;
+            if (!pass_vertex(vertex, distance, shot.ray)) return false;
+            if (!keeps_sides(vertex, before, shot.ray.d)) return false;
+            if (i == 0) shot.first_distance = static_cast<float>(distance);
+            from = {vertex.patch.p, vertex.patch.ng, vertex.patch.p_error};
+            d = Vec3(shot.ray.d);
+        }
+        return measure_miss(shot);
+    }
+
+private:
+    // Whether the ray leaves on the side of the surface that the interaction demands, by geometry
+    // and by normal.
+    static bool keeps_sides(const ChainVertex& vertex, const Vec3d& in, const Vec3d& out) {
+        const Vec3d ng(vertex.patch.ng), n(vertex.patch.n);
+        const bool crosses_geometry = dot(in, ng) * dot(out, ng) > 0.0;
+        const bool crosses_shading = dot(in, n) * dot(out, n) > 0.0;
+        const bool refracts = vertex.interaction == Interaction::refraction;
+        return crosses_geometry == refracts && crosses_shading == refracts;
+    }
+
+    bool measure_miss(Shot& shot) const {
+        const Vec3& last = shot.chain.vertices[kind_.count - 1].patch.p;
+        double distance = 0.0;
+        Vec3d wanted(end_.direction);
+        if (!end_.distant) {
+            wanted = Vec3d(end_.p) - Vec3d(last);
+            distance = length(wanted);
+            if (!(distance > 0.0)) return false;
+            wanted /= distance;
+        }
+        const Frame frame = Frame::around(Vec3(wanted));
+        const Vec3d e1(frame.x), e2(frame.y), &d = shot.ray.d;
+        const double a = dot(e1, d), b = dot(e2, d), sine = std::sqrt(a * a + b * b);
+        const double angle = std::atan2(sine, dot(wanted, d));
+        const double scale = sine > 1e-9 ? angle / sine : 1.0;
+        shot.c = {static_cast<float>(a * scale), static_cast<float>(b * scale)};
+        const auto turned = [&](size_t j) {
+            Vec3d by = shot.ray.dd[j];
+            if (!end_.distant) by += shot.ray.dp[j] / distance;
+            return Vec2(static_cast<float>(dot(e1, by)), static_cast<float>(dot(e2, by)));
+        };
+        shot.dc_dx = turned(0);
+        shot.dc_dy = turned(1);
+        shot.noise = noise_of(shot, end_.distant ? kInfinity : static_cast<float>(distance));
+        return std::isfinite(shot.noise) && std::isfinite(shot.size());
+    }
+
+    // Rounding turns the ray at its start, by positions over distance and by the spacing of
+    // barycentrics on large triangles, and once more at its end.
+    float noise_of(const Shot& shot, float last_distance) const {
+        const CasterPatch& first = shot.chain.vertices[0].patch;
+        const ChainVertex& last = shot.chain.vertices[kind_.count - 1];
+        const float largest = std::max(largest_coordinate(x_.p), largest_coordinate(first.p));
+        const float spacing =
+            0x1p-24f * std::max(length(first.dp_du), length(first.dp_dv)) / shot.first_distance;
+        const float at_start =
+            kUnitRoundoff * (1.0f + largest / shot.first_distance) + spacing;
+        const float turn = std::sqrt(shot.dc_dx.length2() + shot.dc_dy.length2());
+        // Near the critical angle the refracted direction magnifies every error by 1 / cos_t.
+        const float magnified =
+            last.interaction == Interaction::refraction
+                ? 1.0f / std::max(std::abs(static_cast<float>(dot(shot.ray.d, Vec3d(last.patch.n)))),
+                                  1e-3f)
+                : 1.0f;
+        const float at_end =
+            kUnitRoundoff * (2.0f + largest_coordinate(last.patch.p) / last_distance) * magnified;
+        return turn * at_start + at_end;
+    }
+
+    const Scene& scene_;
+    const RayStart& x_;
+    const ChainEnd& end_;
+    const ChainKind& kind_;
+    ManifoldStats& stats_;
+};
+
+std::optional<Vec2> newton_step(const Shot& shot) {
+    return solve2x2(shot.dc_dx.x, shot.dc_dy.x, shot.dc_dx.y, shot.dc_dy.y, -shot.c.x, -shot.c.y);
+}
+
+// How far rounding may put the first and the last vertex from those of the solution. Empty on a
+// fold.
+bool measure_resolution(const Shot& shot, ChainSolution& solution) {
+    const float det =
+        std::abs(shot.dc_dx.x * shot.dc_dy.y - shot.dc_dx.y * shot.dc_dy.x);
+    const float norm = std::sqrt(shot.dc_dx.length2() + shot.dc_dy.length2());
+    if (!(det > 1e-7f * sqr(norm))) return false;
+    const float turn = norm / det * shot.noise;  // of the first direction
+    const CasterPatch& first = shot.chain.vertices[0].patch;
+    const CasterPatch& last = shot.chain.vertices[shot.chain.count - 1].patch;
+    const auto spacing = [](const Vec3& p) { return 0x1p-23f * largest_coordinate(p); };
+    const float cosine = std::max(std::abs(dot(first.ng, shot.w)), 1e-3f);
+    solution.first_resolution = turn * shot.first_distance / cosine + spacing(first.p);
+    solution.last_resolution =
+        turn * static_cast<float>(length(shot.ray.dp[0]) + length(shot.ray.dp[1])) +
+        spacing(last.p);
+    return true;
+}
+
+}  // namespace
+
+ChainKind ChainKind::first(uint32_t n) const {
+    ChainKind kind;
+    for (uint32_t i = 0; i < n; ++i) kind.append(links[i]);
+    return kind;
+}
+
+ChainKind ChainKind::reversed() const {
+    ChainKind kind;
+    for (uint32_t i = count; i-- > 0;) kind.append(links[i]);
+    return kind;
+}
+
+bool has_interaction(const SpecularInterface& specular, Interaction interaction) {
+    return interaction == Interaction::reflection ? specular.reflects : specular.refracts;
+}
+
+std::optional<ChainSolution> shoot(const Scene& scene, const ManifoldSettings& settings,
+                                   const RayStart& x, const ChainEnd& end, const ChainKind& kind,
+                                   const Vec3& w, ManifoldStats& stats) {
+    constexpr float kLongestStep = 0.5f;  // rad
+    ++stats.walks;
+    const Shooter shooter(scene, x, end, kind, stats);
+    std::array<Shot, 2> shots;
+    Shot *shot = &shots[0], *next = &shots[1];
+    if (!shooter.fire(w, *shot)) return std::nullopt;
+    for (int i = 0; !(shot->size() < shot->noise); ++i) {
+        if (i == settings.max_iterations) return std::nullopt;
+        ++stats.iterations;
+        std::optional<Vec2> step = newton_step(*shot);
+        if (!step) return std::nullopt;
+        const float l = step->length();
+        if (!(l < kInfinity)) return std::nullopt;
+        if (l > kLongestStep) *step *= kLongestStep / l;
+        const Frame frame = Frame::around(shot->w);
+        int halvings = 0;
+        while (!shooter.fire(normalize(shot->w + frame.x * step->x + frame.y * step->y), *next) ||
+               !(next->size() < shot->size())) {
+            if (++halvings > settings.max_halvings) return std::nullopt;
+            *step *= 0.5f;
+        }
+        std::swap(shot, next);
+    }
+    ChainSolution solution{kind, shot->chain, 0.0f, 0.0f};
+    if (!measure_resolution(*shot, solution)) return std::nullopt;
+    ++stats.converged;
+    return solution;
+}
+
+std::optional<RandomChain> sample_chain(const Scene& scene, const ManifoldSettings& settings,
+                                        const RayStart& x, const CasterSet& casters,
+                                        uint32_t caster, Pcg& pcg, ManifoldStats& stats) {
+    const Caster& first = casters.casters[caster];
+    RandomChain chain;
+    const bool by_area = pcg.one() < settings.seeds_by_area;
+    if (by_area) {
+        const Vec3 to = surface_position(scene, sample_on(first, pcg)) - x.p;
+        const float distance = length(to);
+        if (!(distance > 0.0f)) return std::nullopt;
+        chain.w = to * (1.0f / distance);
+    } else {
+        chain.w = towards_caster(first, x.p, pcg.two());
+    }
+    Ray ray{x.p, chain.w, leave(x, chain.w), kInfinity};
+    ++stats.rays;
+    std::optional<Hit> hit = scene.accel->intersect_caster(first.instance, ray);
+    while (hit && hit->light == kNone &&
+           casters.of_instance[hit->surface.instance] != kNone) {
+        const SpecularInterface& specular = scene.material_of(hit->surface).specular;
+        const bool reflects = specular.reflects && (!specular.refracts || pcg.one() < 0.5f);
+        if (!reflects && !specular.refracts) break;
+        const Interaction interaction =
+            reflects ? Interaction::reflection : Interaction::refraction;
+        const CasterPatch patch = evaluate_caster(scene, hit->surface, false);
+        const float eta = eta_seen_from(patch.ng, ray.direction * -1.0f, specular.ior);
+        RayDual dual = ray_dual_from(ray.direction);
+        if (!pass_vertex({interaction, eta, patch}, 0.0, dual)) break;
+        chain.kind.append({hit->surface.instance, interaction});
+        if (chain.kind.count == settings.longest_chain) break;
+        const Vec3 out(dual.d);
+        const RayStart from{patch.p, patch.ng, patch.p_error};
+        ray = {patch.p, out, leave(from, out), kInfinity};
+        ++stats.rays;
+        hit = scene.accel->intersect(ray, kVisibleScattered);
+    }
+    if (chain.kind.count == 0) return std::nullopt;
+    // Light may wait behind any of the vertices; most often behind the last.
+    if (pcg.one() < 0.5f)
+        chain.kind = chain.kind.first(
+            1 + std::min(static_cast<uint32_t>(pcg.one() * static_cast<float>(chain.kind.count)),
+                         chain.kind.count - 1));
+    return chain;
+}
+
+bool same_solution(const ManifoldSettings& settings, const ChainSolution& a,
+                   const ChainSolution& b) {
+    if (a.kind != b.kind) return false;
+    const auto near = [&](const Vec3& p, const Vec3& q, float resolution) {
+        return length(p - q) <= settings.identity_factor * resolution;
+    };
+    const uint32_t last = a.kind.count - 1;
+    return near(a.chain.vertices[0].patch.p, b.chain.vertices[0].patch.p,
+                a.first_resolution + b.first_resolution) &&
+           near(a.chain.vertices[last].patch.p, b.chain.vertices[last].patch.p,
+                a.last_resolution + b.last_resolution);
+}
+
+}  // namespace spc

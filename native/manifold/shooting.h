@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Chains of any length: Newton's method on the first direction at the receiver, whose ray is shot
+// through all vertices with its differentials. Two equations in two unknowns, however many vertices
+// there are.
+#pragma once
+
+#include "manifold/caster.h"
+
+namespace spc {
+
+// Interactions of a chain that the manifold looks for, at most.
+inline constexpr uint32_t kLongestManifoldChain = 4;
+
+// What a chain meets, from the receiver on. Only the first `count` links mean anything.
+struct ChainLink {
+    uint32_t instance;
+    Interaction interaction;
+    auto operator<=>(const ChainLink&) const = default;
+};
+struct ChainKind {
+    uint32_t count = 0;
+    std::array<ChainLink, kLongestManifoldChain> links{};
+    auto operator<=>(const ChainKind&) const = default;
+
+    void append(const ChainLink& link) { links[count++] = link; }
+    ChainKind first(uint32_t n) const;
+    ChainKind reversed() const;
+};
+
+// Vertices along a chain, from the receiver on.
+struct Chain {
+    uint32_t count = 0;
+    std::array<SurfaceHit, kLongestManifoldChain> hits;
+    std::array<ChainVertex, kLongestManifoldChain> vertices;
+};
+
+// A solution. It may lie as far from the true one, in m, at its first and at its last vertex.
+struct ChainSolution {
+    ChainKind kind;
+    Chain chain;
+    float first_resolution, last_resolution;
+};
+
+// Goes on from the unit direction `w` at the receiver to a chain of this kind that leads to `end`.
+// Empty when it diverges, a ray misses its caster or meets total internal reflection or the wrong
+// side of a surface, or on a fold, where solutions cannot be told apart. A step that fails so is
+// halved. What stands between the vertices does not matter.
+std::optional<ChainSolution> shoot(const Scene& scene, const ManifoldSettings& settings,
+                                   const RayStart& x, const ChainEnd& end, const ChainKind& kind,
+                                   const Vec3& w, ManifoldStats& stats);
+
+// Where a chain may be looked for.
+struct RandomChain {
+    ChainKind kind;
+    Vec3 w;
+};
+// Follows a random ray from the receiver to a caster, and on through casters with every interaction
+// left to chance. Half of the rays aim at points uniform over the caster's specular area, half are
+// uniform in the cone of its bounding sphere. Empty where the ray meets nothing.
+std::optional<RandomChain> sample_chain(const Scene& scene, const ManifoldSettings& settings,
+                                        const RayStart& x, const CasterSet& casters,
+                                        uint32_t caster, Pcg& pcg, ManifoldStats& stats);
+
+// Whether two solutions for the same ends are the same chain.
+bool same_solution(const ManifoldSettings& settings, const ChainSolution& a, const ChainSolution& b);
+
+// Whether the material lets light pass a surface so.
+bool has_interaction(const SpecularInterface& specular, Interaction interaction);
+
+}  // namespace spc

@@ -62,18 +62,19 @@ public:
     // The sum over the solutions to which a sheet leads, weak ones by chance. What it misses at its
     // folds and ends is left to walks, as many as it takes to find it again: they have next to
     // nothing to find.
-    Spectrum by_sheet(const LightSheet& sheet, Pcg& pcg) {
+    Spectrum by_sheet(const LightSheet* sheet, Pcg& pcg) {
+        const float search_chance = sheet != nullptr ? settings_.search_chance : 1.0f;
         FoundChains found;
         const float u = pcg.one();
-        shoot_leads(sheet, u, found);
+        if (sheet != nullptr) shoot_leads(*sheet, u, found);
         Spectrum sum(0.0f);
         for (const FoundChain& one : found)
             sum += contribution(one.solution.chain) * (1.0f / one.chance);
         stats_.roots += found.size();
-        if (pcg.one() >= settings_.search_chance) return sum;
+        if (pcg.one() >= search_chance) return sum;
         const std::optional<ChainSolution> missed = random_chain(pcg);
         if (!missed || find(found, *missed) != nullptr) return sum;
-        shoot_leads(sheet, 0.0f, found);
+        if (sheet != nullptr) shoot_leads(*sheet, 0.0f, found);
         if (find(found, *missed) != nullptr) return sum;
         const Spectrum value = contribution(missed->chain);
         if (is_black(value)) return sum;
@@ -81,7 +82,7 @@ public:
             const std::optional<ChainSolution> again = random_chain(pcg);
             return again && same_solution(settings_, *missed, *again);
         });
-        const Spectrum more = value * (static_cast<float>(trials) / settings_.search_chance);
+        const Spectrum more = value * (static_cast<float>(trials) / search_chance);
         ++stats_.missed;
         stats_.missed_energy += static_cast<double>(luminance(more));
         return sum + more;
@@ -103,7 +104,7 @@ private:
     void shoot_leads(const LightSheet& sheet, float u, FoundChains& found) {
         static thread_local std::vector<Lead> leads;
         leads.clear();
-        sheet.find_leads(receiver_.p, u, leads);
+        sheet.find_leads(receiver_.p, shift_between(*sheet.light_point(), y_), u, leads);
         std::vector<const Lead*> arrived;
         for (const Lead& lead : leads) {
             const auto repeated = [&](const Lead* other) { return repeats(lead, *other); };
@@ -266,6 +267,22 @@ private:
     ManifoldStats& stats_;
 };
 
+// The sheet of the light whose point is nearest to y, or null: chains to y differ little from those
+// to its neighbours.
+const LightSheet* nearest_sheet(const LightSheets& sheets, const LightPoint& y) {
+    const LightSheet* nearest = nullptr;
+    float least = kInfinity;
+    for (const std::unique_ptr<const LightSheet>& sheet : sheets) {
+        const LightPoint* other = sheet->light_point();
+        if (other == nullptr || other->light != y.light) continue;
+        const float d2 = length_squared(shift_between(*other, y));
+        if (nearest != nullptr && !(d2 < least)) continue;
+        nearest = sheet.get();
+        least = d2;
+    }
+    return nearest;
+}
+
 }  // namespace
 
 Spectrum manifold_radiance(const Techniques& techniques, const Receiver& receiver,
@@ -274,16 +291,12 @@ Spectrum manifold_radiance(const Techniques& techniques, const Receiver& receive
     const CasterSet& casters = techniques.casters;
     const Vec3 u = sampler[Domain::manifold_light].three();
     Pcg pcg(sampler[Domain::manifold_seeds].stream_seed());
-    if (techniques.manifold.sheets) {
-        const auto count = static_cast<float>(sheets.size());
-        const auto index = static_cast<size_t>(u.x * count);
-        const LightSheet* sheet = sheets[std::min(index, sheets.size() - 1)].get();
-        if (sheet == nullptr) return Spectrum(0.0f);
-        ++stats.estimates;
-        return Estimate(techniques, receiver, sheet->light_point(), stats).by_sheet(*sheet, pcg);
-    }
     const std::optional<LightPoint> y = sample_light_point(techniques.lights, techniques.scene, u);
     if (!y) return Spectrum(0.0f);
+    if (techniques.manifold.sheets) {
+        ++stats.estimates;
+        return Estimate(techniques, receiver, *y, stats).by_sheet(nearest_sheet(sheets, *y), pcg);
+    }
     const CasterChoice choice = choose_caster(casters, receiver.p, sides_of(receiver), end_of(*y),
                                               sampler[Domain::manifold_caster].one());
     if (choice.index == kNone) return Spectrum(0.0f);

@@ -26,7 +26,7 @@ struct Receiver {
     BounceCounts before;        // see CausticPath
 };
 
-// Of several light points, drawn as sample_light_point() draws them; null where that drew none.
+// Those that there are; any light may have some.
 using LightSheets = std::span<const std::unique_ptr<const LightSheet>>;
 
 // One estimate of the radiance from `receiver` towards its wo. [Zeltner20 Alg. 2] or, biased, [Alg.

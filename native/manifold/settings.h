@@ -28,7 +28,7 @@ struct ManifoldSettings {
     // Points from which the best becomes a seed. More find small basins, and cost time elsewhere.
     uint32_t seed_candidates = 4;
     // Share of the estimates by sheets that look for what those miss.
-    float search_chance = 1.0f / 8;
+    float search_chance = 1.0f / 2;
     // Two solutions closer than this many of their resolutions are one.
     float identity_factor = 4.0f;
     // Bernoulli trials; beyond, the estimate keeps what it counted and reports it.

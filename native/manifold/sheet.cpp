@@ -29,16 +29,22 @@ public:
 
     void follow(const Vec2& place) {
         Ray ray = ray_at(world_.guide, y_, place);
-        if (is_black(radiance_at(world_.lights, scene_, y_, ray.direction))) return;
+        // What a point on the far side of a lamp does not light, one on its near side may.
+        const bool faces = dot(y_.n, ray.direction) >= 0.0f;
+        if (faces && is_black(radiance_at(world_.lights, scene_, y_, ray.direction))) return;
         if (y_.surface.instance != kNone)
             ray.origin = offset_origin(
                 {y_.p, y_.n, position_error(scene_, y_.surface.instance, y_.surface.triangle)},
                 ray.direction);
-        follow(ray, 0.0f, ChainKind{}, 1.0f);
+        const Frame frame = Frame::around(y_.distant ? y_.direction : ray.direction);
+        across_ = {frame.x, frame.y};
+        const RayDual dual{.d = Vec3d(ray.direction), .dp = {}, .dd = {}};
+        follow(ray, dual, 0.0f, ChainKind{}, 1.0f);
     }
 
 private:
-    void follow(Ray ray, float path, const ChainKind& kind, float throughput) {
+    void follow(Ray ray, const RayDual& dual, float path, const ChainKind& kind,
+                float throughput) {
         uint32_t ordinal = 0;
         for (;;) {
             ++rays_;
@@ -48,9 +54,9 @@ private:
             if (hit->light != kNone) continue;  // lamps are looked through
             const Instance& instance = scene_.instances[hit->surface.instance];
             if (kind.count > 0 && instance.receiver)
-                land(ray, path, *hit, kind, ordinal++, throughput);
+                land(ray, dual, path, *hit, kind, ordinal++, throughput);
             if (world_.casters.of_instance[hit->surface.instance] != kNone)
-                return branch(ray, path + hit->t, hit->surface, kind, throughput);
+                return branch(ray, dual, path, *hit, kind, throughput);
             const bool transparent =
                 scene_.any_transparency && ordinal < kMostReceivers &&
                 !is_black(surface_transparency(scene_, hit->surface, ray.direction * -1.0f));
@@ -58,29 +64,53 @@ private:
         }
     }
 
-    void land(const Ray& ray, float path, const Hit& hit, const ChainKind& kind, uint32_t ordinal,
-              float throughput) {
+    void land(const Ray& ray, const RayDual& dual, float path, const Hit& hit,
+              const ChainKind& kind, uint32_t ordinal, float throughput) {
         const Vec3 landed = surface_position(scene_, hit.surface);
-        landings_.push_back({kind, ordinal, {ray.origin, ray.direction, landed},
-                             path + hit.t, hit.surface.instance,
-                             front_normal(scene_, hit.surface.instance, hit.surface.triangle),
-                             throughput});
+        const Vec3 ng = front_normal(scene_, hit.surface.instance, hit.surface.triangle);
+        BeamEdge edge{ray.origin, ray.direction, landed, {}, {}};
+        edge.last_moved.fill(Vec3(0.0f));
+        edge.landed_moved.fill(Vec3(0.0f));
+        const float cosine = dot(ray.direction, ng);
+        for (size_t j = 0; j < 2 && cosine != 0.0f; ++j) {
+            const Vec3 last(dual.dp[j]);
+            const Vec3 free = last + Vec3(dual.dd[j]) * hit.t;
+            const Vec3 on_receiver = free - ray.direction * (dot(free, ng) / cosine);
+            for (int k = 0; k < 3; ++k) {
+                edge.last_moved[static_cast<size_t>(k)] += last * across_[j][k];
+                edge.landed_moved[static_cast<size_t>(k)] += on_receiver * across_[j][k];
+            }
+        }
+        landings_.push_back({kind, ordinal, edge,
+                             path + hit.t, hit.surface.instance, ng, throughput});
     }
 
     // Reflected and refracted, as far as either carries light.
-    void branch(const Ray& ray, float path, const SurfaceHit& hit, const ChainKind& kind,
-                float throughput) {
+    void branch(const Ray& ray, const RayDual& before, float path, const Hit& at,
+                const ChainKind& kind, float throughput) {
         if (kind.count == world_.longest_chain) return;
+        const SurfaceHit& hit = at.surface;
         const SpecularInterface& specular = scene_.material_of(hit).specular;
         Surface surface;
         evaluate_surface(scene_, hit, ray.direction * -1.0f, surface);
         const CasterPatch patch = evaluate_caster(scene_, hit, false);
+        RayDual arriving = before;
+        double distance = static_cast<double>(at.t);
+        if (kind.count == 0) {
+            // From points of the light next to y to this very point of the caster: its normal, which
+            // may vary fast, stays.
+            for (size_t j = 0; j < 2; ++j) {
+                arriving.dp[j] = Vec3d(0.0);
+                arriving.dd[j] = Vec3d(across_[j]) * (y_.distant ? -1.0 : -1.0 / distance);
+            }
+            distance = 0.0;
+        }
         for (const Interaction interaction : {Interaction::reflection, Interaction::refraction}) {
             if (!has_interaction(specular, interaction)) continue;
             if (kind.count == 0 && !light_takes(interaction)) continue;
             const float eta = eta_seen_from(patch.ng, ray.direction * -1.0f, specular.ior);
-            RayDual dual = ray_dual_from(ray.direction);
-            if (!pass_vertex({interaction, eta, patch}, 0.0, dual)) continue;
+            RayDual dual = arriving;
+            if (!pass_vertex({interaction, eta, patch}, distance, dual)) continue;
             const Vec3 out(dual.d);
             const bool refracts = interaction == Interaction::refraction;
             if ((dot(out, surface.ng) < 0.0f) != refracts) continue;
@@ -91,7 +121,7 @@ private:
             ChainKind longer = kind;
             longer.append({hit.instance, interaction});
             const Vec3 origin = offset_origin({surface.p, surface.ng, surface.p_error}, out);
-            follow({origin, out, 0.0f, kInfinity}, path, longer, left);
+            follow({origin, out, 0.0f, kInfinity}, dual, path + at.t, longer, left);
         }
     }
 
@@ -109,6 +139,7 @@ private:
     const LightPoint& y_;
     std::vector<Landing>& landings_;
     uint64_t& rays_;
+    std::array<Vec3, 2> across_;  // unit, across the light's first ray
 };
 
 // A square of a light's unit square, of side 2^-level.
@@ -264,7 +295,7 @@ private:
     static constexpr float kFlat = 0.999f, kFlatDepth = 0.05f;
     // A beam on a fold may carry more light than its area tells.
     static constexpr float kFoldGain = 8.0f;
-    static constexpr float kMargin = 0.1f, kFoldMargin = 0.5f, kEndMargin = 1.0f;
+    static inline const float kMargin = getenv("M0") ? (float)atof(getenv("M0")) : 0.1f, kFoldMargin = getenv("M1") ? (float)atof(getenv("M1")) : 0.75f, kEndMargin = getenv("M2") ? (float)atof(getenv("M2")) : 1.0f;
 
     BeamSet& out_;
     float beam_size_;
@@ -277,8 +308,9 @@ private:
 
 // Where x lies between the three rays of a beam: barycentrics of the second and third, and m along
 // the rays from where they landed. Two steps of Newton's method on p(b) + s d(b) = x.
-std::optional<Vec3> locate(const std::array<const BeamEdge*, 3>& edges, const Vec3& x) {
-    const Vec3 p0 = edges[0]->landed, e1 = edges[1]->landed - p0, e2 = edges[2]->landed - p0;
+std::optional<Vec3> locate(const std::array<const BeamEdge*, 3>& edges,
+                           const std::array<Vec3, 3>& landed, const Vec3& x) {
+    const Vec3 p0 = landed[0], e1 = landed[1] - p0, e2 = landed[2] - p0;
     const Vec3 d0 = edges[0]->d, f1 = edges[1]->d - d0, f2 = edges[2]->d - d0;
     Vec3 at(1.0f / 3, 1.0f / 3, 0.0f);
     for (int i = 0; i < 2; ++i) {
@@ -293,15 +325,20 @@ std::optional<Vec3> locate(const std::array<const BeamEdge*, 3>& edges, const Ve
     return at;
 }
 
-Bounds bounds_of(const std::array<const BeamEdge*, 3>& edges, const Beam& beam) {
+Bounds bounds_of(const std::array<const BeamEdge*, 3>& edges, const Beam& beam, float reach) {
     const Vec3 center =
         (edges[0]->landed + edges[1]->landed + edges[2]->landed) * (1.0f / 3);
     const float scale = 1.0f + 3.0f * beam.margin;
     Bounds bounds;
     for (const BeamEdge* edge : edges) {
         const Vec3 p = center + (edge->landed - center) * scale;
-        bounds.extend(p - edge->d * beam.depth);
-        bounds.extend(p + edge->d * beam.depth);
+        // Farthest along each axis for any shift of that length.
+        Vec3 half;
+        for (int k = 0; k < 3; ++k)
+            half[k] = std::abs(edge->d[k]) * beam.depth +
+                      reach * length(Vec3(edge->landed_moved[0][k], edge->landed_moved[1][k], edge->landed_moved[2][k]));
+        bounds.extend(p - half);
+        bounds.extend(p + half);
     }
     return bounds;
 }
@@ -390,13 +427,14 @@ std::vector<TracedTile> trace_tiles(const SheetWorld& world, const LightPoint& y
 
 }  // namespace
 
-LightSheet::LightSheet(const SheetWorld& world, const LightPoint& y, uint32_t tiles) : y_(y) {
+LightSheet::LightSheet(const SheetWorld& world, const LightPoint& y, uint32_t tiles, float reach)
+    : y_(y) {
     std::map<ChainKind, uint32_t> kinds;
     for (const TracedTile& tile : trace_tiles(world, y, tiles)) append(tile.beams, kinds);
-    build_layers();
+    build_layers(reach);
 }
 
-void LightSheet::build_layers() {
+void LightSheet::build_layers(float reach) {
     constexpr int kLayers = 10;
     layers_.resize(kLayers);
     std::array<std::vector<Bounds>, kLayers> boxes;
@@ -404,7 +442,7 @@ void LightSheet::build_layers() {
         const Beam& beam = all_.beams[i];
         const auto k = static_cast<size_t>(std::clamp(-std::ilogb(beam.chance), 0, kLayers - 1));
         layers_[k].beams.push_back(i);
-        boxes[k].push_back(bounds_of(edges_of(all_, beam), beam));
+        boxes[k].push_back(bounds_of(edges_of(all_, beam), beam, reach));
     }
     for (size_t k = 0; k < kLayers; ++k) {
         layers_[k].largest = std::ldexp(1.0f, -static_cast<int>(k));
@@ -430,6 +468,10 @@ void LightSheet::append(const BeamSet& part, std::map<ChainKind, uint32_t>& kind
     all_.rays += part.rays;
 }
 
+Vec3 shift_between(const LightPoint& from, const LightPoint& to) {
+    return from.distant ? to.direction - from.direction : to.p - from.p;
+}
+
 bool repeats(const Lead& lead, const Lead& other) {
     if (lead.inside || !other.inside || other.chance < lead.chance || lead.kind != other.kind ||
         lead.forward != other.forward)
@@ -440,26 +482,35 @@ bool repeats(const Lead& lead, const Lead& other) {
     return std::any_of(lead.edges.begin(), lead.edges.end(), shared);
 }
 
-void LightSheet::find_leads(const Vec3& x, float u, std::vector<Lead>& leads) const {
+void LightSheet::find_leads(const Vec3& x, const Vec3& shift, float u,
+                            std::vector<Lead>& leads) const {
     for (const Layer& layer : layers_)
         if (layer.largest > u)
-            layer.tree->visit(x, [&](uint32_t i) { add_lead(all_.beams[layer.beams[i]], x, leads); });
+            layer.tree->visit(
+                x, [&](uint32_t i) { add_lead(all_.beams[layer.beams[i]], x, shift, leads); });
     std::stable_partition(leads.begin(), leads.end(), [](const Lead& lead) { return lead.inside; });
 }
 
-void LightSheet::add_lead(const Beam& beam, const Vec3& x, std::vector<Lead>& leads) const {
+void LightSheet::add_lead(const Beam& beam, const Vec3& x, const Vec3& shift,
+                          std::vector<Lead>& leads) const {
     const std::array<const BeamEdge*, 3> edges = edges_of(all_, beam);
-    const std::optional<Vec3> at = locate(edges, x);
+    const auto by_shift = [&](const std::array<Vec3, 3>& moved) {
+        return moved[0] * shift.x + moved[1] * shift.y + moved[2] * shift.z;
+    };
+    std::array<Vec3, 3> landed;
+    for (size_t i = 0; i < 3; ++i)
+        landed[i] = edges[i]->landed + by_shift(edges[i]->landed_moved);
+    const std::optional<Vec3> at = locate(edges, landed, x);
     if (!at || !(std::abs(at->z) <= beam.depth)) return;
     const float b0 = 1.0f - at->x - at->y, least = std::min({b0, at->x, at->y});
     if (!(least >= -beam.margin)) return;
-    const Vec3 last = edges[0]->last * b0 + edges[1]->last * at->x + edges[2]->last * at->y;
+    const auto last_of = [&](size_t i) { return edges[i]->last + by_shift(edges[i]->last_moved); };
+    const Vec3 last = last_of(0) * b0 + last_of(1) * at->x + last_of(2) * at->y;
     const Vec3 to = last - x;
     const float distance = length(to);
     if (!(distance > 0.0f)) return;
-    const bool forward = dot(cross(edges[1]->landed - edges[0]->landed,
-                                   edges[2]->landed - edges[0]->landed),
-                             edges[0]->d) > 0.0f;
+    const bool forward =
+        dot(cross(landed[1] - landed[0], landed[2] - landed[0]), edges[0]->d) > 0.0f;
     leads.push_back({&all_.kinds[beam.kind], to * (1.0f / distance), beam.chance, least >= 0.0f,
                      forward, beam.edges});
 }

@@ -30,6 +30,10 @@ struct BeamEdge {
     Vec3 last;    // vertex on that caster
     Vec3 d;       // unit direction behind it
     Vec3 landed;  // on a receiver
+    // By how much both move as the light point does, while the ray keeps to the point where it met its
+    // first caster: columns, per m of the light point or, for a distant light, per unit of its
+    // direction.
+    std::array<Vec3, 3> last_moved, landed_moved;
 };
 // Three rays of one kind of chain that are neighbours at the light.
 struct Beam {
@@ -58,18 +62,25 @@ struct Lead {
 // beam.
 bool repeats(const Lead& lead, const Lead& other);
 
+// From the point of one sheet to another point of its light.
+Vec3 shift_between(const LightPoint& from, const LightPoint& to);
+
 class LightSheet {
 public:
-    // Of some `tiles` parts, which are smaller where what becomes of the rays varies most.
-    LightSheet(const SheetWorld& world, const LightPoint& y, uint32_t tiles);
+    LightSheet() = default;  // of no light, without chains
+    // Of some `tiles` parts, which are smaller where what becomes of the rays varies most. `reach`:
+    // how far from y light points may lie whose chains it is asked for, m or, of a distant light, as
+    // a difference of directions.
+    LightSheet(const SheetWorld& world, const LightPoint& y, uint32_t tiles, float reach);
 
-    const LightPoint& light_point() const { return y_; }
+    const LightPoint* light_point() const { return y_ ? &*y_ : nullptr; }
     uint64_t rays() const { return all_.rays; }  // that it took
     size_t beams() const { return all_.beams.size(); }
     // Of the beams that x lies in or, by their margin, next to, those whose chance is above u: of a
     // chain to which several of them lead, the chance that a uniform u finds it is the largest of
-    // theirs. Those that it lies in come first.
-    void find_leads(const Vec3& x, float u, std::vector<Lead>& leads) const;
+    // theirs. Those that it lies in come first. To a light point that lies by `shift` from the
+    // sheet's own, as it does in `reach`.
+    void find_leads(const Vec3& x, const Vec3& shift, float u, std::vector<Lead>& leads) const;
 
 private:
     // Beams of similar chance: weak ones spread over large boxes, in which most queries need not
@@ -80,10 +91,11 @@ private:
         std::unique_ptr<const BoxTree> tree;
     };
     void append(const BeamSet& part, std::map<ChainKind, uint32_t>& kinds);
-    void build_layers();
-    void add_lead(const Beam& beam, const Vec3& x, std::vector<Lead>& leads) const;
+    void build_layers(float reach);
+    void add_lead(const Beam& beam, const Vec3& x, const Vec3& shift,
+                  std::vector<Lead>& leads) const;
 
-    LightPoint y_;
+    std::optional<LightPoint> y_;
     BeamSet all_;
     std::vector<Layer> layers_;
 };

@@ -14,6 +14,9 @@ namespace {
 // that a tile's data stays in cache, up to 2^kDoublings.
 constexpr uint32_t kDoublings = 2, kLargestBatch = 1u << kDoublings;
 
+// Light sheets that each of the first passes adds, at most.
+constexpr uint32_t kSheetsOfPass = 4, kPassesWithSheets = 8;
+
 // Light paths in a job.
 constexpr uint64_t kLightJob = 1024;
 
@@ -170,7 +173,7 @@ void Session::fail() {
 
 void Session::run_jobs() {
     const uint64_t jobs =
-        static_cast<uint64_t>(sheet_jobs() + light_jobs_ + film_.tile_count()) * pass_count_;
+        static_cast<uint64_t>(sheets_of_pass_ + light_jobs_ + film_.tile_count()) * pass_count_;
     while (!should_stop()) {
         const uint64_t job = next_job_.fetch_add(1);
         if (job >= jobs) break;
@@ -209,7 +212,7 @@ uint64_t Session::light_paths_that_pay(const LightPilot& pilot) const {
     const uint64_t pixels = uint64_t{width} * height;
     PassState always;
     always.activation.fill(1.0f);
-    if (const auto sheets = sheets_of(0)) always.sheets = sheets->sheets;
+    always.sheets = sheets_of(0);
     RenderStats probes;
     double luminance_sum = 0.0;
     for (uint32_t i = 0; i < kProbes && !must_stop(); ++i) {
@@ -229,14 +232,15 @@ uint64_t Session::light_paths_that_pay(const LightPilot& pilot) const {
 
 // Whether the whole job was done.
 bool Session::render_job(uint64_t job, RenderStats& stats) {
-    const uint32_t per_pass = sheet_jobs() + light_jobs_ + film_.tile_count();
+    const uint32_t per_pass = sheets_of_pass_ + light_jobs_ + film_.tile_count();
     const auto pass = static_cast<uint32_t>(job / per_pass);
     auto part = static_cast<uint32_t>(job % per_pass);
-    if (part < sheet_jobs()) {
-        if (pass + 1 < pass_count_) build_sheet(pass + 1, part, stats);
+    if (part < sheets_of_pass_) {
+        const uint32_t index = sheets_for(pass) + part;
+        if (index < sheets_for(pass + 1)) build_sheet(index, stats);
         return true;
     }
-    part -= sheet_jobs();
+    part -= sheets_of_pass_;
     return part < light_jobs_ ? render_light_paths(pass, part, stats)
                               : render_tile(pass, part - light_jobs_, stats);
 }
@@ -248,72 +252,92 @@ bool Session::render_tile(uint32_t pass, uint32_t tile, RenderStats& stats) {
         if (should_stop()) return false;
         std::this_thread::yield();
     }
-    std::shared_ptr<const SheetStore> sheets = sheets_of(pass);
-    while (sheets && sheets->missing.load() > 0) {
+    while (sheets_done_.load() < sheets_for(pass)) {
         if (pass > 0 ? should_stop() : must_stop()) return false;
         std::this_thread::yield();
     }
     std::vector<PixelSums> pixels = film_.copy_tile(tile);
     const bool complete =
-        render_pixels(tile, pass_begin(pass), pass_begin(pass + 1) - pass_begin(pass), sheets.get(),
-                      pixels, stats);
+        render_pixels(tile, pass, pixels, stats);
     film_.store_tile(tile, pixels);
     if (!complete) return false;
     evidence_[tile].add(stats);
     tile_passes_[tile].store(pass + 1);
-    if (sheets && --sheets_[pass]->users == 0) sheets_[pass]->sheets.clear();
     return true;
 }
 
-std::shared_ptr<const Session::SheetStore> Session::sheets_of(uint32_t pass) const {
-    return sheets_.empty() ? nullptr : sheets_[pass];
+uint32_t Session::sheets_for(uint32_t pass) const {
+    return std::min<uint32_t>((pass + 1) * sheets_of_pass_, static_cast<uint32_t>(sheets_.size()));
 }
 
-uint32_t Session::sheet_jobs() const { return sheets_per_sample_ * kLargestBatch; }
+LightSheets Session::sheets_of(uint32_t pass) const {
+    return LightSheets(sheets_).first(sheets_for(pass));
+}
 
-// Sheets for the first pass; each pass then has those of the next built.
+// The sheets of the first pass.
 void Session::prepare_sheets() {
-    constexpr uint32_t kMostSheets = 4, kPixelsOfTile = 256, kLeastTiles = 64, kMostTiles = 1024;
+    constexpr uint32_t kPixelsOfTile = 128, kLeastTiles = 64, kMostTiles = 1024;
     const LightSet& lights = world_.lights;
     if (!settings_.integrator.manifold.sheets || world_.casters.empty() ||
         lights.caustic_selection.empty())
         return;
     sheet_guide_ = aim_at_casters(*world_.scene, lights, world_.casters);
-    sheets_per_sample_ = std::min(lights.count(), kMostSheets);
     // As large as leaves their making a small part of the work.
     const auto& crop = world_.scene->camera.crop;
-    sheet_tiles_ = std::clamp(crop[2] * crop[3] / (kPixelsOfTile * sheets_per_sample_), kLeastTiles,
-                              kMostTiles);
-    for (uint32_t pass = 0; pass < pass_count_; ++pass) {
-        auto store = std::make_shared<SheetStore>();
-        store->sheets.resize(sheets_per_sample_ * (pass_begin(pass + 1) - pass_begin(pass)));
-        store->missing = static_cast<uint32_t>(store->sheets.size());
-        store->users = film_.tile_count();
-        sheets_.push_back(std::move(store));
-    }
+    sheet_tiles_ = std::clamp(crop[2] * crop[3] / kPixelsOfTile, kLeastTiles, kMostTiles);
+    sheets_of_pass_ = std::min(lights.count(), kSheetsOfPass);
+    sheets_.resize(sheets_of_pass_ * kPassesWithSheets);
+    place_sheets();
     RenderStats stats;
-    for (uint32_t part = 0; part < sheets_per_sample_; ++part) build_sheet(0, part, stats);
+    for (uint32_t i = 0; i < sheets_for(0); ++i) build_sheet(i, stats);
     const std::lock_guard lock(mutex_);
     stats_.add(stats);
 }
 
-// All pixels share a sample's light points, which are stratified over the samples.
-void Session::build_sheet(uint32_t pass, uint32_t part, RenderStats& stats) {
-    SheetStore& store = *sheets_[pass];
-    if (part >= store.sheets.size()) return;
-    const uint32_t index =
-        (settings_.first_sample + pass_begin(pass)) * sheets_per_sample_ + part;
-    const Sampler sampler(settings_.seed, kNone, index);
-    if (const std::optional<LightPoint> y =
-            sample_light_point(world_.lights, *world_.scene,
-                               sampler[Domain::manifold_light].three())) {
-        const SheetWorld world{*world_.scene, world_.lights, world_.casters, sheet_guide_,
-                               settings_.integrator.manifold.longest_chain};
-        store.sheets[part] =
-            std::make_unique<const LightSheet>(world, *y, sheet_tiles_);
-        stats.path.manifold.rays += store.sheets[part]->rays();
+// Light points are stratified over all sheets. Most of a light's points lie within reach of one.
+void Session::place_sheets() {
+    constexpr uint32_t kProbes = 1024;
+    const auto draw = [&](Domain domain, uint32_t index) {
+        return sample_light_point(world_.lights, *world_.scene,
+                                  Sampler(settings_.seed, kNone, index)[domain].three());
+    };
+    for (uint32_t i = 0; i < sheets_.size(); ++i)
+        sheet_points_.push_back(draw(Domain::manifold_light, i));
+    sheet_reach_.assign(sheets_.size(), 0.0f);
+    std::vector<std::vector<float>> distances(sheets_.size());
+    for (uint32_t i = 0; i < kProbes; ++i) {
+        const std::optional<LightPoint> y = draw(Domain::light_point, i);
+        if (!y) continue;
+        size_t nearest = sheets_.size();
+        float least = kInfinity;
+        for (size_t k = 0; k < sheets_.size(); ++k) {
+            if (!sheet_points_[k] || sheet_points_[k]->light != y->light) continue;
+            const float distance = length(shift_between(*sheet_points_[k], *y));
+            if (distance >= least) continue;
+            nearest = k;
+            least = distance;
+        }
+        if (nearest < sheets_.size()) distances[nearest].push_back(least);
     }
-    --store.missing;
+    for (size_t k = 0; k < sheets_.size(); ++k) {
+        std::vector<float>& all = distances[k];
+        if (all.empty()) continue;
+        const auto most = all.begin() + static_cast<long>(all.size() * 9 / 10);
+        std::nth_element(all.begin(), most, all.end());
+        sheet_reach_[k] = *most;
+    }
+}
+
+void Session::build_sheet(uint32_t index, RenderStats& stats) {
+    const SheetWorld world{*world_.scene, world_.lights, world_.casters, sheet_guide_,
+                           settings_.integrator.manifold.longest_chain};
+    const std::optional<LightPoint>& y = sheet_points_[index];
+    sheets_[index] =
+        y ? std::make_unique<const LightSheet>(world, *y, sheet_tiles_, sheet_reach_[index])
+          : std::make_unique<const LightSheet>();
+    stats.path.manifold.rays += sheets_[index]->rays();
+    while (sheets_done_.load() != index && !must_stop()) std::this_thread::yield();
+    ++sheets_done_;
 }
 
 // A part of the light paths of a pass.
@@ -341,11 +365,11 @@ bool Session::render_light_paths(uint32_t pass, uint32_t part, RenderStats& stat
     return true;
 }
 
-bool Session::render_pixels(uint32_t tile, uint32_t first, uint32_t count,
-                            const SheetStore* sheets, std::vector<PixelSums>& pixels,
+bool Session::render_pixels(uint32_t tile, uint32_t pass, std::vector<PixelSums>& pixels,
                             RenderStats& stats) {
+    const uint32_t first = pass_begin(pass), count = pass_begin(pass + 1) - first;
     const Film::TileBounds b = film_.bounds(tile);
-    PassState state{activation_for(evidence_[tile], pixels)};
+    const PassState state{activation_for(evidence_[tile], pixels), sheets_of(pass)};
     const auto& crop = world_.scene->camera.crop;
     for (uint32_t y = 0; y < b.height; ++y) {
         for (uint32_t x = 0; x < b.width; ++x) {
@@ -353,9 +377,6 @@ bool Session::render_pixels(uint32_t tile, uint32_t first, uint32_t count,
             for (uint32_t i = 0; i < count; ++i) {
                 // Every pixel gets its first samples, however short the time.
                 if (first > 0 ? should_stop() : must_stop()) return false;
-                if (sheets)
-                    state.sheets = std::span(sheets->sheets)
-                                       .subspan(i * sheets_per_sample_, sheets_per_sample_);
                 const FilmSample sample =
                     take_sample(crop[0] + b.x0 + x, crop[1] + b.y0 + y,
                                 settings_.first_sample + first + i, state, stats);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "integrator/light_path.h"
 
+#include "integrator/history.h"
+
 #include <thread>
 
 namespace spc {
@@ -32,6 +34,7 @@ public:
         const EmittedRay emitted =
             emit(*settings_.light_tracing.guide, y_, sampler_[Domain::light_direction].two());
         away_ = emitted.direction;
+        end_ = light_end(y_, away_);
         radiance_ = radiance_at(world_.lights, scene_, y_, away_);
         if (is_black(radiance_)) return std::nullopt;
         ray_ = {emitted.origin, away_, 0.0f, kInfinity};
@@ -53,68 +56,73 @@ private:
         ray_.t_near = past(hit->t);
         if (hit->light != kNone) return true;  // lamps are looked through
         const Instance& instance = scene_.instances[hit->surface.instance];
-        if (count_ > 0 && instance.receiver && (instance.visibility & kVisibleCamera) != 0)
+        const bool may_end = history_.scatterings > 0 || instance.receiver;
+        if (history_.count > 0 && may_end && (instance.visibility & kVisibleCamera) != 0)
             connect(hit->surface);
         if ((instance.visibility & kVisibleScattered) == 0)
             return true;  // nothing but the camera sees it
-        if (!instance.caster && !scene_.any_transparency) return false;
+        const bool may_scatter = history_.count > 0 && may_end &&
+                                 history_.scatterings < most_scatterings(settings_.limits);
+        if (!may_scatter && !instance.caster && !scene_.any_transparency) return false;
 
         Surface surface;
         evaluate_surface(scene_, hit->surface, ray_.direction * -1.0f, surface);
+        const Sampler here = sampler_.vertex(segment_++);
         const std::optional<ClosureSample> next =
-            sample(surface.closures, surface.ng, surface.wo,
-                   sampler_.vertex(segment_++)[Domain::closure].three());
+            sample(surface.closures, surface.ng, surface.wo, here[Domain::closure].three());
         if (!next) return false;
         if (next->kind == BounceKind::transparent) return look_through(instance, *next);
-        return next->delta && next->on_caster_normal && turn(surface, *next);
+        const bool goes_on =
+            next->delta ? turn(surface, *next) : may_scatter && scatter(surface, *next, here);
+        ray_ = {offset_origin({surface.p, surface.ng, surface.p_error}, next->wi), next->wi, 0.0f,
+                kInfinity};
+        return goes_on;
     }
 
     bool look_through(const Instance& instance, const ClosureSample& next) {
         passed_ *= next.weight;
-        through_caster_ = through_caster_ || instance.caster;
+        history_.append_transparent(instance);
         return ++transparent_ <= settings_.limits.transparent;
     }
 
     bool turn(const Surface& surface, const ClosureSample& next) {
-        if (world_.casters.of_instance[surface.hit.instance] == kNone || count_ == kLongestChain)
+        const uint32_t kind = next.refracted ? kVisibleTransmission : kVisibleGlossy;
+        if (history_.count == 0 && (light_visibility(world_.lights, y_.light) & kind) == 0)
             return false;
-        const Interaction interaction =
-            next.refracted ? Interaction::refraction : Interaction::reflection;
-        const uint32_t kind =
-            interaction == Interaction::reflection ? kVisibleGlossy : kVisibleTransmission;
-        if (count_ == 0 && (light_visibility(world_.lights, y_.light) & kind) == 0) return false;
-        vertices_[count_++] = {surface.p, {surface.hit, interaction, 0.0f}};
-        through_caster_ = false;
-        ray_ = {offset_origin({surface.p, surface.ng, surface.p_error}, next.wi), next.wi, 0.0f,
-                kInfinity};
-        return true;
+        return history_.append_delta(surface, next, world_.casters);
     }
 
-    // Splats what reaches the camera from a surface at the end of the chain.
+    bool scatter(const Surface& surface, const ClosureSample& next, const Sampler& here) {
+        throughput_ *= next.weight;
+        const float q = std::min(1.0f, max_component(throughput_));
+        if (here[Domain::roulette].one() >= q) return false;
+        throughput_ *= 1.0f / q;
+        survival_ *= q;
+        Surface from_camera;
+        evaluate_surface(scene_, surface.hit, next.wi, from_camera);
+        const std::optional<LightHistory::Arrival> arrival =
+            history_.arrive(scene_, end_.end, from_camera);
+        if (!arrival) return false;
+        history_.append_smooth(from_camera, *arrival, next.pdf_omega);
+        return light_tracing_owns(techniques_of(world_, settings_), history_.path);
+    }
+
+    // Splats what reaches the camera from a surface beyond the chain.
     void connect(const SurfaceHit& hit) {
         const Vec3 p = surface_position(scene_, hit);
         const Vec2 lens = sampler_.vertex(segment_)[Domain::lens].two();
         const std::optional<CameraView> view = scene_.camera.view(p, lens);
         if (!view || !is_near_crop(view->film)) return;
-        const Vec3 to_camera = normalize(view->origin - p);
         Surface surface;
-        evaluate_surface(scene_, hit, to_camera, surface);
-        const Vec3 wi = normalize(vertices_[count_ - 1].p - p);
-        const ClosureEval at_x = eval(surface.closures, surface.ng, to_camera, wi);
-        if (is_black(at_x.f_cos)) return;
-
-        CausticPath path;
-        path.x = p;
-        path.sides = {surface.ng, has_smooth_transmission(surface.closures)};
-        path.pdf_omega = at_x.pdf_omega;
-        path.receiver = true;
-        path.through_caster = through_caster_;
-        path.film_per_area = view->film_per_area * std::abs(dot(surface.ng, to_camera));
-        Spectrum value = at_x.f_cos * passed_ * radiance_ * trace_back(path);
+        evaluate_surface(scene_, hit, normalize(view->origin - p), surface);
+        std::optional<LightHistory::Arrival> arrival = history_.arrive(scene_, end_.end, surface);
+        if (!arrival) return;
+        CausticPath& path = arrival->path;
+        path.film_per_area *= view->film_per_area * std::abs(dot(surface.ng, surface.wo));
+        Spectrum value = arrival->throughput * passed_ * radiance_ * (1.0f / survival_);
         const Techniques techniques = techniques_of(world_, settings_);
         if (is_black(value) || !light_tracing_owns(techniques, path)) return;
-        const std::optional<CausticDensities> densities =
-            caustic_densities(techniques, path, light_end(y_, away_));
+        const std::optional<CausticDensities> densities = caustic_densities(techniques, path, end_);
         if (!densities || !(densities->light_tracing > 0.0)) return;
         value *= static_cast<float>(densities->scale()) * seen(surface, *view);
         if (is_black(value)) return;
@@ -135,26 +143,6 @@ private:
         return inside(film.x, x0, width) && inside(film.y, y0, height);
     }
 
-    // The chain as a path from the receiver has it; returns its throughput.
-    Spectrum trace_back(CausticPath& path) const {
-        Spectrum throughput(1.0f);
-        Surface surface;
-        Vec3 from = path.x;
-        for (uint32_t k = count_; k-- > 0;) {
-            const auto& [p, vertex] = vertices_[k];
-            float unused;
-            const Vec3 to_light = k > 0 ? normalize(vertices_[k - 1].p - p)
-                                        : ChainEnd{y_.distant, y_.p, y_.direction}.from(p, unused);
-            evaluate_surface(scene_, vertex.hit, normalize(from - p), surface);
-            const DeltaLobe lobe = delta_lobe(surface.closures, surface.ng, surface.wo, to_light,
-                                              vertex.interaction == Interaction::refraction);
-            throughput *= lobe.throughput;
-            path.vertices[path.count++] = {vertex.hit, vertex.interaction, lobe.probability};
-            from = p;
-        }
-        return throughput;
-    }
-
     // Fraction of the light that passes from the surface to the camera.
     Spectrum seen(const Surface& surface, const CameraView& view) {
         uint32_t transparent_left = settings_.limits.transparent - transparent_;
@@ -162,11 +150,6 @@ private:
                              {false, view.origin, Vec3(0.0f), view.t_near}, kVisibleCamera,
                              transparent_left, stats_.rays);
     }
-
-    struct Vertex {
-        Vec3 p;
-        CausticVertex vertex;
-    };
 
     const RenderScene& world_;
     const Scene& scene_;
@@ -179,13 +162,14 @@ private:
     LightPoint y_{};
     Spectrum radiance_{0.0f};  // at y along the first segment
     Vec3 away_{0.0f};          // direction of that segment
+    LightEnd end_{};
     Ray ray_;
     Spectrum passed_{1.0f};  // through transparent surfaces
     uint32_t transparent_ = 0;
     uint32_t segment_ = 0;
-    bool through_caster_ = false;                 // since the last vertex
-    std::array<Vertex, kLongestChain> vertices_;  // from the light on
-    uint32_t count_ = 0;
+    LightHistory history_{};
+    Spectrum throughput_{1.0f};  // since the receiver, as light paths have it: for the roulette
+    float survival_ = 1.0f;      // chance that it did not end the path
 };
 
 // Streams of light paths: apart from those of pixels, by their seed.

@@ -74,14 +74,7 @@ private:
         const Spectrum radiance = radiance_at(lights_, scene_, y_, away);
         if (is_black(radiance)) return Spectrum(0.0f);
 
-        CausticPath path;
-        path.x = receiver_.p;
-        path.sides = sides_of(receiver_);
-        path.pdf_omega = at_x.pdf_omega;
-        path.receiver = true;
-        path.film_per_area = receiver_.film_per_area;
-        path.count = 1;
-        path.vertices[0] = {root.hit, root.interaction, lobe.probability};
+        const CausticPath path = caustic_path(scene_, receiver_, at_x, root, lobe.probability);
         const std::optional<CausticDensities> densities =
             caustic_densities(techniques_, path, light_end(y_, away));
         if (!densities || !(densities->geometry > 0.0)) return Spectrum(0.0f);
@@ -157,6 +150,21 @@ private:
 };
 
 }  // namespace
+
+CausticPath caustic_path(const Scene& scene, const Receiver& receiver, const ClosureEval& at_x,
+                         const ChainRoot& root, float probability) {
+    CausticPath path;
+    path.x = receiver.p;
+    path.sides = sides_of(receiver);
+    path.pdf_omega = at_x.pdf_omega;
+    path.receiver = true;
+    path.scatterings = receiver.approach.scatterings;
+    path.film_per_area = film_per_area(scene, receiver.approach, receiver.hit, receiver.wo,
+                                       normalize(root.patch.p - receiver.p));
+    path.count = 1;
+    path.vertices[0] = {root.hit, root.interaction, probability};
+    return path;
+}
 
 Spectrum manifold_radiance(const Techniques& techniques, const Receiver& receiver,
                            const Sampler& sampler, ManifoldStats& stats) {

@@ -21,8 +21,14 @@ struct Receiver {
     Vec3 wo;
     const ClosureList* closures;
     uint32_t transparent_left;  // surfaces that the rest of the path may be looked through
-    float film_per_area;        // see CausticPath
+    SurfaceHit hit;
+    CameraApproach approach;
 };
+
+// The path of light by way of one solution, without its light: `at_x` evaluates the receiver towards
+// it, `probability` is that of its lobe.
+CausticPath caustic_path(const Scene& scene, const Receiver& receiver, const ClosureEval& at_x,
+                         const ChainRoot& root, float probability);
 
 // One estimate of the radiance from `receiver` towards its wo. [Zeltner20 Alg. 2] or, biased, [Alg.
 // 3].

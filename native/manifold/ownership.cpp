@@ -9,13 +9,13 @@ bool allowed(const ManifoldSettings& settings, Interaction interaction) {
     return interaction == Interaction::reflection ? settings.reflections : settings.refractions;
 }
 
-// Whether path tracing may follow the chain to its light, by whichever closure x scatters.
+// Whether path tracing may follow the path to its light, by whichever closures it scatters smoothly.
 bool within_limits(const BounceLimits& limits, const CausticPath& path) {
-    uint32_t glossy = 1, transmission = 1;
+    uint32_t glossy = path.scatterings + 1, transmission = path.scatterings + 1;
     for (uint32_t i = 0; i + 1 < path.count; ++i)
         ++(path.vertices[i].interaction == Interaction::reflection ? glossy : transmission);
-    return path.count <= limits.total && limits.diffuse >= 1 && glossy <= limits.glossy &&
-           transmission <= limits.transmission;
+    return path.scatterings + path.count <= limits.total && path.scatterings < limits.diffuse &&
+           glossy <= limits.glossy && transmission <= limits.transmission;
 }
 
 bool is_seen_through(const LightSet& lights, uint32_t light) {
@@ -57,13 +57,29 @@ LightEnd light_end(const LightPoint& y, const Vec3& away) {
             y.pdf};
 }
 
+float film_per_area(const Scene& scene, const CameraApproach& approach, const SurfaceHit& hit,
+                    const Vec3& wo, const Vec3& wi) {
+    if (approach.scatterings == 0 || approach.film_per_area == 0.0f) return approach.film_per_area;
+    Surface from_light;
+    evaluate_surface(scene, hit, wi, from_light);
+    const float pdf = eval(from_light.closures, from_light.ng, wi, wo).pdf_omega;
+    return pdf > 0.0f ? approach.film_per_area / pdf : 0.0f;
+}
+
+uint32_t most_scatterings(const BounceLimits&) {
+    return 0;
+}  // light paths end at the first receiver
+
 bool manifold_owns(const Techniques& techniques, const CausticPath& path) {
     return techniques.manifold.enabled && path.receiver && !path.through_caster &&
            path.count == 1 && allowed(techniques.manifold, path.vertices[0].interaction);
 }
 
 bool light_tracing_owns(const Techniques& techniques, const CausticPath& path) {
+    // Switched-off caustics leave diffuse rays not all that light paths meet.
+    const bool all_seen = techniques.manifold.reflections && techniques.manifold.refractions;
     return techniques.light_tracing.guide != nullptr && path.receiver && path.film_per_area > 0.0f &&
+           std::isfinite(path.film_per_area) && (path.scatterings == 0 || all_seen) &&
            path.count > 0 && allowed(techniques.manifold, path.vertices[0].interaction) &&
            within_limits(techniques.limits, path);
 }

@@ -40,6 +40,13 @@ struct CausticVertex {
 
 inline constexpr uint32_t kLongestChain = 12;
 
+// How the camera's path comes to a surface: directly, or after smooth scatterings alone.
+struct CameraApproach {
+    // CausticPath::film_per_area but for the light path's leave of this surface; 0: any other way.
+    float film_per_area = 0.0f;
+    uint32_t scatterings = 0;
+};
+
 // From a smooth scattering at the receiver x through the chain: without the light's end.
 struct CausticPath {
     Vec3 x{0.0f};
@@ -48,8 +55,14 @@ struct CausticPath {
     bool receiver = false;   // x has the role, the closure and the bounces left
     bool through_caster =
         false;  // straight through a transparent part of any caster before the first vertex
-    // Pixels^2 of the film per m^2 at x where the camera sees x, directly or through transparent
-    // surfaces; else 0.
+    // Smooth scatterings of the camera's path before x; straight through transparent surfaces counts
+    // as nothing.
+    uint32_t scatterings = 0;
+    // Pixels^2 of the film per m^2 at x where the camera sees x. Where it sees the last of several
+    // surfaces z_1 = x, z_2, ... that scatter smoothly: pixels^2 per m^2 there, times what the
+    // densities of the camera's path between them are in those of the light path,
+    //   prod p(z_i+1 -> z_i) cos_i / (p(z_i -> z_i+1) cos_i+1).
+    // 0 if the camera's path came any other way.
     float film_per_area = 0.0f;
     uint32_t count = 0;
     std::array<CausticVertex, kLongestChain> vertices;  // from the receiver on; `count` are valid
@@ -64,6 +77,14 @@ struct LightEnd {
     float pdf;     // LightPoint::pdf, the choice of the light included
 };
 LightEnd light_end(const LightPoint& y, const Vec3& away);
+
+// CausticPath::film_per_area for light that arrives at a surface along `wi` (from the surface) and
+// leaves it for the camera's path along `wo`.
+float film_per_area(const Scene& scene, const CameraApproach& approach, const SurfaceHit& hit,
+                    const Vec3& wo, const Vec3& wi);
+
+// So often may the camera's path scatter before a receiver of light tracing's, at most.
+uint32_t most_scatterings(const BounceLimits& limits);
 
 // What a technique other than path tracing can find. Whatever neither owns is path tracing's alone.
 bool manifold_owns(const Techniques& techniques, const CausticPath& path);

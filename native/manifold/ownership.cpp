@@ -66,9 +66,11 @@ float film_per_area(const Scene& scene, const CameraApproach& approach, const Su
     return pdf > 0.0f ? approach.film_per_area / pdf : 0.0f;
 }
 
-uint32_t most_scatterings(const BounceLimits&) {
-    return 0;
-}  // light paths end at the first receiver
+uint32_t most_scatterings(const BounceLimits& limits) {
+    const uint32_t scatterings =
+        std::min({limits.total, limits.diffuse, limits.glossy, limits.transmission});
+    return std::max(scatterings, 1u) - 1;  // the receiver scatters once more
+}
 
 bool manifold_owns(const Techniques& techniques, const CausticPath& path) {
     return techniques.manifold.enabled && path.receiver && !path.through_caster &&

@@ -87,7 +87,7 @@ private:
 
     bool append(Traced& path, const Surface& surface, const ClosureSample& next) const {
         if (!next.delta) {
-            if (!path.chain.empty() || path.smooth.size() == 1) return false;
+            if (!path.chain.empty() || path.smooth.size() == 3) return false;
             CameraApproach approach = path.history.approach_to(surface);
             if (path.smooth.empty()) {
                 const std::optional<CameraView> view = world_.scene->camera.view(surface.p, kLens);
@@ -377,7 +377,7 @@ constexpr double kRounding = 1e-5, kMagnified = 1e-2;
 
 TEST(CausticWeights, SumToOneOverTheirOwnRecords) {
     const Deviations all = deviations(600000);
-    EXPECT_EQ(all.size(), 3u);  // one to three interactions
+    EXPECT_GE(all.size(), 7u);  // one to three of both, few of which have three twice
     for (const auto& [kind, found] : all) {
         const std::string what = std::to_string(kind[0]) + " smooth vertices, " +
                                  std::to_string(kind[1]) + " interactions, " +

@@ -3,6 +3,7 @@
 
 #include "integrator/history.h"
 
+#include <numeric>
 #include <thread>
 
 namespace spc {
@@ -43,6 +44,7 @@ public:
                 {y_.p, y_.n, position_error(scene_, y_.surface.instance, y_.surface.triangle)},
                 away_);
         while (advance()) {}
+        if (history_.scatterings > 0) stats_.rays_behind += stats_.rays - rays_before_;
         return EmissionSample{y_.light, {emitted.place, 0.0f}};
     }
 
@@ -93,6 +95,10 @@ private:
     }
 
     bool scatter(const Surface& surface, const ClosureSample& next, const Sampler& here) {
+        if (history_.scatterings == 0) rays_before_ = stats_.rays;
+        if (history_.scatterings == 0 &&
+            here[Domain::light_goes_on].one() >= settings_.light_tracing.goes_on)
+            return false;
         throughput_ *= next.weight;
         const float q = std::min(1.0f, max_component(throughput_));
         if (here[Domain::roulette].one() >= q) return false;
@@ -131,6 +137,8 @@ private:
             return;
         }
         ++stats_.splats;
+        const double square = static_cast<double>(dot(value, value) * (1.0f / 3.0f));
+        (history_.scatterings > 0 ? stats_.squares_behind : stats_.squares) += square;
         splats_.push_back({view->film, value});
     }
 
@@ -170,6 +178,7 @@ private:
     LightHistory history_{};
     Spectrum throughput_{1.0f};  // since the receiver, as light paths have it: for the roulette
     float survival_ = 1.0f;      // chance that it did not end the path
+    uint64_t rays_before_ = 0;   // counted until the path scattered at its receiver
 };
 
 // Streams of light paths: apart from those of pixels, by their seed.
@@ -185,12 +194,43 @@ constexpr uint32_t kGenerations = 3, kPilotPaths = 1u << 15, kPilotChunk = 1u <<
 // One lucky path must not draw all others to it.
 constexpr float kLargestWeight = 32.0f;  // times the mean
 
+// Second moments of splats over a coarse picture.
+class MomentGrid {
+public:
+    explicit MomentGrid(const std::array<uint32_t, 4>& crop) : crop_(crop), cells_(kSide * kSide) {}
+    void add(const Splat& splat) {
+        const auto index = [](float at, uint32_t begin, uint32_t size) {
+            const float u = (at - static_cast<float>(begin)) / static_cast<float>(size);
+            return std::min(static_cast<size_t>(std::max(u, 0.0f) * kSide), kSide - 1);
+        };
+        cells_[index(splat.film.y, crop_[1], crop_[3]) * kSide +
+               index(splat.film.x, crop_[0], crop_[2])] +=
+            static_cast<double>(dot(splat.value, splat.value) * (1.0f / 3.0f));
+    }
+    void add(const MomentGrid& other) {
+        for (size_t i = 0; i < cells_.size(); ++i) cells_[i] += other.cells_[i];
+    }
+    // But for the brightest cells: few pixels must not have all others sampled for them.
+    double trimmed_sum() const {
+        std::vector<double> sorted = cells_;
+        std::sort(sorted.begin(), sorted.end());
+        return std::accumulate(sorted.begin(), sorted.end() - kTrimmed, 0.0);
+    }
+
+private:
+    static constexpr size_t kSide = 32, kTrimmed = kSide * kSide / 64;
+    std::array<uint32_t, 4> crop_;
+    std::vector<double> cells_;
+};
+
 std::vector<EmissionSample> pilot(const RenderScene& world, const IntegratorSettings& settings,
-                                  float margin, uint32_t seed, uint32_t generation, uint32_t threads,
-                                  const std::atomic<bool>& cancelled, LightPathStats& stats) {
+                                  float margin, uint32_t seed, uint32_t generation,
+                                  uint32_t threads, const std::atomic<bool>& cancelled,
+                                  LightPathStats& stats, MomentGrid& moments) {
     constexpr uint32_t chunks = kPilotPaths / kPilotChunk;
     std::array<std::vector<EmissionSample>, chunks> found;
     std::array<LightPathStats, chunks> counted;
+    std::vector<MomentGrid> grids(chunks, moments);
     std::atomic<uint32_t> next{0};
     const auto work = [&] {
         std::vector<Splat> splats;
@@ -203,7 +243,10 @@ std::vector<EmissionSample> pilot(const RenderScene& world, const IntegratorSett
                                 counted[c])
                         .trace();
                 if (!sample) continue;
-                for (const Splat& splat : splats) sample->place.weight += luminance(splat.value);
+                for (const Splat& splat : splats) {
+                    sample->place.weight += luminance(splat.value);
+                    grids[c].add(splat);
+                }
                 if (sample->place.weight > 0.0f) found[c].push_back(*sample);
             }
         }
@@ -217,6 +260,7 @@ std::vector<EmissionSample> pilot(const RenderScene& world, const IntegratorSett
     for (uint32_t c = 0; c < chunks; ++c) {
         all.insert(all.end(), found[c].begin(), found[c].end());
         stats.add(counted[c]);
+        moments.add(grids[c]);
     }
     return all;
 }
@@ -228,6 +272,19 @@ void limit_weights(std::vector<EmissionSample>& samples) {
         kLargestWeight * static_cast<float>(sum / static_cast<double>(samples.size()));
     for (EmissionSample& sample : samples)
         sample.place.weight = std::min(sample.place.weight, largest);
+}
+
+// Of paths that went on with chance c. With chance b they have the variance V + V' / b and cost
+// C + b C'; what is counted is V' / c and c C'.
+void measure(const LightPathStats& counted, const MomentGrid& moments, LightPilot& result) {
+    constexpr double kLeastGoingOn = 1.0 / 16;  // what was not met must not come too rarely
+    const auto behind = static_cast<double>(counted.rays_behind),
+               before = static_cast<double>(counted.rays) - behind;
+    const double best =
+        result.goes_on * std::sqrt(counted.squares_behind * before / (counted.squares * behind));
+    result.goes_on = best < 1.0 ? std::max(best, kLeastGoingOn) : 1.0;
+    result.squares = moments.trimmed_sum() * kPilotPaths;
+    result.rays = static_cast<double>(counted.rays) / kPilotPaths;
 }
 
 }  // namespace
@@ -248,18 +305,17 @@ std::unique_ptr<const LightPilot> learn_emission(const RenderScene& world,
         !world.scene->same_for_scattered_rays)
         return nullptr;
     auto result = std::make_unique<LightPilot>(
-        aim_at_casters(*world.scene, world.lights, world.casters), 0.0, 0.0);
+        aim_at_casters(*world.scene, world.lights, world.casters), 1.0, 0.0, 0.0);
     settings.light_tracing = {&result->guide, static_cast<double>(kPilotPaths)};
     for (uint32_t generation = 0; generation < kGenerations; ++generation) {
         LightPathStats counted;
+        MomentGrid moments(world.scene->camera.crop);
         std::vector<EmissionSample> learned =
-            pilot(world, settings, margin, seed, generation, threads, cancelled, counted);
+            pilot(world, settings, margin, seed, generation, threads, cancelled, counted, moments);
         stats.add(counted);
         if (learned.empty() || cancelled.load()) return nullptr;
-        result->rays = static_cast<double>(counted.rays) / kPilotPaths;
-        result->luminance = 0.0;
-        for (const EmissionSample& sample : learned)
-            result->luminance += static_cast<double>(sample.place.weight);
+        measure(counted, moments, *result);
+        settings.light_tracing.goes_on = result->goes_on;
         limit_weights(learned);
         result->guide = aim_at_casters(*world.scene, world.lights, world.casters, learned);
     }

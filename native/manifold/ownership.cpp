@@ -124,8 +124,9 @@ std::optional<CausticDensities> caustic_densities(const Techniques& techniques,
             emission_pdf(*techniques.light_tracing.guide, end.light, end.end, last);
         const double cos_x =
             std::abs(static_cast<double>(dot(path.sides.ng, normalize(chain[0].patch.p - path.x))));
+        const LightTracing& paths = techniques.light_tracing;
         if (emitted > 0.0f)
-            p.light_tracing = techniques.light_tracing.paths /
+            p.light_tracing = paths.paths * (path.scatterings > 0 ? paths.goes_on : 1.0) /
                               static_cast<double>(path.film_per_area) *
                               static_cast<double>(end.pdf) * static_cast<double>(emitted) *
                               probability_from_light(scene, path, chain, end.end) *

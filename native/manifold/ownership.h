@@ -19,6 +19,7 @@ struct BounceLimits {
 struct LightTracing {
     const EmissionGuide* guide = nullptr;  // null: there are none
     double paths = 0.0;                    // for each sample of the whole picture
+    double goes_on = 1.0;                  // share of them that may scatter at the receiver
 };
 
 // All on which ownership depends besides the path.

@@ -2,6 +2,7 @@
 #include "render/session.h"
 
 #include <bit>
+#include <numeric>
 
 #include <pmmintrin.h>
 #include <xmmintrin.h>
@@ -21,6 +22,19 @@ uint32_t count_passes(uint32_t samples) {
     if (samples < kLargestBatch) return static_cast<uint32_t>(std::bit_width(samples));
     return kDoublings +
            samples / kLargestBatch;  // 2^kDoublings - 1 samples precede those of full size
+}
+
+// Sum of the squares of the shares that pixels have of one splat, on average.
+double spread(const PixelFilter& filter) {
+    constexpr int kSteps = 64;
+    const float step = filter.reach() / kSteps;
+    double sum = 0.0;
+    for (int i = -kSteps; i < kSteps; ++i) {
+        const auto weight =
+            static_cast<double>(filter.weight((static_cast<float>(i) + 0.5f) * step));
+        sum += weight * weight * static_cast<double>(step);
+    }
+    return sum * sum;
 }
 
 uint32_t worker_count(uint32_t asked) {
@@ -179,43 +193,56 @@ void Session::prepare_light_tracing() {
     light_pilot_ = learn_emission(world_, settings_.integrator, filter_.reach(), settings_.seed,
                                   active_workers_, cancelled_, stats.light);
     if (light_pilot_) {
+        const auto& crop = world_.scene->camera.crop;
+        LightTracing& light_tracing = settings_.integrator.light_tracing;
+        light_tracing = {&light_pilot_->guide, static_cast<double>(uint64_t{crop[2]} * crop[3]),
+                         light_pilot_->goes_on};
         light_paths_ = light_paths_that_pay(*light_pilot_);
         light_jobs_ = static_cast<uint32_t>(
             std::clamp<uint64_t>(light_paths_ / kLightJob, 1, film_.tile_count()));
-        settings_.integrator.light_tracing = {&light_pilot_->guide,
-                                              static_cast<double>(light_paths_)};
+        light_tracing.paths = static_cast<double>(light_paths_);
     }
     const std::lock_guard lock(mutex_);
     stats_.add(stats);
 }
 
-// For each sample of the picture: a share of the work, less where light tracing has little to add.
-// Work is counted, not timed, so that the same render comes out everywhere.
+// For each sample of the picture: so many that a ray more lowers the picture's variance alike,
+// whether light or camera sends it. N light paths and P camera paths have the variance V / N + V' / P
+// and cost N C + P C': then N / P = sqrt(V / C) / sqrt(V' / C'). Work is counted, not timed, so that
+// the same render comes out everywhere.
 uint64_t Session::light_paths_that_pay(const LightPilot& pilot) const {
-    constexpr double kShare = 0.25;        // of the camera paths' work, at most
-    constexpr double kSignificant = 0.05;  // share of the picture's light that deserves all of it
-    constexpr double kLeast = 0.125, kMost = 8.0;  // for each pixel
-    constexpr uint32_t kProbes = 512;              // camera paths
+    constexpr double kLeast = 0.125, kMost = 8.0;    // for each pixel
+    constexpr uint64_t kFewest = 256, kMany = 2048;  // pixels that are probed, twice each
+    constexpr size_t kRare = 1024;  // of so many, one whose bright sample would tell all is left out
 
     const auto& [x0, y0, width, height] = world_.scene->camera.crop;
     const uint64_t pixels = uint64_t{width} * height;
     Activation always;
     always.fill(1.0f);
     RenderStats probes;
-    double luminance_sum = 0.0;
-    for (uint32_t i = 0; i < kProbes && !must_stop(); ++i) {
-        const auto pixel = static_cast<uint32_t>(pixels * i / kProbes);
-        const FilmSample sample =
-            take_sample(x0 + pixel % width, y0 + pixel / width, ~i, always, probes);
-        luminance_sum += static_cast<double>(luminance(sample.radiance));
+    std::vector<double> squares;  // of differences, mean of the channels
+    const uint64_t count = std::clamp(pixels / 16, kFewest, kMany);
+    for (uint32_t i = 0; i < count && !must_stop(); ++i) {
+        const auto pixel = static_cast<uint32_t>(pixels * i / count);
+        const auto take = [&](uint32_t index) {
+            return take_sample(x0 + pixel % width, y0 + pixel / width, index, always, probes).radiance;
+        };
+        const Spectrum difference = take(~i) - take(~i ^ (1u << 30));
+        squares.push_back(static_cast<double>(dot(difference, difference) * (1.0f / 3.0f)));
     }
+    std::sort(squares.begin(), squares.end());
+    squares.resize(squares.size() - (squares.size() + kRare - 1) / kRare);
     const PathStats& path = probes.path;
-    const double work =
-        static_cast<double>(path.rays + path.manifold.rays + path.manifold.iterations) / kProbes;
-    const double light = luminance_sum / kProbes * static_cast<double>(pixels);
-    const double share = kShare * std::min(1.0, pilot.luminance / (kSignificant * light));
-    return static_cast<uint64_t>(std::ceil(static_cast<double>(pixels) *
-                                           std::clamp(share * work / pilot.rays, kLeast, kMost)));
+    const double samples = 2.0 * static_cast<double>(count),
+                 work =
+                     static_cast<double>(path.rays + path.manifold.rays + path.manifold.iterations) /
+                     samples,
+                 variance = std::accumulate(squares.begin(), squares.end(), 0.0) / samples;
+    const auto all = static_cast<double>(pixels);
+    const double best =
+        std::sqrt(pilot.squares * spread(filter_) * work / (pilot.rays * variance)) / all;
+    return static_cast<uint64_t>(
+        std::ceil(all * (variance > 0.0 ? std::clamp(best, kLeast, kMost) : kMost)));
 }
 
 // Whether the whole job was done.

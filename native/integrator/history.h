@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What a path remembers: how its last light connections were sampled, for MIS and ownership, and
-// its bounce counts.
+// its bounce counts. The histories of a path from the camera and of one from the light describe the
+// same path of light alike.
 #pragma once
 
 #include "integrator/path.h"
@@ -19,17 +20,26 @@ struct PathHistory {
     CausticPath caustic;         // as far as it has come
     bool passed_caster = false;  // straight through a part of one, since the last vertex
 
+    // Of the camera's path to a surface that it meets after the last one.
+    CameraApproach approach_to(const Surface& surface) const {
+        if (stage != Stage::scattered) return {};
+        return {caustic.film_per_area * caustic.pdf_omega *
+                    std::abs(dot(surface.ng, surface.wo) / dot(caustic.sides.ng, surface.wo)),
+                caustic.scatterings + 1};
+    }
     // `before`: the path's bounces when it came here.
-    void append_smooth(const Surface& surface, float pdf, bool may_receive, float film_per_area,
+    void append_smooth(const Scene& scene, const Surface& surface, const ClosureSample& sample,
+                       bool may_receive, const CameraApproach& approach,
                        const BounceCounts& before) {
         stage = Stage::scattered;
         caustic.x = surface.p;
         caustic.sides = {surface.ng, has_smooth_transmission(surface.closures)};
-        caustic.pdf_omega = pdf;
+        caustic.pdf_omega = sample.pdf_omega;
         caustic.receiver = may_receive;
         caustic.through_caster = passed_caster = false;
         caustic.before = before;
-        caustic.film_per_area = film_per_area;
+        caustic.scatterings = approach.scatterings;
+        caustic.film_per_area = film_per_area(scene, approach, surface.hit, surface.wo, sample.wi);
         caustic.count = 0;
     }
     // Whether the chain goes on with this delta interaction; the caller then sets the probability
@@ -49,6 +59,46 @@ struct PathHistory {
     void append_transparent(const Instance& instance) {
         passed_caster |= instance.caster;
     }
+};
+
+// A light path so far: its chain, then smooth scatterings from the receiver on.
+struct LightHistory {
+    struct Vertex {
+        Vec3 p;
+        CausticVertex vertex;  // its probability is trace_back()'s
+    };
+    std::array<Vertex, kLongestChain> vertices;  // from the light on; `count` are valid
+    uint32_t count = 0;
+    bool passed_caster = false;   // straight through a part of one since the last vertex
+    bool through_caster = false;  // or between earlier ones
+
+    uint32_t scatterings = 0;  // the receiver's and later ones
+    // From then on: the path as the camera's has it, film_per_area but for what comes next, and its
+    // throughput.
+    CausticPath path{};
+    Spectrum throughput{0.0f};
+    Vec3 last{0.0f};  // where it scattered
+
+    // Whether the chain goes on with this delta interaction.
+    bool append_delta(const Surface& surface, const ClosureSample& sample, const CasterSet& casters);
+    void append_transparent(const Instance& instance) {
+        passed_caster = passed_caster || instance.caster;
+    }
+    // The whole path from a surface that the camera sees, or a path from there: `surface` is what
+    // it sees. film_per_area is short of the factor that it has at that surface. Empty where no
+    // light goes on that way.
+    struct Arrival {
+        CausticPath path;
+        Spectrum throughput;  // of the camera's path from this surface on, over its densities before x
+    };
+    std::optional<Arrival> arrive(const Scene& scene, const ChainEnd& end,
+                                  const Surface& surface) const;
+    // The path goes on where `arrival` sees the surface from, with a density of `pdf` (1/sr).
+    void append_smooth(const Surface& surface, const Arrival& arrival, float pdf);
+
+private:
+    // Adds the chain to a path that begins at the receiver; returns its throughput.
+    Spectrum trace_back(const Scene& scene, const ChainEnd& end, CausticPath& path) const;
 };
 
 }  // namespace spc

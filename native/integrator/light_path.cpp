@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "integrator/light_path.h"
 
+#include "integrator/history.h"
+
+#include <numeric>
 #include <thread>
 
 namespace spc {
@@ -32,6 +35,7 @@ public:
         const EmittedRay emitted =
             emit(*settings_.light_tracing.guide, y_, sampler_[Domain::light_direction].two());
         away_ = emitted.direction;
+        end_ = light_end(y_, away_);
         radiance_ = radiance_at(world_.lights, scene_, y_, away_);
         if (is_black(radiance_)) return std::nullopt;
         ray_ = {emitted.origin, away_, 0.0f, kInfinity};
@@ -40,6 +44,7 @@ public:
                 {y_.p, y_.n, position_error(scene_, y_.surface.instance, y_.surface.triangle)},
                 away_);
         while (advance()) {}
+        if (history_.scatterings > 0) stats_.rays_behind += stats_.rays - rays_before_;
         return EmissionSample{y_.light, {emitted.place, 0.0f}};
     }
 
@@ -53,69 +58,77 @@ private:
         ray_.t_near = past(hit->t);
         if (hit->light != kNone) return true;  // lamps are looked through
         const Instance& instance = scene_.instances[hit->surface.instance];
-        if (count_ > 0 && instance.receiver && (instance.visibility & kVisibleCamera) != 0)
+        const bool may_end = history_.scatterings > 0 || instance.receiver;
+        if (history_.count > 0 && may_end && (instance.visibility & kVisibleCamera) != 0)
             connect(hit->surface);
         if ((instance.visibility & kVisibleScattered) == 0)
             return true;  // nothing but the camera sees it
-        if (!instance.caster && !scene_.any_transparency) return false;
+        const bool may_scatter = history_.count > 0 && may_end &&
+                                 history_.scatterings < most_scatterings(settings_.limits);
+        if (!may_scatter && !instance.caster && !scene_.any_transparency) return false;
 
         Surface surface;
         evaluate_surface(scene_, hit->surface, ray_.direction * -1.0f, surface);
+        const Sampler here = sampler_.vertex(segment_++);
         const std::optional<ClosureSample> next =
-            sample(surface.closures, surface.ng, surface.wo,
-                   sampler_.vertex(segment_++)[Domain::closure].three());
+            sample(surface.closures, surface.ng, surface.wo, here[Domain::closure].three());
         if (!next) return false;
         if (next->kind == BounceKind::transparent) return look_through(instance, *next);
-        return next->delta && next->on_caster_normal && turn(surface, *next);
+        const bool goes_on =
+            next->delta ? turn(surface, *next) : may_scatter && scatter(surface, *next, here);
+        ray_ = {offset_origin({surface.p, surface.ng, surface.p_error}, next->wi), next->wi, 0.0f,
+                kInfinity};
+        return goes_on;
     }
 
     bool look_through(const Instance& instance, const ClosureSample& next) {
         passed_ *= next.weight;
-        passed_caster_ = passed_caster_ || instance.caster;
+        history_.append_transparent(instance);
         return ++transparent_ <= settings_.limits.transparent;
     }
 
     bool turn(const Surface& surface, const ClosureSample& next) {
-        if (world_.casters.of_instance[surface.hit.instance] == kNone || count_ == kLongestChain)
+        const uint32_t kind = next.refracted ? kVisibleTransmission : kVisibleGlossy;
+        if (history_.count == 0 && (light_visibility(world_.lights, y_.light) & kind) == 0)
             return false;
-        const Interaction interaction =
-            next.refracted ? Interaction::refraction : Interaction::reflection;
-        const uint32_t kind =
-            interaction == Interaction::reflection ? kVisibleGlossy : kVisibleTransmission;
-        if (count_ == 0 && (light_visibility(world_.lights, y_.light) & kind) == 0) return false;
-        vertices_[count_++] = {surface.p, {surface.hit, interaction, 0.0f}};
-        through_caster_ = through_caster_ || (count_ > 1 && passed_caster_);
-        passed_caster_ = false;
-        ray_ = {offset_origin({surface.p, surface.ng, surface.p_error}, next.wi), next.wi, 0.0f,
-                kInfinity};
-        return true;
+        return history_.append_delta(surface, next, world_.casters);
     }
 
-    // Splats what reaches the camera from a surface at the end of the chain.
+    bool scatter(const Surface& surface, const ClosureSample& next, const Sampler& here) {
+        if (history_.scatterings == 0) rays_before_ = stats_.rays;
+        if (history_.scatterings == 0 &&
+            here[Domain::light_goes_on].one() >= settings_.light_tracing.goes_on)
+            return false;
+        throughput_ *= next.weight;
+        const float q = std::min(1.0f, max_component(throughput_));
+        if (here[Domain::roulette].one() >= q) return false;
+        throughput_ *= 1.0f / q;
+        survival_ *= q;
+        Surface from_camera;
+        evaluate_surface(scene_, surface.hit, next.wi, from_camera);
+        const std::optional<LightHistory::Arrival> arrival =
+            history_.arrive(scene_, end_.end, from_camera);
+        if (!arrival) return false;
+        history_.append_smooth(from_camera, *arrival, next.pdf_omega);
+        return light_tracing_owns(techniques_of(world_, settings_), history_.path);
+    }
+
+    // Splats what reaches the camera from a surface beyond the chain.
     void connect(const SurfaceHit& hit) {
         const Vec3 p = surface_position(scene_, hit);
         const Vec2 lens = sampler_.vertex(segment_)[Domain::lens].two();
         const std::optional<CameraView> view = scene_.camera.view(p, lens);
         if (!view || !is_near_crop(view->film)) return;
-        const Vec3 to_camera = normalize(view->origin - p);
         Surface surface;
-        evaluate_surface(scene_, hit, to_camera, surface);
-        const Vec3 wi = normalize(vertices_[count_ - 1].p - p);
-        const ClosureEval at_x = eval(surface.closures, surface.ng, to_camera, wi);
-        if (is_black(at_x.f_cos)) return;
-
-        CausticPath path;
-        path.x = p;
-        path.sides = {surface.ng, has_smooth_transmission(surface.closures)};
-        path.pdf_omega = at_x.pdf_omega;
-        path.receiver = true;
-        path.through_caster = through_caster_ || passed_caster_;
-        path.film_per_area = view->film_per_area * std::abs(dot(surface.ng, to_camera));
-        Spectrum value = at_x.f_cos * passed_ * radiance_ * trace_back(path);
+        evaluate_surface(scene_, hit, normalize(view->origin - p), surface);
+        std::optional<LightHistory::Arrival> arrival = history_.arrive(scene_, end_.end, surface);
+        if (!arrival) return;
+        CausticPath& path = arrival->path;
+        path.film_per_area *= view->film_per_area * std::abs(dot(surface.ng, surface.wo));
+        Spectrum value = arrival->throughput * passed_ * radiance_ * (1.0f / survival_);
         const Techniques techniques = techniques_of(world_, settings_);
         if (is_black(value) || !light_tracing_owns(techniques, path)) return;
-        const std::optional<CausticDensities> densities =
-            caustic_densities(techniques, path, light_end(y_, away_));
+        const std::optional<CausticDensities> densities = caustic_densities(techniques, path, end_);
         if (!densities || !(densities->light_tracing > 0.0)) return;
         value *= static_cast<float>(densities->scale()) * seen(surface, *view);
         if (is_black(value)) return;
@@ -124,6 +137,8 @@ private:
             return;
         }
         ++stats_.splats;
+        const double square = static_cast<double>(dot(value, value) * (1.0f / 3.0f));
+        (history_.scatterings > 0 ? stats_.squares_behind : stats_.squares) += square;
         splats_.push_back({view->film, value});
     }
 
@@ -136,26 +151,6 @@ private:
         return inside(film.x, x0, width) && inside(film.y, y0, height);
     }
 
-    // The chain as a path from the receiver has it; returns its throughput.
-    Spectrum trace_back(CausticPath& path) const {
-        Spectrum throughput(1.0f);
-        Surface surface;
-        Vec3 from = path.x;
-        for (uint32_t k = count_; k-- > 0;) {
-            const auto& [p, vertex] = vertices_[k];
-            float unused;
-            const Vec3 to_light = k > 0 ? normalize(vertices_[k - 1].p - p)
-                                        : ChainEnd{y_.distant, y_.p, y_.direction}.from(p, unused);
-            evaluate_surface(scene_, vertex.hit, normalize(from - p), surface);
-            const DeltaLobe lobe = delta_lobe(surface.closures, surface.ng, surface.wo, to_light,
-                                              vertex.interaction == Interaction::refraction);
-            throughput *= lobe.throughput;
-            path.vertices[path.count++] = {vertex.hit, vertex.interaction, lobe.probability};
-            from = p;
-        }
-        return throughput;
-    }
-
     // Fraction of the light that passes from the surface to the camera.
     Spectrum seen(const Surface& surface, const CameraView& view) {
         uint32_t transparent_left = settings_.limits.transparent - transparent_;
@@ -163,11 +158,6 @@ private:
                              {false, view.origin, Vec3(0.0f), view.t_near}, kVisibleCamera,
                              transparent_left, stats_.rays);
     }
-
-    struct Vertex {
-        Vec3 p;
-        CausticVertex vertex;
-    };
 
     const RenderScene& world_;
     const Scene& scene_;
@@ -180,14 +170,15 @@ private:
     LightPoint y_{};
     Spectrum radiance_{0.0f};  // at y along the first segment
     Vec3 away_{0.0f};          // direction of that segment
+    LightEnd end_{};
     Ray ray_;
     Spectrum passed_{1.0f};  // through transparent surfaces
     uint32_t transparent_ = 0;
     uint32_t segment_ = 0;
-    bool passed_caster_ = false;   // straight through a part of one since the last vertex
-    bool through_caster_ = false;  // or between earlier vertices
-    std::array<Vertex, kLongestChain> vertices_;  // from the light on
-    uint32_t count_ = 0;
+    LightHistory history_{};
+    Spectrum throughput_{1.0f};  // since the receiver, as light paths have it: for the roulette
+    float survival_ = 1.0f;      // chance that it did not end the path
+    uint64_t rays_before_ = 0;   // counted until the path scattered at its receiver
 };
 
 // Streams of light paths: apart from those of pixels, by their seed.
@@ -203,12 +194,43 @@ constexpr uint32_t kGenerations = 3, kPilotPaths = 1u << 15, kPilotChunk = 1u <<
 // One lucky path must not draw all others to it.
 constexpr float kLargestWeight = 32.0f;  // times the mean
 
+// Second moments of splats over a coarse picture.
+class MomentGrid {
+public:
+    explicit MomentGrid(const std::array<uint32_t, 4>& crop) : crop_(crop), cells_(kSide * kSide) {}
+    void add(const Splat& splat) {
+        const auto index = [](float at, uint32_t begin, uint32_t size) {
+            const float u = (at - static_cast<float>(begin)) / static_cast<float>(size);
+            return std::min(static_cast<size_t>(std::max(u, 0.0f) * kSide), kSide - 1);
+        };
+        cells_[index(splat.film.y, crop_[1], crop_[3]) * kSide +
+               index(splat.film.x, crop_[0], crop_[2])] +=
+            static_cast<double>(dot(splat.value, splat.value) * (1.0f / 3.0f));
+    }
+    void add(const MomentGrid& other) {
+        for (size_t i = 0; i < cells_.size(); ++i) cells_[i] += other.cells_[i];
+    }
+    // But for the brightest cells: few pixels must not have all others sampled for them.
+    double trimmed_sum() const {
+        std::vector<double> sorted = cells_;
+        std::sort(sorted.begin(), sorted.end());
+        return std::accumulate(sorted.begin(), sorted.end() - kTrimmed, 0.0);
+    }
+
+private:
+    static constexpr size_t kSide = 32, kTrimmed = kSide * kSide / 64;
+    std::array<uint32_t, 4> crop_;
+    std::vector<double> cells_;
+};
+
 std::vector<EmissionSample> pilot(const RenderScene& world, const IntegratorSettings& settings,
-                                  float margin, uint32_t seed, uint32_t generation, uint32_t threads,
-                                  const std::atomic<bool>& cancelled, LightPathStats& stats) {
+                                  float margin, uint32_t seed, uint32_t generation,
+                                  uint32_t threads, const std::atomic<bool>& cancelled,
+                                  LightPathStats& stats, MomentGrid& moments) {
     constexpr uint32_t chunks = kPilotPaths / kPilotChunk;
     std::array<std::vector<EmissionSample>, chunks> found;
     std::array<LightPathStats, chunks> counted;
+    std::vector<MomentGrid> grids(chunks, moments);
     std::atomic<uint32_t> next{0};
     const auto work = [&] {
         std::vector<Splat> splats;
@@ -221,7 +243,10 @@ std::vector<EmissionSample> pilot(const RenderScene& world, const IntegratorSett
                                 counted[c])
                         .trace();
                 if (!sample) continue;
-                for (const Splat& splat : splats) sample->place.weight += luminance(splat.value);
+                for (const Splat& splat : splats) {
+                    sample->place.weight += luminance(splat.value);
+                    grids[c].add(splat);
+                }
                 if (sample->place.weight > 0.0f) found[c].push_back(*sample);
             }
         }
@@ -235,6 +260,7 @@ std::vector<EmissionSample> pilot(const RenderScene& world, const IntegratorSett
     for (uint32_t c = 0; c < chunks; ++c) {
         all.insert(all.end(), found[c].begin(), found[c].end());
         stats.add(counted[c]);
+        moments.add(grids[c]);
     }
     return all;
 }
@@ -246,6 +272,19 @@ void limit_weights(std::vector<EmissionSample>& samples) {
         kLargestWeight * static_cast<float>(sum / static_cast<double>(samples.size()));
     for (EmissionSample& sample : samples)
         sample.place.weight = std::min(sample.place.weight, largest);
+}
+
+// Of paths that went on with chance c. With chance b they have the variance V + V' / b and cost
+// C + b C'; what is counted is V' / c and c C'.
+void measure(const LightPathStats& counted, const MomentGrid& moments, LightPilot& result) {
+    constexpr double kLeastGoingOn = 1.0 / 16;  // what was not met must not come too rarely
+    const auto behind = static_cast<double>(counted.rays_behind),
+               before = static_cast<double>(counted.rays) - behind;
+    const double best =
+        result.goes_on * std::sqrt(counted.squares_behind * before / (counted.squares * behind));
+    result.goes_on = best < 1.0 ? std::max(best, kLeastGoingOn) : 1.0;
+    result.squares = moments.trimmed_sum() * kPilotPaths;
+    result.rays = static_cast<double>(counted.rays) / kPilotPaths;
 }
 
 }  // namespace
@@ -266,18 +305,17 @@ std::unique_ptr<const LightPilot> learn_emission(const RenderScene& world,
         !world.scene->same_for_scattered_rays)
         return nullptr;
     auto result = std::make_unique<LightPilot>(
-        aim_at_casters(*world.scene, world.lights, world.casters), 0.0, 0.0);
+        aim_at_casters(*world.scene, world.lights, world.casters), 1.0, 0.0, 0.0);
     settings.light_tracing = {&result->guide, static_cast<double>(kPilotPaths)};
     for (uint32_t generation = 0; generation < kGenerations; ++generation) {
         LightPathStats counted;
+        MomentGrid moments(world.scene->camera.crop);
         std::vector<EmissionSample> learned =
-            pilot(world, settings, margin, seed, generation, threads, cancelled, counted);
+            pilot(world, settings, margin, seed, generation, threads, cancelled, counted, moments);
         stats.add(counted);
         if (learned.empty() || cancelled.load()) return nullptr;
-        result->rays = static_cast<double>(counted.rays) / kPilotPaths;
-        result->luminance = 0.0;
-        for (const EmissionSample& sample : learned)
-            result->luminance += static_cast<double>(sample.place.weight);
+        measure(counted, moments, *result);
+        settings.light_tracing.goes_on = result->goes_on;
         limit_weights(learned);
         result->guide = aim_at_casters(*world.scene, world.lights, world.casters, learned);
     }

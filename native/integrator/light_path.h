@@ -14,11 +14,18 @@ struct LightPathStats {
     uint64_t splats = 0;
     uint64_t rays = 0;
     uint64_t nan_splats = 0;
+    // Sums of the splats' squares, means of the channels: at the receiver, and behind it, with the
+    // rays that went there.
+    double squares = 0.0, squares_behind = 0.0;
+    uint64_t rays_behind = 0;
     void add(const LightPathStats& other) {
         paths += other.paths;
         splats += other.splats;
         rays += other.rays;
         nan_splats += other.nan_splats;
+        squares += other.squares;
+        squares_behind += other.squares_behind;
+        rays_behind += other.rays_behind;
     }
 };
 
@@ -31,8 +38,9 @@ void trace_light_path(const RenderScene& world, const IntegratorSettings& settin
 // What a pilot has learned.
 struct LightPilot {
     EmissionGuide guide;
-    double luminance;  // that light tracing alone would add to the picture, summed over its pixels
-    double rays;       // of a light path
+    double goes_on;  // as LightTracing has it, for the least variance of the work
+    double squares;  // second moment of what one path would add to the picture by itself
+    double rays;     // of one path
 };
 // Sends light paths to learn where those begin that add to the picture. Does not depend on
 // `threads`. Null where no light reaches the camera that way, or `cancelled` was set meanwhile.

@@ -189,15 +189,19 @@ struct PathTracer {
                bounces.leaves_room_for_chain(settings.limits);
     }
 
-    // CausticPath::film_per_area at a receiver.
-    float film_per_area(const Surface& surface) const {
-        if (settings.light_tracing.guide == nullptr || bounces.total > 0) return 0.0f;
+    CameraApproach approach_to(const Surface& surface) const {
+        if (settings.light_tracing.guide == nullptr ||
+            bounces.total > most_scatterings(settings.limits))
+            return {};
+        if (bounces.total > 0) return history.approach_to(surface);
         const std::optional<CameraView> view = scene().camera.view(surface.p, lens);
-        return view ? view->film_per_area * std::abs(dot(surface.ng, surface.wo)) : 0.0f;
+        if (!view) return {};
+        return {view->film_per_area * std::abs(dot(surface.ng, surface.wo)), 0};
     }
 
     // Throughput included.
-    Spectrum caustic_radiance(const Surface& surface, float film_per_area, const Sampler& sampler) {
+    Spectrum caustic_radiance(const Surface& surface, const CameraApproach& approach,
+                              const Sampler& sampler) {
         const size_t depth = receiver_depth(bounces.total);
         const float chance = pass.activation[depth];
         if (chance < 1.0f && sampler[Domain::manifold_activation].one() >= chance)
@@ -208,7 +212,8 @@ struct PathTracer {
             throughput * (1.0f / chance) *
             manifold_radiance(techniques_of(world, settings),
                               {surface.p, surface.p_error, surface.ng, surface.wo, &surface.closures,
-                               bounces.transparent_left(settings.limits), film_per_area, bounces},
+                               bounces.transparent_left(settings.limits), surface.hit, approach,
+                               bounces},
                               pass.sheets, sampler, counts);
         const double squares =
             static_cast<double>((sqr(caustic.x) + sqr(caustic.y) + sqr(caustic.z)) * (1.0f / 3.0f));
@@ -239,14 +244,14 @@ struct PathTracer {
     }
 
     bool scatter(const Hit& hit, const Surface& surface, const ClosureSample& next, bool receives,
-                 float film, const Sampler& sampler) {
+                 const CameraApproach& approach, const Sampler& sampler) {
         throughput *= next.weight;
         if (!survive_roulette(sampler)) return false;
         if (next.kind == BounceKind::transparent) return look_through(hit);
         const BounceCounts before = bounces;
         bounces.add(next.kind);
         if (!next.delta)
-            history.append_smooth(surface, next.pdf_omega, receives, film, before);
+            history.append_smooth(scene(), surface, next, receives, approach, before);
         else if (history.append_delta(surface.hit, next, world.casters))
             history.caustic.vertices[history.caustic.count - 1].probability =
                 lobe_probability(surface, next);
@@ -323,9 +328,9 @@ PathSample path_radiance(const RenderScene& world, const IntegratorSettings& set
         const Sampler here = sampler.vertex(vertex);
         out.radiance += path.throughput * path.direct_radiance(surface, here);
         const bool receives = path.may_receive(surface);
-        const float film = receives ? path.film_per_area(surface) : 0.0f;
+        const CameraApproach approach = path.approach_to(surface);
         if (receives && settings.manifold.enabled) {
-            const Spectrum caustic = path.caustic_radiance(surface, film, here);
+            const Spectrum caustic = path.caustic_radiance(surface, approach, here);
             out.radiance += caustic;
             out.caustics += caustic;
         }
@@ -337,7 +342,7 @@ PathSample path_radiance(const RenderScene& world, const IntegratorSettings& set
             out.position = surface.p;
             out.normal = surface.n;
         }
-        if (!next || !path.scatter(*hit, surface, *next, receives, film, here)) break;
+        if (!next || !path.scatter(*hit, surface, *next, receives, approach, here)) break;
     }
     return out;
 }

@@ -53,6 +53,39 @@ std::optional<Vec2> from_cone(const Vec3& w, float one_minus_cos) {
     return concentric_square({w.x * scale, w.y * scale});
 }
 
+// Directions from a point of a local light: the unit square's map.
+struct Cone {
+    Frame frame;
+    float one_minus_cos;
+};
+
+float cone_around(float radius, float distance) {
+    if (distance <= radius) return 2.0f;
+    const float sine = radius / distance;
+    // 1 - sqrt(1 - s^2), without cancellation
+    return sqr(sine) / (1.0f + std::sqrt(1.0f - sqr(sine)));
+}
+
+// All casters as the point `y` sees them; every direction if it lies among them. Turned from the
+// light's frame by the shortest way, so that a place in the square means much the same part of the
+// casters for all points of the light.
+Cone cone_from(const EmissionGuide& guide, const LightEmission& emission, const Vec3& y) {
+    const Cone all{emission.frame, 2.0f};
+    const Vec3 axis = guide.center - y;
+    const float distance = length(axis);
+    if (distance <= guide.radius) return all;
+    const Vec3 z = axis * (1.0f / distance);
+    const float c = dot(emission.frame.z, z);
+    if (!(c > 0.0f)) return all;
+    const Vec3 turn = cross(emission.frame.z, z);
+    const auto turned = [&](const Vec3& v) {
+        const Vec3 once = cross(turn, v);
+        return v + once + cross(turn, once) * (1.0f / (1.0f + c));
+    };
+    return {{turned(emission.frame.x), turned(emission.frame.y), z},
+            cone_around(guide.radius, distance)};
+}
+
 struct Place {
     Vec2 p;
     float density_of_uniform;  // 1/sr or 1/m^2
@@ -71,18 +104,19 @@ std::optional<Place> place_of(const EmissionGuide& guide, uint32_t light, const 
         if (!inside(place)) return std::nullopt;
         return Place{place, 0.25f / sqr(guide.radius)};
     }
-    const Vec3 w = emission.frame.to_local(normalize(p - end.p));
-    const std::optional<Vec2> place = from_cone(w, emission.one_minus_cos);
+    const Cone cone = cone_from(guide, emission, end.p);
+    const Vec3 w = cone.frame.to_local(normalize(p - end.p));
+    const std::optional<Vec2> place = from_cone(w, cone.one_minus_cos);
     if (!place || !inside(*place)) return std::nullopt;
-    return Place{*place, uniform_cone_pdf(emission.one_minus_cos)};
+    return Place{*place, uniform_cone_pdf(cone.one_minus_cos)};
 }
 
 // Side of the smallest cell of a light's square in which rays can be told from each other. Finer
 // ones would follow the spacing of floats.
 float finest_cell(const EmissionGuide& guide, uint32_t light, bool distant) {
-    constexpr float kSpacing = 8.0f * 0x1p-24f;  // of directions and, relatively, of positions
+    constexpr float kSpacing = 64.0f * 0x1p-24f;  // of directions and, relatively, of positions
     if (distant) return kSpacing * guide.start / guide.radius;
-    return kSpacing / std::sqrt(guide.lights[light].one_minus_cos);
+    return kSpacing / std::sqrt(guide.lights[light].narrowest);
 }
 
 void enclose_casters(const Scene& scene, const CasterSet& casters, EmissionGuide& guide) {
@@ -98,15 +132,11 @@ void enclose_casters(const Scene& scene, const CasterSet& casters, EmissionGuide
     guide.start = 2.0f * scene.bounds_radius + guide.radius;
 }
 
-void enclose_casters_from(const LightSphere& light, const EmissionGuide& guide,
-                          LightEmission& emission) {
+void face_casters(const LightSphere& light, const EmissionGuide& guide, LightEmission& emission) {
     const Vec3 axis = guide.center - light.center;
-    const float distance = length(axis), reach = guide.radius + light.radius;
+    const float distance = length(axis);
     emission.frame = Frame::around(distance > 0.0f ? axis * (1.0f / distance) : Vec3(0, 0, 1));
-    if (distance <= reach) return;  // some of the light may lie among the casters
-    const float sine = reach / distance;
-    // 1 - sqrt(1 - s^2), without cancellation
-    emission.one_minus_cos = sqr(sine) / (1.0f + std::sqrt(1.0f - sqr(sine)));
+    emission.narrowest = cone_around(guide.radius, distance + light.radius);
 }
 
 }  // namespace
@@ -120,7 +150,7 @@ EmissionGuide aim_at_casters(const Scene& scene, const LightSet& lights, const C
     guide.lights.resize(count);
     for (uint32_t light = 0; light < count; ++light)
         if (!lights.is_distant(light))
-            enclose_casters_from(sphere_of(scene, lights, light), guide, guide.lights[light]);
+            face_casters(sphere_of(scene, lights, light), guide, guide.lights[light]);
 
     std::vector<std::vector<WeightedPoint>> points(count);
     std::vector<double> learned_weight(count, 0.0);
@@ -160,8 +190,8 @@ Ray ray_at(const EmissionGuide& guide, const LightPoint& y, const Vec2& place) {
         return {guide.center + across * guide.radius + y.direction * guide.start,
                 y.direction * -1.0f};
     }
-    const LightEmission& emission = guide.lights[y.light];
-    return {y.p, normalize(emission.frame.to_world(to_cone(place, emission.one_minus_cos)))};
+    const Cone cone = cone_from(guide, guide.lights[y.light], y.p);
+    return {y.p, normalize(cone.frame.to_world(to_cone(place, cone.one_minus_cos)))};
 }
 
 std::optional<Vec2> place_towards(const EmissionGuide& guide, uint32_t light, const ChainEnd& end,
@@ -172,8 +202,8 @@ std::optional<Vec2> place_towards(const EmissionGuide& guide, uint32_t light, co
 }
 
 float density_of_uniform(const EmissionGuide& guide, const LightPoint& y) {
-    return y.distant ? 0.25f / sqr(guide.radius)
-                     : uniform_cone_pdf(guide.lights[y.light].one_minus_cos);
+    if (y.distant) return 0.25f / sqr(guide.radius);
+    return uniform_cone_pdf(cone_from(guide, guide.lights[y.light], y.p).one_minus_cos);
 }
 
 EmittedRay emit(const EmissionGuide& guide, const LightPoint& y, const Vec2& u) {

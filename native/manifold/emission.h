@@ -8,11 +8,11 @@
 
 namespace spc {
 
-// Of one light. The unit square stands for a cone around the axis from the light to the casters, or
-// for a square across the direction of a distant light, around the sphere that holds all casters.
+// Of one light. The unit square stands for the cone in which a point of the light sees the sphere
+// that holds all casters, or for a square across the direction of a distant light, around it.
 struct LightEmission {
-    Frame frame{};               // z from a local light towards the casters
-    float one_minus_cos = 2.0f;  // of the cone in which any point of the light sees all casters
+    Frame frame{};           // z from a local light's centre towards the casters
+    float narrowest = 2.0f;  // 1 - cos of the cone from its farthest point
     QuadtreeDensity density;
 };
 

@@ -104,7 +104,7 @@ private:
     void shoot_leads(const LightSheet& sheet, float u, FoundChains& found) {
         static thread_local std::vector<Lead> leads;
         leads.clear();
-        sheet.find_leads(receiver_.p, shift_between(*sheet.light_point(), y_), u, leads);
+        sheet.find_leads(receiver_.p, shift_between(sheet.light_point(), y_), u, leads);
         std::vector<const Lead*> arrived;
         for (const Lead& lead : leads) {
             const auto repeated = [&](const Lead* other) { return repeats(lead, *other); };
@@ -154,13 +154,7 @@ private:
         const Spectrum radiance = radiance_at(lights_, scene_, y_, away);
         if (is_black(radiance)) return Spectrum(0.0f);
 
-        CausticPath path;
-        path.x = receiver_.p;
-        path.sides = sides_of(receiver_);
-        path.pdf_omega = at_x.pdf_omega;
-        path.receiver = true;
-        path.before = receiver_.before;
-        path.film_per_area = receiver_.film_per_area;
+        CausticPath path = caustic_path(scene_, receiver_, at_x, wi);
         const Spectrum throughput = follow(chain, path);
         if (is_black(throughput) || !manifold_owns(techniques_, path)) return Spectrum(0.0f);
         const std::optional<CausticDensities> densities =
@@ -267,23 +261,20 @@ private:
     ManifoldStats& stats_;
 };
 
-// The sheet of the light whose point is nearest to y, or null: chains to y differ little from those
-// to its neighbours.
-const LightSheet* nearest_sheet(const LightSheets& sheets, const LightPoint& y) {
-    const LightSheet* nearest = nullptr;
-    float least = kInfinity;
-    for (const std::unique_ptr<const LightSheet>& sheet : sheets) {
-        const LightPoint* other = sheet->light_point();
-        if (other == nullptr || other->light != y.light) continue;
-        const float d2 = length_squared(shift_between(*other, y));
-        if (nearest != nullptr && !(d2 < least)) continue;
-        nearest = sheet.get();
-        least = d2;
-    }
-    return nearest;
-}
-
 }  // namespace
+
+CausticPath caustic_path(const Scene& scene, const Receiver& receiver, const ClosureEval& at_x,
+                         const Vec3& wi) {
+    CausticPath path;
+    path.x = receiver.p;
+    path.sides = sides_of(receiver);
+    path.pdf_omega = at_x.pdf_omega;
+    path.receiver = true;
+    path.scatterings = receiver.approach.scatterings;
+    path.film_per_area = film_per_area(scene, receiver.approach, receiver.hit, receiver.wo, wi);
+    path.before = receiver.before;
+    return path;
+}
 
 Spectrum manifold_radiance(const Techniques& techniques, const Receiver& receiver,
                            const LightSheets& sheets, const Sampler& sampler,

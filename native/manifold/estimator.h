@@ -9,7 +9,7 @@
 
 #include "bsdf/closure.h"
 #include "manifold/ownership.h"
-#include "manifold/sheet.h"
+#include "manifold/sheet_pool.h"
 #include "manifold/walk.h"
 
 namespace spc {
@@ -22,12 +22,15 @@ struct Receiver {
     Vec3 wo;
     const ClosureList* closures;
     uint32_t transparent_left;  // surfaces that the rest of the path may be looked through
-    float film_per_area;        // see CausticPath
-    BounceCounts before;        // see CausticPath
+    SurfaceHit hit;
+    CameraApproach approach;
+    BounceCounts before;  // see CausticPath
 };
 
-// Those that there are; any light may have some.
-using LightSheets = std::span<const std::unique_ptr<const LightSheet>>;
+// The path of light that arrives from the direction wi, without its chain and its light: `at_x`
+// evaluates the receiver there.
+CausticPath caustic_path(const Scene& scene, const Receiver& receiver, const ClosureEval& at_x,
+                         const Vec3& wi);
 
 // One estimate of the radiance from `receiver` towards its wo. [Zeltner20 Alg. 2] or, biased, [Alg.
 // 3].

@@ -9,14 +9,14 @@ bool allowed(const ManifoldSettings& settings, Interaction interaction) {
     return interaction == Interaction::reflection ? settings.reflections : settings.refractions;
 }
 
-// Whether path tracing may follow the chain to its light, by whichever closure x scatters.
-bool within_limits(const BounceLimits& limits, const CausticPath& path) {
-    uint32_t glossy = path.before.glossy + 1, transmission = path.before.transmission + 1;
+// Whether path tracing may follow the path to its light, by whichever closure x scatters, after such
+// bounces.
+bool within_limits(const BounceLimits& limits, const BounceCounts& before, const CausticPath& path) {
+    uint32_t glossy = before.glossy + 1, transmission = before.transmission + 1;
     for (uint32_t i = 0; i + 1 < path.count; ++i)
         ++(path.vertices[i].interaction == Interaction::reflection ? glossy : transmission);
-    return path.before.total + path.count <= limits.total &&
-           path.before.diffuse + 1 <= limits.diffuse && glossy <= limits.glossy &&
-           transmission <= limits.transmission;
+    return before.total + path.count <= limits.total && before.diffuse < limits.diffuse &&
+           glossy <= limits.glossy && transmission <= limits.transmission;
 }
 
 bool is_seen_through(const LightSet& lights, uint32_t light) {
@@ -58,17 +58,39 @@ LightEnd light_end(const LightPoint& y, const Vec3& away) {
             y.pdf};
 }
 
+float film_per_area(const Scene& scene, const CameraApproach& approach, const SurfaceHit& hit,
+                    const Vec3& wo, const Vec3& wi) {
+    if (approach.scatterings == 0 || approach.film_per_area == 0.0f) return approach.film_per_area;
+    Surface from_light;
+    evaluate_surface(scene, hit, wi, from_light);
+    const float pdf = eval(from_light.closures, from_light.ng, wi, wo).pdf_omega;
+    return pdf > 0.0f ? approach.film_per_area / pdf : 0.0f;
+}
+
+uint32_t most_scatterings(const BounceLimits& limits) {
+    const uint32_t scatterings =
+        std::min({limits.total, limits.diffuse, limits.glossy, limits.transmission});
+    return std::max(scatterings, 1u) - 1;  // the receiver scatters once more
+}
+
 bool manifold_owns(const Techniques& techniques, const CausticPath& path) {
     return techniques.manifold.enabled && path.receiver && !path.through_caster &&
            path.count > 0 && path.count <= techniques.manifold.longest_chain &&
            allowed(techniques.manifold, path.vertices[0].interaction) &&
-           within_limits(techniques.limits, path);
+           within_limits(techniques.limits, path.before, path);
 }
 
 bool light_tracing_owns(const Techniques& techniques, const CausticPath& path) {
+    // Switched-off caustics leave diffuse rays not all that light paths meet.
+    // The manifold's limits hold for all that light tracing owns.
+    const uint32_t n = path.scatterings;
+    const BounceCounts whichever{
+        .total = n, .diffuse = n, .glossy = n, .transmission = n, .transparent = 0};
+    const bool all_seen = techniques.manifold.reflections && techniques.manifold.refractions;
     return techniques.light_tracing.guide != nullptr && path.receiver && path.film_per_area > 0.0f &&
+           std::isfinite(path.film_per_area) && (path.scatterings == 0 || all_seen) &&
            path.count > 0 && allowed(techniques.manifold, path.vertices[0].interaction) &&
-           within_limits(techniques.limits, path);
+           within_limits(techniques.limits, whichever, path);
 }
 
 std::optional<CausticDensities> caustic_densities(const Techniques& techniques,
@@ -111,8 +133,9 @@ std::optional<CausticDensities> caustic_densities(const Techniques& techniques,
             emission_pdf(*techniques.light_tracing.guide, end.light, end.end, last);
         const double cos_x =
             std::abs(static_cast<double>(dot(path.sides.ng, normalize(chain[0].patch.p - path.x))));
+        const LightTracing& paths = techniques.light_tracing;
         if (emitted > 0.0f)
-            p.light_tracing = techniques.light_tracing.paths /
+            p.light_tracing = paths.paths * (path.scatterings > 0 ? paths.goes_on : 1.0) /
                               static_cast<double>(path.film_per_area) *
                               static_cast<double>(end.pdf) * static_cast<double>(emitted) *
                               probability_from_light(scene, path, chain, end.end) *

@@ -52,6 +52,7 @@ struct BounceCounts {
 struct LightTracing {
     const EmissionGuide* guide = nullptr;  // null: there are none
     double paths = 0.0;                    // for each sample of the whole picture
+    double goes_on = 1.0;                  // share of them that may scatter at the receiver
 };
 
 // All on which ownership depends besides the path.
@@ -73,6 +74,13 @@ struct CausticVertex {
 
 inline constexpr uint32_t kLongestChain = 12;
 
+// How the camera's path comes to a surface: directly, or after smooth scatterings alone.
+struct CameraApproach {
+    // CausticPath::film_per_area but for the light path's leave of this surface; 0: any other way.
+    float film_per_area = 0.0f;
+    uint32_t scatterings = 0;
+};
+
 // From a smooth scattering at the receiver x through the chain: without the light's end.
 struct CausticPath {
     Vec3 x{0.0f};
@@ -82,9 +90,17 @@ struct CausticPath {
     // Straight through a transparent part of any caster, between x and the first vertex or between
     // vertices.
     bool through_caster = false;
-    BounceCounts before{};  // of the camera's path when it came to x
-    // Pixels^2 of the film per m^2 at x where the camera sees x, directly or through transparent
-    // surfaces; else 0.
+    // Bounces of the camera's path when it came to x; none in a light path's record, which does not
+    // know of which kinds they would be.
+    BounceCounts before{};
+    // Smooth scatterings of the camera's path before x; straight through transparent surfaces counts
+    // as nothing.
+    uint32_t scatterings = 0;
+    // Pixels^2 of the film per m^2 at x where the camera sees x. Where it sees the last of several
+    // surfaces z_1 = x, z_2, ... that scatter smoothly: pixels^2 per m^2 there, times what the
+    // densities of the camera's path between them are in those of the light path,
+    //   prod p(z_i+1 -> z_i) cos_i / (p(z_i -> z_i+1) cos_i+1).
+    // 0 if the camera's path came any other way.
     float film_per_area = 0.0f;
     uint32_t count = 0;
     std::array<CausticVertex, kLongestChain> vertices;  // from the receiver on; `count` are valid
@@ -99,6 +115,14 @@ struct LightEnd {
     float pdf;     // LightPoint::pdf, the choice of the light included
 };
 LightEnd light_end(const LightPoint& y, const Vec3& away);
+
+// CausticPath::film_per_area for light that arrives at a surface along `wi` (from the surface) and
+// leaves it for the camera's path along `wo`.
+float film_per_area(const Scene& scene, const CameraApproach& approach, const SurfaceHit& hit,
+                    const Vec3& wo, const Vec3& wi);
+
+// So often may the camera's path scatter before a receiver of light tracing's, at most.
+uint32_t most_scatterings(const BounceLimits& limits);
 
 // What a technique other than path tracing can find. Whatever neither owns is path tracing's alone.
 bool manifold_owns(const Techniques& techniques, const CausticPath& path);

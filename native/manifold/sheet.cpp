@@ -295,7 +295,7 @@ private:
     static constexpr float kFlat = 0.999f, kFlatDepth = 0.05f;
     // A beam on a fold may carry more light than its area tells.
     static constexpr float kFoldGain = 8.0f;
-    static inline const float kMargin = getenv("M0") ? (float)atof(getenv("M0")) : 0.1f, kFoldMargin = getenv("M1") ? (float)atof(getenv("M1")) : 0.75f, kEndMargin = getenv("M2") ? (float)atof(getenv("M2")) : 1.0f;
+    static constexpr float kMargin = 0.1f, kFoldMargin = 0.75f, kEndMargin = 1.0f;
 
     BeamSet& out_;
     float beam_size_;

@@ -67,15 +67,13 @@ Vec3 shift_between(const LightPoint& from, const LightPoint& to);
 
 class LightSheet {
 public:
-    LightSheet() = default;  // of no light, without chains
     // Of some `tiles` parts, which are smaller where what becomes of the rays varies most. `reach`:
     // how far from y light points may lie whose chains it is asked for, m or, of a distant light, as
     // a difference of directions.
     LightSheet(const SheetWorld& world, const LightPoint& y, uint32_t tiles, float reach);
 
-    const LightPoint* light_point() const { return y_ ? &*y_ : nullptr; }
+    const LightPoint& light_point() const { return y_; }
     uint64_t rays() const { return all_.rays; }  // that it took
-    size_t beams() const { return all_.beams.size(); }
     // Of the beams that x lies in or, by their margin, next to, those whose chance is above u: of a
     // chain to which several of them lead, the chance that a uniform u finds it is the largest of
     // theirs. Those that it lies in come first. To a light point that lies by `shift` from the
@@ -95,7 +93,7 @@ private:
     void add_lead(const Beam& beam, const Vec3& x, const Vec3& shift,
                   std::vector<Lead>& leads) const;
 
-    std::optional<LightPoint> y_;
+    const LightPoint y_;
     BeamSet all_;
     std::vector<Layer> layers_;
 };

@@ -2,6 +2,7 @@
 #include "render/session.h"
 
 #include <bit>
+#include <numeric>
 
 #include <pmmintrin.h>
 #include <xmmintrin.h>
@@ -24,6 +25,19 @@ uint32_t count_passes(uint32_t samples) {
     if (samples < kLargestBatch) return static_cast<uint32_t>(std::bit_width(samples));
     return kDoublings +
            samples / kLargestBatch;  // 2^kDoublings - 1 samples precede those of full size
+}
+
+// Sum of the squares of the shares that pixels have of one splat, on average.
+double spread(const PixelFilter& filter) {
+    constexpr int kSteps = 64;
+    const float step = filter.reach() / kSteps;
+    double sum = 0.0;
+    for (int i = -kSteps; i < kSteps; ++i) {
+        const auto weight =
+            static_cast<double>(filter.weight((static_cast<float>(i) + 0.5f) * step));
+        sum += weight * weight * static_cast<double>(step);
+    }
+    return sum * sum;
 }
 
 uint32_t worker_count(uint32_t asked) {
@@ -190,23 +204,27 @@ void Session::prepare_light_tracing() {
     light_pilot_ = learn_emission(world_, settings_.integrator, filter_.reach(), settings_.seed,
                                   active_workers_, cancelled_, stats.light);
     if (light_pilot_) {
+        const auto& crop = world_.scene->camera.crop;
+        LightTracing& light_tracing = settings_.integrator.light_tracing;
+        light_tracing = {&light_pilot_->guide, static_cast<double>(uint64_t{crop[2]} * crop[3]),
+                         light_pilot_->goes_on};
         light_paths_ = light_paths_that_pay(*light_pilot_);
         light_jobs_ = static_cast<uint32_t>(
             std::clamp<uint64_t>(light_paths_ / kLightJob, 1, film_.tile_count()));
-        settings_.integrator.light_tracing = {&light_pilot_->guide,
-                                              static_cast<double>(light_paths_)};
+        light_tracing.paths = static_cast<double>(light_paths_);
     }
     const std::lock_guard lock(mutex_);
     stats_.add(stats);
 }
 
-// For each sample of the picture: a share of the work, less where light tracing has little to add.
-// Work is counted, not timed, so that the same render comes out everywhere.
+// For each sample of the picture: so many that a ray more lowers the picture's variance alike,
+// whether light or camera sends it. N light paths and P camera paths have the variance V / N + V' / P
+// and cost N C + P C': then N / P = sqrt(V / C) / sqrt(V' / C'). Work is counted, not timed, so that
+// the same render comes out everywhere.
 uint64_t Session::light_paths_that_pay(const LightPilot& pilot) const {
-    constexpr double kShare = 0.25;        // of the camera paths' work, at most
-    constexpr double kSignificant = 0.05;  // share of the picture's light that deserves all of it
-    constexpr double kLeast = 0.125, kMost = 8.0;  // for each pixel
-    constexpr uint32_t kProbes = 512;              // camera paths
+    constexpr double kLeast = 0.125, kMost = 8.0;    // for each pixel
+    constexpr uint64_t kFewest = 256, kMany = 2048;  // pixels that are probed, twice each
+    constexpr size_t kRare = 1024;  // of so many, one whose bright sample would tell all is left out
 
     const auto& [x0, y0, width, height] = world_.scene->camera.crop;
     const uint64_t pixels = uint64_t{width} * height;
@@ -214,20 +232,29 @@ uint64_t Session::light_paths_that_pay(const LightPilot& pilot) const {
     always.activation.fill(1.0f);
     always.sheets = sheets_of(0);
     RenderStats probes;
-    double luminance_sum = 0.0;
-    for (uint32_t i = 0; i < kProbes && !must_stop(); ++i) {
-        const auto pixel = static_cast<uint32_t>(pixels * i / kProbes);
-        const FilmSample sample =
-            take_sample(x0 + pixel % width, y0 + pixel / width, ~i, always, probes);
-        luminance_sum += static_cast<double>(luminance(sample.radiance));
+    std::vector<double> squares;  // of differences, mean of the channels
+    const uint64_t count = std::clamp(pixels / 16, kFewest, kMany);
+    for (uint32_t i = 0; i < count && !must_stop(); ++i) {
+        const auto pixel = static_cast<uint32_t>(pixels * i / count);
+        const auto take = [&](uint32_t index) {
+            return take_sample(x0 + pixel % width, y0 + pixel / width, index, always, probes).radiance;
+        };
+        const Spectrum difference = take(~i) - take(~i ^ (1u << 30));
+        squares.push_back(static_cast<double>(dot(difference, difference) * (1.0f / 3.0f)));
     }
+    std::sort(squares.begin(), squares.end());
+    squares.resize(squares.size() - (squares.size() + kRare - 1) / kRare);
     const PathStats& path = probes.path;
-    const double work =
-        static_cast<double>(path.rays + path.manifold.rays + path.manifold.iterations) / kProbes;
-    const double light = luminance_sum / kProbes * static_cast<double>(pixels);
-    const double share = kShare * std::min(1.0, pilot.luminance / (kSignificant * light));
-    return static_cast<uint64_t>(std::ceil(static_cast<double>(pixels) *
-                                           std::clamp(share * work / pilot.rays, kLeast, kMost)));
+    const double samples = 2.0 * static_cast<double>(count),
+                 work =
+                     static_cast<double>(path.rays + path.manifold.rays + path.manifold.iterations) /
+                     samples,
+                 variance = std::accumulate(squares.begin(), squares.end(), 0.0) / samples;
+    const auto all = static_cast<double>(pixels);
+    const double best =
+        std::sqrt(pilot.squares * spread(filter_) * work / (pilot.rays * variance)) / all;
+    return static_cast<uint64_t>(
+        std::ceil(all * (variance > 0.0 ? std::clamp(best, kLeast, kMost) : kMost)));
 }
 
 // Whether the whole job was done.
@@ -237,7 +264,7 @@ bool Session::render_job(uint64_t job, RenderStats& stats) {
     auto part = static_cast<uint32_t>(job % per_pass);
     if (part < sheets_of_pass_) {
         const uint32_t index = sheets_for(pass) + part;
-        if (index < sheets_for(pass + 1)) build_sheet(index, stats);
+        if (index < sheets_for(pass + 1)) stats.path.manifold.rays += sheets_->build(index);
         return true;
     }
     part -= sheets_of_pass_;
@@ -252,7 +279,7 @@ bool Session::render_tile(uint32_t pass, uint32_t tile, RenderStats& stats) {
         if (should_stop()) return false;
         std::this_thread::yield();
     }
-    while (sheets_done_.load() < sheets_for(pass)) {
+    while (sheets_ && !sheets_->has_first(sheets_for(pass))) {
         if (pass > 0 ? should_stop() : must_stop()) return false;
         std::this_thread::yield();
     }
@@ -267,77 +294,31 @@ bool Session::render_tile(uint32_t pass, uint32_t tile, RenderStats& stats) {
 }
 
 uint32_t Session::sheets_for(uint32_t pass) const {
-    return std::min<uint32_t>((pass + 1) * sheets_of_pass_, static_cast<uint32_t>(sheets_.size()));
+    return sheets_ ? std::min((pass + 1) * sheets_of_pass_, sheets_->size()) : 0;
 }
 
 LightSheets Session::sheets_of(uint32_t pass) const {
-    return LightSheets(sheets_).first(sheets_for(pass));
+    return sheets_ ? sheets_->first(sheets_for(pass)) : LightSheets{};
 }
 
-// The sheets of the first pass.
+// Builds those of the first pass.
 void Session::prepare_sheets() {
     constexpr uint32_t kPixelsOfTile = 128, kLeastTiles = 64, kMostTiles = 1024;
     const LightSet& lights = world_.lights;
-    if (!settings_.integrator.manifold.sheets || world_.casters.empty() ||
-        lights.caustic_selection.empty())
-        return;
-    sheet_guide_ = aim_at_casters(*world_.scene, lights, world_.casters);
+    const ManifoldSettings& manifold = settings_.integrator.manifold;
+    if (!manifold.sheets || world_.casters.empty() || lights.caustic_selection.empty()) return;
     // As large as leaves their making a small part of the work.
     const auto& crop = world_.scene->camera.crop;
-    sheet_tiles_ = std::clamp(crop[2] * crop[3] / kPixelsOfTile, kLeastTiles, kMostTiles);
+    const uint32_t tiles = std::clamp(crop[2] * crop[3] / kPixelsOfTile, kLeastTiles, kMostTiles);
     sheets_of_pass_ = std::min(lights.count(), kSheetsOfPass);
-    sheets_.resize(sheets_of_pass_ * kPassesWithSheets);
-    place_sheets();
+    sheets_ = std::make_unique<SheetPool>(*world_.scene, lights, world_.casters,
+                                          manifold.longest_chain, settings_.seed,
+                                          sheets_of_pass_ * kPassesWithSheets, tiles);
     RenderStats stats;
-    for (uint32_t i = 0; i < sheets_for(0); ++i) build_sheet(i, stats);
+    for (uint32_t i = 0; i < sheets_for(0) && !must_stop(); ++i)
+        stats.path.manifold.rays += sheets_->build(i);
     const std::lock_guard lock(mutex_);
     stats_.add(stats);
-}
-
-// Light points are stratified over all sheets. Most of a light's points lie within reach of one.
-void Session::place_sheets() {
-    constexpr uint32_t kProbes = 1024;
-    const auto draw = [&](Domain domain, uint32_t index) {
-        return sample_light_point(world_.lights, *world_.scene,
-                                  Sampler(settings_.seed, kNone, index)[domain].three());
-    };
-    for (uint32_t i = 0; i < sheets_.size(); ++i)
-        sheet_points_.push_back(draw(Domain::manifold_light, i));
-    sheet_reach_.assign(sheets_.size(), 0.0f);
-    std::vector<std::vector<float>> distances(sheets_.size());
-    for (uint32_t i = 0; i < kProbes; ++i) {
-        const std::optional<LightPoint> y = draw(Domain::light_point, i);
-        if (!y) continue;
-        size_t nearest = sheets_.size();
-        float least = kInfinity;
-        for (size_t k = 0; k < sheets_.size(); ++k) {
-            if (!sheet_points_[k] || sheet_points_[k]->light != y->light) continue;
-            const float distance = length(shift_between(*sheet_points_[k], *y));
-            if (distance >= least) continue;
-            nearest = k;
-            least = distance;
-        }
-        if (nearest < sheets_.size()) distances[nearest].push_back(least);
-    }
-    for (size_t k = 0; k < sheets_.size(); ++k) {
-        std::vector<float>& all = distances[k];
-        if (all.empty()) continue;
-        const auto most = all.begin() + static_cast<long>(all.size() * 9 / 10);
-        std::nth_element(all.begin(), most, all.end());
-        sheet_reach_[k] = *most;
-    }
-}
-
-void Session::build_sheet(uint32_t index, RenderStats& stats) {
-    const SheetWorld world{*world_.scene, world_.lights, world_.casters, sheet_guide_,
-                           settings_.integrator.manifold.longest_chain};
-    const std::optional<LightPoint>& y = sheet_points_[index];
-    sheets_[index] =
-        y ? std::make_unique<const LightSheet>(world, *y, sheet_tiles_, sheet_reach_[index])
-          : std::make_unique<const LightSheet>();
-    stats.path.manifold.rays += sheets_[index]->rays();
-    while (sheets_done_.load() != index && !must_stop()) std::this_thread::yield();
-    ++sheets_done_;
 }
 
 // A part of the light paths of a pass.

@@ -79,14 +79,12 @@ private:
     void fail();
     void prepare_light_tracing();
     void prepare_sheets();
-    void place_sheets();
     uint64_t light_paths_that_pay(const LightPilot& pilot) const;
     bool render_job(uint64_t job, RenderStats& stats);
     bool render_tile(uint32_t pass, uint32_t tile, RenderStats& stats);
     bool render_light_paths(uint32_t pass, uint32_t part, RenderStats& stats);
     bool render_pixels(uint32_t tile, uint32_t pass, std::vector<PixelSums>& pixels,
                        RenderStats& stats);
-    void build_sheet(uint32_t index, RenderStats& stats);
     uint32_t sheets_for(uint32_t pass) const;
     LightSheets sheets_of(uint32_t pass) const;
     FilmSample take_sample(uint32_t x, uint32_t y, uint32_t index, const PassState& state,
@@ -111,12 +109,8 @@ private:
     std::unique_ptr<const LightPilot> light_pilot_;
     // Some for each of the first passes, built during the pass before; a pass has its own and all
     // earlier ones.
-    EmissionGuide sheet_guide_;
-    uint32_t sheet_tiles_ = 0, sheets_of_pass_ = 0;
-    std::vector<std::optional<LightPoint>> sheet_points_;
-    std::vector<float> sheet_reach_;  // of each
-    std::vector<std::unique_ptr<const LightSheet>> sheets_;
-    std::atomic<uint32_t> sheets_done_{0};
+    std::unique_ptr<SheetPool> sheets_;  // null if there are none
+    uint32_t sheets_of_pass_ = 0;
     std::latch prepared_{1};
     std::atomic<uint64_t> next_job_{0};
     std::atomic<bool> cancelled_{false}, out_of_time_{false}, failed_{false};

@@ -110,6 +110,21 @@ def test_a_flat_caustic_in_place_of_a_net_is_something_else(shared, error, other
     assert not difference("lux-cache", point(shared=(shared, error)))  # blurred by design
 
 
+@pytest.mark.parametrize(
+    ("method", "budgets", "left", "other"),
+    [
+        ("cycles-mnee", (2.0, 8.0), 0.85, True),
+        ("cycles-mnee", (2.0, 8.0), 0.75, False),
+        ("cycles-mnee", (4.0, 8.0), 0.85, False),
+        ("cycles-pt", (2.0, 8.0), 0.85, False),
+        ("sms", (2.0, 8.0), 0.85, False),
+    ],
+)
+def test_an_error_that_time_does_not_lower_is_no_noise(method, budgets, left, other):
+    points = [point(budget=budgets[0], mse=1.0), point(budget=budgets[1], mse=left)]
+    assert bool(_summary._standstill(Curve(method, points))) == other
+
+
 def test_what_is_something_else_is_not_compared():
     result = scene(cycles_mnee=[point()], sms=[point()])
     assert result.equal_time("sms", "cycles-mnee", "image", BUDGET) == 1.0

@@ -20,6 +20,8 @@ TIME_TOLERANCE = 0.05  # within which two times are equal
 BUDGET_TOLERANCE = TIME_TOLERANCE / 2.0  # two of them may be off in opposite directions
 # From where on another renderer's mean is that of another model, not noise.
 MODEL_DIFFERENCE, MODEL_STRUCTURE, MODEL_Z = 0.02, 0.05, 4.0
+# What errors keep, at least, after so many times the time, if they are not noise.
+STANDSTILL, STANDSTILL_TIMES = 0.8, 4.0
 # The regions that are shown, of those that a scene has.
 REGION_TITLES = {"image": "whole image", "caustics": "caustics"}
 REFERENCE_FACTOR = 20.0  # by which a reference's error is to be below what is measured
@@ -168,6 +170,7 @@ def scene_result(
             outcome.untranslated.get((scene.name, name), "")
             or other_model(name, scene)
             or _difference(curve, scene)
+            or _standstill(curve)
         )
     _set_targets(result, max(budgets))
     return result
@@ -277,6 +280,23 @@ def _difference(curve: Curve, scene: Scene) -> str:
             continue
         return f"{text}; {method.leaves_out}" if method.leaves_out else text
     return ""
+
+
+def _standstill(curve: Curve) -> str:
+    """Why the image of a method that leaves something out is of something else, though a single
+    seed may not show it: its error does not fall with time. Empty if it does."""
+    method = METHODS[curve.method]
+    if method.family == "specula" or not method.leaves_out or not curve.points:
+        return ""
+    first, last = curve.points[0], curve.points[-1]
+    times = last.render_seconds / first.render_seconds
+    before, after = (point.regions["image"].mse for point in (first, last))
+    if times < STANDSTILL_TIMES or after <= STANDSTILL * before:
+        return ""
+    return (
+        f"after {times:.1f} times the time {after / before:.0%} of its squared error are left; "
+        f"{method.leaves_out}"
+    )
 
 
 def _systematic(errors: RegionErrors, scene: Scene, region: str) -> float:

@@ -34,16 +34,29 @@ double average(const Spectrum& c) { return (double(c.x) + double(c.y) + double(c
 // Which techniques find caustics beside path tracing.
 struct Method {
     const char* name;
-    bool manifold, light_paths;
+    bool manifold, light_paths, sheets = false;
 };
 constexpr Method kPathTracing{"path tracing", false, false}, kManifold{"manifold", true, false},
-    kLightPaths{"light paths", false, true}, kAll{"manifold and light paths", true, true};
+    kLightPaths{"light paths", false, true}, kAll{"manifold and light paths", true, true},
+    kSheets{"light sheets", true, false, true},
+    kSheetsToo{"light sheets and light paths", true, true, true};
 
 // `rounds` samples of each pixel under a box filter; all rounds independent of each other.
 Picture render(const RenderScene& world, IntegratorSettings settings, const Method& method,
                uint32_t rounds, uint32_t seed) {
     constexpr uint32_t kPixels = kSide * kSide;
     if (method.manifold) settings.manifold = test::unbiased_manifold();
+    settings.manifold.sheets = method.sheets;
+    std::optional<SheetPool> sheets;
+    PassState state{{1, 1, 1}};
+    if (method.sheets) {
+        constexpr uint32_t kSheetCount = 8, kTiles = 64;
+        settings.manifold.longest_chain = kLongestManifoldChain;
+        sheets.emplace(*world.scene, world.lights, world.casters, kLongestManifoldChain, seed,
+                       kSheetCount, kTiles);
+        for (uint32_t i = 0; i < kSheetCount; ++i) sheets->build(i);
+        state.sheets = sheets->first(kSheetCount);
+    }
     std::unique_ptr<const LightPilot> pilot;
     if (method.light_paths) {
         settings.light_tracing.paths = kPixels;
@@ -73,7 +86,7 @@ Picture render(const RenderScene& world, IntegratorSettings settings, const Meth
                 const Vec2 u = sampler[Domain::film].two();
                 const Ray ray = world.scene->camera.ray(float(x) + u.x, float(y) + u.y, Vec2(0.5f));
                 add(x, y,
-                    average(path_radiance(world, settings, {1, 1, 1}, ray, Vec2(0.5f), sampler,
+                    average(path_radiance(world, settings, state, ray, Vec2(0.5f), sampler,
                                           path_stats)
                                 .radiance));
             }
@@ -108,8 +121,8 @@ void set_camera(SceneMaker& maker, const Vec3& from = {0.0f, -3.0f, 2.0f}, float
     maker.builder.set_camera(camera);
 }
 
-void add_floor(SceneMaker& maker) {
-    maker.add(test::square(4.0f), test::diffuse(0.8f), {}, CausticsRole::receiver);
+void add_floor(SceneMaker& maker, CausticsRole role = CausticsRole::receiver) {
+    maker.add(test::square(4.0f), test::diffuse(0.8f), {}, role);
 }
 
 // Of lights that are seen in casters alone: nothing but caustics is left to compare.
@@ -316,23 +329,25 @@ std::vector<Setup> other_media() {
             {"lamp under water", [water](SceneMaker& m) { water(kPi, m); }}};
 }
 
-void expect_agreement(const std::vector<Setup>& setups) {
+void expect_agreement(const std::vector<Setup>& setups,
+                      const IntegratorSettings& settings = few_bounces(),
+                      CausticsRole floor = CausticsRole::receiver, uint32_t factor = 12) {
     constexpr uint32_t kRounds = 3000;
     for (const Setup& setup : setups) {
         SceneMaker maker;
         set_camera(maker);
-        add_floor(maker);
+        add_floor(maker, floor);
         setup.build(maker);
         const RenderScene world = maker.finish();
-        const Picture expected = render(world, few_bounces(), kPathTracing, 12 * kRounds, 1);
+        const Picture expected = render(world, settings, kPathTracing, factor * kRounds, 1);
         Picture light_paths;
-        for (const Method& method : {kManifold, kLightPaths, kAll}) {
-            const Picture actual = render(world, few_bounces(), method, kRounds, 1u << 20);
+        for (const Method& method : {kManifold, kLightPaths, kAll, kSheets, kSheetsToo}) {
+            const Picture actual = render(world, settings, method, kRounds, 1u << 20);
             const std::string what = std::string(setup.name) + " by " + method.name;
-            expect_same(actual, expected, what, 4 * int(setups.size()));
+            expect_same(actual, expected, what, 7 * int(setups.size()));
             if (!method.light_paths) continue;
             if (method.manifold)
-                expect_same(actual, light_paths, what + ", or without", 4 * int(setups.size()));
+                expect_same(actual, light_paths, what + ", or without", 7 * int(setups.size()));
             light_paths = actual;
             const double share = actual.splats.mean() / actual.mean[4].mean(),
                          noise = std::hypot(expected.mean[4].standard_error(),
@@ -352,6 +367,102 @@ TEST(LightPathsSlow, AgreeWithPathTracingForEveryCaster) {
 TEST(LightPathsSlow, AgreeWithPathTracingForEveryLight) { expect_agreement(lights_over_a_ball()); }
 TEST(LightPathsSlow, AgreeWithPathTracingInOtherMedia) { expect_agreement(other_media()); }
 
+// What casters throw at a wall beside the floor.
+constexpr Vec3 kWall(0.0f, 1.2f, 0.0f);
+
+Graph satin() {
+    return test::combined(test::diffuse(0.9f),
+                          test::single_shader("bsdf_glossy", {{1, "Color", {0.9f, 0.9f, 0.9f, 1}},
+                                                              {1, "Roughness", {0.5f, 0, 0, 0}}}),
+                          0.5f);
+}
+void add_wall(SceneMaker& maker, const Graph& graph, uint32_t visibility = kVisibleAll,
+              const Vec3& p = kWall) {
+    Mesh mesh = test::flat(test::square(1.5f));
+    add(maker, mesh, graph, test::rotation_x(0.5f * kPi, p), visibility, CausticsRole::receiver);
+}
+// A mirror that faces the wall.
+void add_projector(SceneMaker& maker, const Graph& graph = test::mirror()) {
+    add_caster(maker, test::square(0.5f), graph, test::rotation_x(-1.2f, {0.0f, -0.9f, 0.8f}));
+}
+constexpr Vec3 kBeforeWall(0.0f, 0.5f, 1.6f);
+
+std::vector<Setup> walls() {
+    return {{"wall by a mirror",
+             [](SceneMaker& m) {
+                 add_wall(m, test::diffuse(0.9f));
+                 add_projector(m);
+                 add_bulb(m, kBeforeWall, 0.25f);
+             }},
+            {"bumpy wall by a mirror",
+             [](SceneMaker& m) {
+                 m.builder.add_image(gentle_waves());
+                 Mesh mesh = test::square(1.5f);
+                 mesh.normals.assign(6, Vec3(0, 0, 1));
+                 m.add(mesh, test::normal_mapped(test::diffuse(0.9f), Vec2(1.0f, 1.0f)),
+                       test::rotation_x(0.5f * kPi, kWall), CausticsRole::receiver);
+                 add_projector(m);
+                 add_bulb(m, kBeforeWall, 0.25f);
+             }},
+            {"satin wall by glass",
+             [](SceneMaker& m) {
+                 add_wall(m, satin());
+                 add_caster(m, slab(0.6f, 0.2f), test::glass(1.5f),
+                            test::rotation_x(0.9f, {0.0f, 0.4f, 1.2f}));
+                 add_bulb(m, {0.0f, -0.4f, 2.0f}, 0.25f);
+             }},
+            {"screen from behind",
+             [](SceneMaker& m) {
+                 add_wall(m,
+                          test::combined(test::refraction(1.2f, 0.6f), test::diffuse(0.6f), 0.3f));
+                 add_caster(m, test::square(0.6f), test::mirror(),
+                            test::rotation_x(1.3f, {0.0f, 2.4f, 0.8f}));
+                 // Not seen through the screen itself.
+                 add_bulb(m, {0.0f, 1.6f, 1.5f}, 0.25f, kVisibleGlossy | kVisibleShadow);
+             }},
+            {"wall behind a sheet",
+             [](SceneMaker& m) {
+                 add_wall(m, test::diffuse(0.9f));
+                 m.add(test::flat(test::square(1.0f)),
+                       test::combined(test::transparent(0.8f), test::diffuse(0.5f), 0.4f),
+                       test::rotation_x(1.0f, {0.0f, 0.9f, 0.4f}));
+                 add_projector(m);
+                 add_bulb(m, kBeforeWall, 0.25f);
+             }},
+            {"wall that the camera does not see", [](SceneMaker& m) {
+                 add_wall(m, test::diffuse(0.9f), kVisibleAll & ~uint32_t{kVisibleCamera});
+                 add_projector(m);
+                 add_bulb(m, kBeforeWall, 0.25f);
+             }}};
+}
+
+IntegratorSettings more_bounces() {
+    IntegratorSettings settings = few_bounces();
+    settings.limits.diffuse = 3;
+    return settings;
+}
+
+// The floor shows what comes from the wall; its own caustics are path tracing's.
+TEST(LightPathsSlow, AgreeForIndirectCaustics) {
+    expect_agreement(walls(), more_bounces(), CausticsRole::off, 40);
+}
+// Light that comes in one way and another; few of the paths go on.
+IntegratorSettings few_going_on() {
+    IntegratorSettings settings = more_bounces();
+    settings.light_tracing.goes_on = 0.3;
+    return settings;
+}
+TEST(LightPathsSlow, AgreeForDirectAndIndirectCaustics) {
+    expect_agreement({{"satin wall by a mirror ball",
+                       [](SceneMaker& m) {
+                           add_wall(m, satin());
+                           add_ball(m, test::mirror());
+                           add_bulb(m);
+                       }},
+                      walls()[1]},
+                     few_going_on());
+}
+
 // What a camera does not see shows no caustic; what nothing else sees shows its own all the same.
 TEST(LightPathsSlow, AgreeForReceiversThatFewSee) {
     const auto floor_of = [](uint32_t visibility) {
@@ -368,22 +479,18 @@ TEST(LightPathsSlow, AgreeForReceiversThatFewSee) {
 }
 
 // Lights that path tracing never finds.
-TEST(LightPathsSlow, AgreeWithTheManifoldForDeltaLights) {
+void expect_agreement_with_manifold(const std::function<void(SceneMaker&)>& build,
+                                    const IntegratorSettings& settings, CausticsRole floor) {
     LightDesc spot = lamp(LightType::spot, 50.0f);
     spot.spot_angle = 1.5f;
     const std::array lights{lamp(LightType::point, 50.0f), spot, lamp(LightType::sun, 3.0f)};
     for (const LightDesc& light : lights) {
         SceneMaker maker;
         set_camera(maker);
-        add_floor(maker);
-        add_panel(maker, test::mirror());
-        add_caster(maker, test::square(0.6f), test::refraction(1.4f),
-                   test::rotation_x(0.3f, {0.2f, 0.0f, 0.4f}));
+        add_floor(maker, floor);
+        build(maker);
         maker.builder.add_light(light);
         const RenderScene world = maker.finish();
-        // One interaction alone, for that is all that the manifold can.
-        IntegratorSettings settings = few_bounces();
-        settings.limits = {2, 1, 1, 1, 16};
         const Picture expected = render(world, settings, kManifold, 1000, 1);
         for (const Method& method : {kLightPaths, kAll}) {
             const Picture actual = render(world, settings, method, 3000, 1u << 20);
@@ -392,6 +499,29 @@ TEST(LightPathsSlow, AgreeWithTheManifoldForDeltaLights) {
             EXPECT_GT(actual.splats.mean(), 0.0);
         }
     }
+}
+
+TEST(LightPathsSlow, AgreeWithTheManifoldForDeltaLights) {
+    // One interaction alone, for that is all that the manifold can.
+    IntegratorSettings settings = few_bounces();
+    settings.limits = {2, 1, 1, 1, 16};
+    expect_agreement_with_manifold(
+        [](SceneMaker& m) {
+            add_panel(m, test::mirror());
+            add_caster(m, test::square(0.6f), test::refraction(1.4f),
+                       test::rotation_x(0.3f, {0.2f, 0.0f, 0.4f}));
+        },
+        settings, CausticsRole::receiver);
+}
+TEST(LightPathsSlow, AgreeWithTheManifoldForDeltaLightsOnWalls) {
+    expect_agreement_with_manifold(
+        [](SceneMaker& m) {
+            add_wall(m, test::diffuse(0.9f));
+            // Lit from above, it throws the light at the wall alone.
+            add_caster(m, test::square(0.5f), test::mirror(),
+                       test::rotation_x(-0.7f, {0.0f, -0.3f, 0.6f}));
+        },
+        few_going_on(), CausticsRole::off);
 }
 
 }  // namespace

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "integrator/history.h"
+
+namespace spc {
+
+bool LightHistory::append_delta(const Surface& surface, const ClosureSample& sample,
+                                const CasterSet& casters) {
+    if (scatterings > 0 || !sample.on_caster_normal ||
+        casters.of_instance[surface.hit.instance] == kNone || count == kLongestChain)
+        return false;
+    through_caster = through_caster || (count > 0 && passed_caster);
+    passed_caster = false;
+    vertices[count++] = {
+        surface.p,
+        {surface.hit, sample.refracted ? Interaction::refraction : Interaction::reflection, 0.0f}};
+    return true;
+}
+
+std::optional<LightHistory::Arrival> LightHistory::arrive(const Scene& scene, const ChainEnd& end,
+                                                          const Surface& surface) const {
+    const Vec3 wi = normalize((scatterings > 0 ? last : vertices[count - 1].p) - surface.p);
+    const ClosureEval at = eval(surface.closures, surface.ng, surface.wo, wi);
+    if (is_black(at.f_cos)) return std::nullopt;
+    if (scatterings > 0) {
+        if (!(at.pdf_omega > 0.0f)) return std::nullopt;
+        Arrival arrival{path, throughput * at.f_cos * (1.0f / at.pdf_omega)};
+        arrival.path.film_per_area *= at.pdf_omega / std::abs(dot(surface.ng, wi));
+        return arrival;
+    }
+    Arrival arrival;
+    arrival.path.x = surface.p;
+    arrival.path.sides = {surface.ng, has_smooth_transmission(surface.closures)};
+    arrival.path.pdf_omega = at.pdf_omega;
+    arrival.path.receiver = true;
+    arrival.path.through_caster = through_caster || passed_caster;
+    arrival.path.film_per_area = 1.0f;
+    arrival.throughput = at.f_cos * trace_back(scene, end, arrival.path);
+    return arrival;
+}
+
+void LightHistory::append_smooth(const Surface& surface, const Arrival& arrival, float pdf) {
+    path = arrival.path;
+    path.scatterings = ++scatterings;
+    path.film_per_area *= std::abs(dot(surface.ng, surface.wo)) / pdf;
+    throughput = arrival.throughput;
+    last = surface.p;
+}
+
+Spectrum LightHistory::trace_back(const Scene& scene, const ChainEnd& end, CausticPath& path) const {
+    Spectrum throughput(1.0f);
+    Surface surface;
+    Vec3 from = path.x;
+    for (uint32_t k = count; k-- > 0;) {
+        const auto& [p, vertex] = vertices[k];
+        float unused;
+        const Vec3 to_light = k > 0 ? normalize(vertices[k - 1].p - p) : end.from(p, unused);
+        evaluate_surface(scene, vertex.hit, normalize(from - p), surface);
+        const DeltaLobe lobe = delta_lobe(surface.closures, surface.ng, surface.wo, to_light,
+                                          vertex.interaction == Interaction::refraction);
+        throughput *= lobe.throughput;
+        path.vertices[path.count++] = {vertex.hit, vertex.interaction, lobe.probability};
+        from = p;
+    }
+    return throughput;
+}
+
+}  // namespace spc

@@ -1,0 +1,259 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Where light tracing might do harm: sessions with and without it have the same mean, with it no
+// brighter outliers, at little more work.
+#include "render/session.h"
+
+#include "support/casters.h"
+#include "support/radiance.h"
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+namespace spc {
+namespace {
+
+using test::SceneMaker;
+using namespace std::chrono_literals;
+
+constexpr uint32_t kSide = 48, kSamples = 16, kSeeds = 16;
+constexpr uint32_t kPart = 12, kParts = kSide / kPart;  // pixels of a square, squares in a row
+
+Camera looking_down(const Vec3& from, float half) {
+    Camera camera;
+    camera.to_world = test::rotation_x(std::atan2(-from.y, from.z), from);
+    camera.width = camera.height = kSide;
+    camera.crop = {0, 0, kSide, kSide};
+    camera.viewplane = {-half, half, -half, half};
+    return camera;
+}
+
+void add_floor(SceneMaker& maker, float half = 4.0f) {
+    maker.add(test::square(half), test::diffuse(0.8f), {}, CausticsRole::receiver);
+}
+void add_bulb(SceneMaker& maker, const Vec3& p, float radius, float power) {
+    LightDesc light;
+    light.name = "bulb";
+    light.type = LightType::point;
+    light.to_world = test::translation(p);
+    light.power = Spectrum(power);
+    light.radius = radius;
+    maker.builder.add_light(light);
+}
+void add_panel(SceneMaker& maker) {
+    maker.add(test::square(0.6f), test::mirror(), test::rotation_x(1.3f, {0.0f, 0.9f, 0.6f}),
+              CausticsRole::caster);
+}
+
+// ---- pictures over many seeds
+
+struct Pictures {
+    std::vector<std::array<double, kParts * kParts>> parts;  // of each seed
+    std::vector<test::MeanEstimate> pixels;
+    double brightest = 0.0;
+    uint64_t splats = 0;
+
+    // Sum of the pixels' variances but for a hundredth of them.
+    double trimmed_variance() const {
+        std::vector<double> variance;
+        for (const test::MeanEstimate& pixel : pixels)
+            variance.push_back(pixel.standard_error() * pixel.standard_error());
+        std::sort(variance.begin(), variance.end());
+        return std::accumulate(variance.begin(), variance.end() - variance.size() / 100, 0.0);
+    }
+};
+
+// Chains of several vertices are path tracing's alone without light tracing: so rare and bright that
+// no mean of these samples knows of them.
+constexpr BounceLimits kAll{}, kShortChains{4, 2, 1, 1, 8};
+
+RenderSettings settings_for(const BounceLimits& limits, bool manifold, bool light_tracing,
+                            uint32_t samples, uint32_t seed) {
+    RenderSettings settings;
+    settings.integrator.limits = limits;
+    if (manifold) settings.integrator.manifold = test::unbiased_manifold();
+    settings.light_tracing = light_tracing;
+    settings.samples = samples;
+    settings.seed = seed;
+    settings.threads = 1;
+    return settings;
+}
+
+Pictures pictures_of(const RenderScene& world, const BounceLimits& limits, bool manifold,
+                     bool light_tracing, uint32_t samples = kSamples) {
+    const size_t width = world.scene->camera.crop[2], height = world.scene->camera.crop[3];
+    Pictures pictures;
+    pictures.pixels.resize(width * height);
+    for (uint32_t seed = 0; seed < kSeeds; ++seed) {
+        Session session(world, settings_for(limits, manifold, light_tracing, samples, seed));
+        EXPECT_EQ(session.wait(600s).state, RenderState::done);
+        std::vector<float> image(4 * width * height);
+        session.film().read(Pass::combined, image);
+        auto& parts = pictures.parts.emplace_back();
+        parts.fill(0.0);
+        for (size_t y = 0; y < height; ++y)
+            for (size_t x = 0; x < width; ++x) {
+                const double value = double(image[4 * (y * width + x)]);
+                pictures.pixels[y * width + x].add(value);
+                pictures.brightest = std::max(pictures.brightest, value);
+                parts[y * kParts / height * kParts + x * kParts / width] += value;
+            }
+        const RenderStats stats = session.stats();
+        EXPECT_EQ(stats.nan_samples + stats.light.nan_splats, 0u);
+        pictures.splats += stats.light.splats;
+    }
+    return pictures;
+}
+
+// Renders of one seed share samples: their difference is what has no mean.
+void expect_same(const Pictures& a, const Pictures& b, const std::string& what) {
+    for (size_t i = 0; i < kParts * kParts; ++i) {
+        test::MeanEstimate difference;
+        for (uint32_t seed = 0; seed < kSeeds; ++seed)
+            difference.add(a.parts[seed][i] - b.parts[seed][i]);
+        EXPECT_TRUE(test::is_mean(difference, 0.0, test::sidak(1e-3, int(kParts * kParts))))
+            << what << ", part " << i;
+    }
+}
+
+// Rays and iterations of a render long enough for what is learned beforehand to pay.
+double work_of(const RenderScene& world, bool light_tracing) {
+    Session session(world, settings_for(kAll, true, light_tracing, 8 * kSamples, 1));
+    EXPECT_EQ(session.wait(600s).state, RenderState::done);
+    const RenderStats stats = session.stats();
+    return double(stats.path.rays + stats.path.manifold.rays + stats.path.manifold.iterations +
+                  stats.light.rays);
+}
+
+// ---- harm
+
+constexpr double kBrighter = 2.0, kMoreWork = 1.35;  // maxima of heavy tails are noise themselves
+constexpr double kLessEfficient = 1.15;              // variance x work, with its noise
+
+void expect_no_harm(const std::function<void(SceneMaker&)>& build, bool useful = true) {
+    SceneMaker maker;
+    build(maker);
+    const RenderScene world = maker.finish();
+    expect_same(pictures_of(world, kShortChains, true, true),
+                pictures_of(world, kShortChains, true, false), "with light tracing");
+    const Pictures without = pictures_of(world, kAll, true, false),
+                   with = pictures_of(world, kAll, true, true);
+    EXPECT_EQ(with.splats > 0, useful);
+    const double work = work_of(world, true) / work_of(world, false),
+                 variance = with.trimmed_variance() / without.trimmed_variance();
+    std::cout << with.splats << " splats, maximum x " << with.brightest / without.brightest
+              << ", trimmed variance x " << variance << ", work x " << work << std::endl;
+    EXPECT_LE(with.brightest, kBrighter * without.brightest);
+    EXPECT_LE(variance * work, kLessEfficient);
+    EXPECT_LE(work, kMoreWork);
+}
+
+TEST(LightTracingStressSlow, CloseUpOfAWideCaustic) {
+    expect_no_harm([](SceneMaker& m) {
+        m.builder.add_image(test::plane_normals(256, 0.1, 0.03, 3));
+        const Mesh panel =
+            test::with_uvs(test::grid(
+                               1, [](double u, double v) { return Vec3d(6 * u - 3, 3 * v, 0); },
+                               [](double, double) { return Vec3d(0, 0, 1); }),
+                           1);
+        m.builder.set_camera(looking_down({0.0f, -1.0f, 1.0f}, 0.03f));
+        add_floor(m);
+        m.add(panel, test::normal_mapped(test::mirror(), Vec2(2.0f, 1.0f)),
+              test::rotation_x(1.4f, {0.0f, 1.5f, 0.0f}), CausticsRole::caster);
+        add_bulb(m, {0.3f, -2.5f, 2.0f}, 0.03f, 100.0f);
+    });
+}
+
+TEST(LightTracingStressSlow, AThousandSmallCasters) {
+    expect_no_harm([](SceneMaker& m) {
+        m.builder.set_camera(looking_down({0.0f, -3.0f, 3.0f}, 0.3f));
+        add_floor(m);
+        Pcg pcg(11);
+        const uint32_t mesh = m.builder.add_mesh(test::sphere(8, 0.03)),
+                       mirror = m.builder.add_material(test::mirror());
+        for (int i = 0; i < 1000; ++i) {
+            Instance instance;
+            instance.name = "ball " + std::to_string(i);
+            instance.mesh = mesh;
+            instance.object_to_world = test::translation(
+                {3.0f * pcg.one() - 1.5f, 3.0f * pcg.one() - 1.5f, 0.05f + 0.3f * pcg.one()});
+            instance.materials = {mirror};
+            instance.role = CausticsRole::caster;
+            m.builder.add_instance(instance);
+        }
+        add_bulb(m, {0.5f, -0.5f, 3.0f}, 0.05f, 100.0f);
+    });
+}
+
+TEST(LightTracingStressSlow, ALightFarOutside) {
+    expect_no_harm([](SceneMaker& m) {
+        m.builder.set_camera(looking_down({0.0f, -3.0f, 2.0f}, 0.3f));
+        add_floor(m);
+        add_panel(m);
+        m.add(test::sphere(24, 0.3), test::glass(1.5f), test::translation({0.2f, 0.0f, 0.5f}),
+              CausticsRole::caster);
+        add_bulb(m, {0.0f, -3e3f, 4e3f}, 2.0f, 4e8f);
+    });
+}
+
+TEST(LightTracingStressSlow, ACasterThatFillsTheView) {
+    const auto build = [](SceneMaker& m, float height) {
+        m.builder.set_camera(looking_down({0.0f, -0.75f * height, height}, 0.3f));
+        add_floor(m);
+        m.builder.add_image(test::plane_normals(256, 0.1, 0.03, 3));
+        const Mesh water =
+            test::with_uvs(test::grid(
+                               1, [](double u, double v) { return Vec3d(6 * u - 3, 6 * v - 3, 0); },
+                               [](double, double) { return Vec3d(0, 0, 1); }),
+                           1);
+        m.add(water, test::normal_mapped(test::glass(1.33f), Vec2(2.0f, 2.0f)),
+              test::translation({0.0f, 0.0f, 0.5f}), CausticsRole::caster);
+        add_bulb(m, {0.5f, 0.8f, 2.5f}, 0.05f, 100.0f);
+    };
+    // From above all is seen through it, from below lit through it.
+    expect_no_harm([build](SceneMaker& m) { build(m, 2.0f); }, false);
+    expect_no_harm([build](SceneMaker& m) { build(m, 0.4f); });
+}
+
+// ---- seams: path tracing finds a lamp of this size
+
+constexpr float kLargeLamp = 0.4f;
+
+void expect_agreement(const Camera& camera) {
+    SceneMaker maker;
+    maker.builder.set_camera(camera);
+    add_floor(maker);
+    add_panel(maker);
+    maker.add(test::sphere(16, 0.2), test::glass(1.5f), test::translation({0.3f, 0.0f, 0.4f}),
+              CausticsRole::caster);
+    add_bulb(maker, {0.0f, -0.7f, 2.2f}, kLargeLamp, 100.0f);
+    const RenderScene world = maker.finish();
+    const Pictures expected = pictures_of(world, kAll, false, false, 8 * kSamples),
+                   light_paths = pictures_of(world, kAll, false, true),
+                   all = pictures_of(world, kAll, true, true);
+    EXPECT_GT(all.splats, 1000u);
+    expect_same(light_paths, expected, "light paths");
+    expect_same(all, expected, "manifold and light paths");
+}
+
+TEST(LightTracingSeamsSlow, DepthOfField) {
+    Camera camera = looking_down({0.0f, -3.0f, 2.0f}, 0.3f);
+    camera.aperture_radius = 0.15f;
+    camera.focus_distance = 2.5f;
+    camera.aperture_blades = 5;
+    camera.aperture_ratio = 1.5f;
+    expect_agreement(camera);
+}
+TEST(LightTracingSeamsSlow, OrthographicCamera) {
+    Camera camera = looking_down({0.0f, -3.0f, 2.0f}, 1.2f);
+    camera.projection = Projection::orthographic;
+    expect_agreement(camera);
+}
+TEST(LightTracingSeamsSlow, Border) {
+    Camera camera = looking_down({0.0f, -3.0f, 2.0f}, 0.3f);
+    camera.crop = {11, 5, 24, 36};
+    expect_agreement(camera);
+}
+
+}  // namespace
+}  // namespace spc

@@ -23,7 +23,8 @@ enum class Domain : uint32_t {
     lens,
     light_point,
     light_direction,
-    manifold_activation
+    manifold_activation,
+    glints
 };
 
 inline uint64_t mix_bits(uint64_t x) {  // a bijection with good avalanche, [Stafford11] variant 13

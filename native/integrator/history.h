@@ -49,9 +49,15 @@ struct PathHistory {
     };
     Stage stage = Stage::unconnected;
     CausticPath caustic;  // as far as it has come
+    // Of the scattering at x, for its share with next event estimation: of its direction or, of
+    // closures with glints, a mean over the footprint.
+    float pdf_direct = 0.0f;
+    bool glints = false;
 
     void append_smooth(const Surface& surface, float pdf, bool may_receive, float film_per_area) {
         stage = Stage::scattered;
+        pdf_direct = pdf;
+        glints = false;
         caustic.x = surface.p;
         caustic.sides = {surface.ng, has_smooth_transmission(surface.closures)};
         caustic.pdf_omega = pdf;
@@ -59,6 +65,11 @@ struct PathHistory {
         caustic.through_caster = false;
         caustic.film_per_area = film_per_area;
         caustic.count = 0;
+    }
+    // After append_smooth(): the scattering was by closures with glints.
+    void set_glints(float mean_pdf) {
+        pdf_direct = mean_pdf;
+        glints = true;
     }
     // Whether the chain goes on with this delta interaction; the caller then sets the probability
     // of its lobe.

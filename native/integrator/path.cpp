@@ -21,6 +21,13 @@ uint32_t kinds_seeing(uint32_t visibility) {
     return kinds;
 }
 
+// The share of an estimate of density `own` in light that another one finds with `other`: by the
+// balance heuristic, or, where densities are means over a footprint, by the power heuristic
+// [Veach97], which leaves more to the better one.
+float shared(float own, float other, bool glints) {
+    return glints ? sqr(own) / (sqr(own) + sqr(other)) : own / (own + other);
+}
+
 // One path under way, and the steps that it consists of.
 struct PathTracer {
     const RenderScene& world;
@@ -33,6 +40,10 @@ struct PathTracer {
     PathHistory history{};
     BounceCounts bounces{};
     uint32_t ray_kind = kVisibleCamera;
+    // Where there may be glints: how the ray moves with the film, while all bounces are deltas, and
+    // what its last surface makes of that.
+    std::optional<RayDual> differential{};
+    std::optional<GlintPoint> glints{};
 
     const Scene& scene() const { return *world.scene; }
 
@@ -57,7 +68,7 @@ struct PathTracer {
         switch (history.stage) {
             case PathHistory::Stage::unconnected: return 1.0f;
             case PathHistory::Stage::scattered:
-                return history.caustic.pdf_omega / (history.caustic.pdf_omega + pdf_direct);
+                return shared(history.pdf_direct, pdf_direct, history.glints);
             case PathHistory::Stage::chain: return weight_of_chain(end);
         }
         return 1.0f;
@@ -158,19 +169,44 @@ struct PathTracer {
 
     // Next event estimation over all lights.
     Spectrum direct_radiance(const Surface& surface, const Sampler& sampler) {
-        if (!has_smooth_closure(surface.closures)) return Spectrum(0.0f);
+        if (!has_smooth_closure(surface.closures) && !glints) return Spectrum(0.0f);
         const std::optional<DirectSample> light =
             sample_direct(world.lights, scene(), surface.p, sampler[Domain::light].three());
         if (!light || is_black(light->radiance)) return Spectrum(0.0f);
         const uint32_t visibility = light_visibility(world.lights, light->light);
         const ClosureEval f =
             eval(surface.closures, surface.ng, surface.wo, light->wi, kinds_seeing(visibility));
-        if (is_black(f.f_cos)) return Spectrum(0.0f);
+        const bool glint = glints && (kinds_seeing(visibility) & kind_bit(BounceKind::glossy)) != 0;
+        if (is_black(f.f_cos) && !glint) return Spectrum(0.0f);
         // f L / p_light, times its balance weight where scattered rays find the light, too
-        const Spectrum alone = f.f_cos * light->radiance * (1.0f / light->density);
-        if ((visibility & kVisibleShadow) == 0) return alone;
-        const float weight = light->delta ? 1.0f : light->density / (light->density + f.pdf_omega);
-        return alone * weight * unblocked(surface, *light);
+        const bool blockable = (visibility & kVisibleShadow) != 0;
+        const auto weight = [&](float pdf, bool glints) {
+            return light->delta || !blockable ? 1.0f : shared(light->density, pdf, glints);
+        };
+        Spectrum arriving = light->radiance * (1.0f / light->density);
+        if (blockable) arriving *= unblocked(surface, *light);
+        Spectrum f_cos = f.f_cos * weight(f.pdf_omega, false);
+        if (glint && !is_black(arriving))
+            f_cos += glint_f_cos(light->wi, weight(glints->pdf(light->wi), true), sampler);
+        return f_cos * arriving;
+    }
+
+    // Of the closures with glints, averaged over the pixel, times `weight`, which also tells how much
+    // work it deserves.
+    Spectrum glint_f_cos(const Vec3& wi, float weight, const Sampler& sampler) {
+        constexpr float kPoints = 8.0f;
+        return glints->f_cos(wi, kPoints * weight, sampler[Domain::glints].stream_seed(),
+                             stats.glints) *
+               weight;
+    }
+
+    // Whether the surface is looked at through the pixel's footprint.
+    void look_for_glints(const Hit& hit, Surface& surface, const PixelKernel* pixel) {
+        glints.reset();
+        if (!differential || surface.closures.glint_count == 0) return;
+        glints = GlintPoint::at(world.glints, scene(), surface, *differential,
+                                static_cast<double>(hit.t), *pixel);
+        surface.closures.glints_apart = glints.has_value();
     }
 
     Spectrum unblocked(const Surface& surface, const DirectSample& light) {
@@ -244,9 +280,14 @@ struct PathTracer {
         if (!survive_roulette(sampler)) return false;
         if (next.kind == BounceKind::transparent) return look_through(hit);
         bounces.add(next.kind);
-        if (!next.delta)
+        if (differential && !(next.delta && next.on_caster_normal &&
+                              pass_delta(scene(), surface.hit, static_cast<double>(hit.t),
+                                         next.refracted, *differential)))
+            differential.reset();
+        if (!next.delta) {
             history.append_smooth(surface, next.pdf_omega, receives, film);
-        else if (history.append_delta(surface.hit, next, world.casters))
+            if (next.glints) history.set_glints(glints->pdf(next.wi));
+        } else if (history.append_delta(surface.hit, next, world.casters))
             history.caustic.vertices[history.caustic.count - 1].probability =
                 lobe_probability(surface, next);
         ray_kind = ray_kind_after(next.kind);
@@ -283,6 +324,7 @@ RenderScene prepare(std::unique_ptr<Scene> scene, uint32_t threads) {
     RenderScene world;
     world.lights = build_lights(*scene, threads);
     world.casters = build_casters(*scene);
+    world.glints = build_glints(*scene, scene->report);
     world.scene = std::move(scene);
     return world;
 }
@@ -292,8 +334,11 @@ RenderScene prepare(std::unique_ptr<Scene> scene, uint32_t threads) {
 // says which.
 PathSample path_radiance(const RenderScene& world, const IntegratorSettings& settings,
                          const Activation& activation, const Ray& camera_ray, const Vec2& lens,
-                         const Sampler& sampler, PathStats& stats) {
+                         const Sampler& sampler, PathStats& stats, const PixelKernel* pixel) {
     PathTracer path{world, settings, activation, stats, lens, camera_ray};
+    if (pixel != nullptr && !world.glints.fields.empty())
+        path.differential =
+            camera_differential(world.scene->camera, *pixel, lens, camera_ray.direction);
     PathSample out;
     Surface surface;
     for (uint32_t vertex = 0;; ++vertex) {
@@ -319,6 +364,7 @@ PathSample path_radiance(const RenderScene& world, const IntegratorSettings& set
             break;
         }
 
+        path.look_for_glints(*hit, surface, pixel);
         const Sampler here = sampler.vertex(vertex);
         out.radiance += path.throughput * path.direct_radiance(surface, here);
         const bool receives = path.may_receive(surface);

@@ -141,15 +141,6 @@ std::optional<ConstraintValue> evaluate_constraint(Constraint constraint, Intera
     return value;
 }
 
-namespace {
-
-// What becomes of a ray and of its two neighbours at a vertex.
-struct RayDual {
-    Vec3d d;                      // unit
-    std::array<Vec3d, 2> dp, dd;  // of position and direction, by the two turns at x
-};
-
-// Goes on to the plane of `patch`, then turns. False where there is no way on.
 bool pass_vertex(const ChainVertex& vertex, double distance, RayDual& ray, double& etendue) {
     const CasterPatch& patch = vertex.patch;
     const Vec3d pu(patch.dp_du), pv(patch.dp_dv), nu(patch.dn_du), nv(patch.dn_dv), ng(patch.ng);
@@ -193,8 +184,6 @@ bool pass_vertex(const ChainVertex& vertex, double distance, RayDual& ray, doubl
     }
     return true;
 }
-
-}  // namespace
 
 std::optional<ChainDerivative> chain_derivative(const Vec3& x, std::span<const ChainVertex> chain,
                                                 const ChainEnd& end) {

@@ -46,6 +46,16 @@ struct ChainVertex {
     CasterPatch patch;
 };
 
+// A ray, and what becomes of its position and direction if what it comes from is changed by two
+// parameters: turns at a receiver, or the place in the picture.
+struct RayDual {
+    Vec3d d;                      // unit
+    std::array<Vec3d, 2> dp, dd;  // of position and direction
+};
+// Goes on over `distance` to the plane of the vertex's patch, then turns; `etendue` is multiplied by
+// what ChainDerivative says of it. False where there is no way on.
+bool pass_vertex(const ChainVertex& vertex, double distance, RayDual& ray, double& etendue);
+
 struct ChainDerivative {
     // |d solid angle at x / d area at y|, 1/m^2, without the cosine at y; distant ends: by solid
     // angle at the light.

@@ -160,7 +160,10 @@ spc_status spc_render_get_stats(spc_session* session, spc_render_stats* stats) {
                   s.manifold_energy,
                   s.nan_samples + s.light.nan_splats,
                   s.light.paths,
-                  s.light.splats};
+                  s.light.splats,
+                  s.path.glints.estimates,
+                  s.path.glints.nodes,
+                  s.path.glints.points};
     });
 }
 

@@ -69,11 +69,12 @@ GlintSet build_glints(const Scene& scene, std::vector<std::string>& report) {
 // A direction of light, as the slopes of the map see it. For the normal n = W (a, b, 1) and the
 // half-vector h, n.h is linear and |n x h|^2 quadratic in (a, b); the latter vanishes at `slope`.
 struct GlintPoint::Target {
-    Vec3 half;         // not normalised
-    Vec3 linear;       // n.h = a x + b y + z
-    Vec2 slope;        // of h itself
-    bool inside;       // it has one: h is on the side of the interpolated normal
-    float aa, ab, bb;  // of |n x h|^2 around `slope`
+    Vec3 half;             // not normalised
+    Vec3 linear;           // n.h = a x + b y + z
+    Vec2 slope;            // of h itself
+    bool inside;           // it has one: h is on the side of the interpolated normal
+    float aa, ab, bb;      // of |n x h|^2 around `slope`
+    float x_by_y, y_by_x;  // where that is least along a line of constant y, or x
 
     float dot_at(const Vec2& s) const { return linear.x * s.x + linear.y * s.y + linear.z; }
     float sine2_at(const Vec2& d) const {
@@ -91,11 +92,11 @@ struct GlintPoint::Target {
         float least = kInfinity;
         if (low.x > 0.0f || high.x < 0.0f) {
             const float x = low.x > 0.0f ? low.x : high.x;
-            least = sine2_at({x, std::clamp(-ab * x / bb, low.y, high.y)});
+            least = sine2_at({x, std::clamp(y_by_x * x, low.y, high.y)});
         }
         if (low.y > 0.0f || high.y < 0.0f) {
             const float y = low.y > 0.0f ? low.y : high.y;
-            least = std::min(least, sine2_at({std::clamp(-ab * y / aa, low.x, high.x), y}));
+            least = std::min(least, sine2_at({std::clamp(x_by_y * y, low.x, high.x), y}));
         }
         return std::isinf(least) ? 0.0f : least;
     }
@@ -110,6 +111,8 @@ GlintPoint::Target GlintPoint::target_of(const Vec3& wi) const {
     t.aa = dot(c0, c0);
     t.ab = dot(c0, c1);
     t.bb = dot(c1, c1);
+    t.x_by_y = -t.ab / t.aa;
+    t.y_by_x = -t.ab / t.bb;
     // Cramer's rule for W (a, b, 1) = c h.
     const float along = dot(cross(w[0], w[1]), t.half);
     const float det = dot(cross(w[0], w[1]), w[2]);

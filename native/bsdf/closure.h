@@ -99,12 +99,13 @@ Spectrum eval_glint(const GlintLobe& glint, const Vec3& n, const Vec3& wo, const
 // What a surface offers at one point. At most kMaxClosures; more are refused when the material is
 // compiled.
 inline constexpr int kMaxClosures = 12;
+inline constexpr int kMaxGlints = 4;  // further ones are closures like any other
 struct ClosureList {
     std::array<Closure, kMaxClosures> closures;
     int count = 0;
     Spectrum emission{0.0f};      // radiance towards wo
     Spectrum transparency{0.0f};  // sum of the weights of Transparent closures
-    std::array<GlintLobe, kMaxClosures> glints;
+    std::array<GlintLobe, kMaxGlints> glints;
     int glint_count = 0;
     // Closures with `glints` are a kind of scattering of their own: whoever connects to light looks
     // at them through a footprint instead (native/glints/).

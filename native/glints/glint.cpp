@@ -374,7 +374,7 @@ private:
     const Vec3& wi_;
     Pcg pcg_;
     GlintStats& stats_;
-    std::array<float, kMaxClosures> scales_{};
+    std::array<float, kMaxGlints> scales_{};
     float threshold_ = 0.0f, ticket_ = 0.0f;
     Spectrum sum_{0.0f};
 };

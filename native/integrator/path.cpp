@@ -169,35 +169,62 @@ struct PathTracer {
 
     // Next event estimation over all lights.
     Spectrum direct_radiance(const Surface& surface, const Sampler& sampler) {
-        if (!has_smooth_closure(surface.closures) && !glints) return Spectrum(0.0f);
+        if (!has_smooth_closure(surface.closures)) return Spectrum(0.0f);
         const std::optional<DirectSample> light =
             sample_direct(world.lights, scene(), surface.p, sampler[Domain::light].three());
         if (!light || is_black(light->radiance)) return Spectrum(0.0f);
         const uint32_t visibility = light_visibility(world.lights, light->light);
         const ClosureEval f =
             eval(surface.closures, surface.ng, surface.wo, light->wi, kinds_seeing(visibility));
-        const bool glint = glints && (kinds_seeing(visibility) & kind_bit(BounceKind::glossy)) != 0;
-        if (is_black(f.f_cos) && !glint) return Spectrum(0.0f);
+        if (is_black(f.f_cos)) return Spectrum(0.0f);
         // f L / p_light, times its balance weight where scattered rays find the light, too
-        const bool blockable = (visibility & kVisibleShadow) != 0;
-        const auto weight = [&](float pdf, bool glints) {
-            return light->delta || !blockable ? 1.0f : shared(light->density, pdf, glints);
-        };
-        Spectrum arriving = light->radiance * (1.0f / light->density);
-        if (blockable) arriving *= unblocked(surface, *light);
-        Spectrum f_cos = f.f_cos * weight(f.pdf_omega, false);
-        if (glint && !is_black(arriving))
-            f_cos += glint_f_cos(light->wi, weight(glints->pdf(light->wi), true), sampler);
-        return f_cos * arriving;
+        const Spectrum alone = f.f_cos * light->radiance * (1.0f / light->density);
+        if ((visibility & kVisibleShadow) == 0) return alone;
+        const float weight = light->delta ? 1.0f : shared(light->density, f.pdf_omega, false);
+        return alone * weight * unblocked(surface, *light);
     }
 
-    // Of the closures with glints, averaged over the pixel, times `weight`, which also tells how much
-    // work it deserves.
-    Spectrum glint_f_cos(const Vec3& wi, float weight, const Sampler& sampler) {
-        constexpr float kPoints = 8.0f;
-        return glints->f_cos(wi, kPoints * weight, sampler[Domain::glints].stream_seed(),
-                             stats.glints) *
-               weight;
+    // The same for closures with glints, averaged over the pixel. To look for them costs more than
+    // to draw lights: of several the one is taken that promises most, by the moments of the slopes
+    // (resampled importance sampling [Talbot05]).
+    Spectrum glint_radiance(const Surface& surface, const Sampler& sampler) {
+        constexpr uint32_t kCandidates = 4;
+        constexpr float kPoints = 2.0f;
+        struct Candidate {
+            DirectSample light;
+            float share, promise;
+        };
+        std::optional<Candidate> chosen;
+        float sum = 0.0f, u = sampler[Domain::glints].one();
+        for (uint32_t i = 0; i < kCandidates; ++i) {
+            const std::optional<DirectSample> light = sample_direct(
+                world.lights, scene(), surface.p, sampler.vertex(i)[Domain::glints].three());
+            if (!light || !(dot(surface.ng, light->wi) > 0.0f)) continue;
+            const uint32_t visibility = light_visibility(world.lights, light->light);
+            if ((visibility & kVisibleGlossy) == 0) continue;
+            const float pdf = glints->pdf(light->wi);
+            const bool alone = light->delta || (visibility & kVisibleShadow) == 0;
+            const float share = alone ? 1.0f : shared(light->density, pdf, true);
+            const float promise = max_component(light->radiance) * share * pdf;
+            const float weight = promise / light->density;
+            if (!(weight > 0.0f)) continue;
+            sum += weight;
+            const float chance = weight / sum;
+            if (u < chance) {
+                chosen = Candidate{*light, share, promise};
+                u /= chance;
+            } else {
+                u = (u - chance) / (1.0f - chance);
+            }
+        }
+        if (!chosen) return Spectrum(0.0f);
+        const DirectSample& light = chosen->light;
+        Spectrum arriving = light.radiance * (chosen->share * sum / (kCandidates * chosen->promise));
+        if ((light_visibility(world.lights, light.light) & kVisibleShadow) != 0)
+            arriving *= unblocked(surface, light);
+        if (is_black(arriving)) return arriving;
+        return arriving * glints->f_cos(light.wi, kPoints * chosen->share,
+                                        sampler[Domain::glints].stream_seed(), stats.glints);
     }
 
     // Whether the surface is looked at through the pixel's footprint.
@@ -367,6 +394,7 @@ PathSample path_radiance(const RenderScene& world, const IntegratorSettings& set
         path.look_for_glints(*hit, surface, pixel);
         const Sampler here = sampler.vertex(vertex);
         out.radiance += path.throughput * path.direct_radiance(surface, here);
+        if (path.glints) out.radiance += path.throughput * path.glint_radiance(surface, here);
         const bool receives = path.may_receive(surface);
         const float film = receives ? path.film_per_area(surface) : 0.0f;
         if (receives && settings.manifold.enabled) {

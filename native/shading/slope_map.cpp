@@ -27,19 +27,22 @@ public:
         SlopeMap map;
         if (mode_ == GlintsMode::off) return map;
         ExprId normal = kNoExpr;
+        int count = 0;
         for (ClosureTerm& term : terms_) {
             if (term.op != ClosureOp::glossy && term.op != ClosureOp::metal &&
                 term.op != ClosureOp::coated)
                 continue;
             std::string reason = why_not(term);
             if (reason.empty() && normal == kNoExpr) reason = read_normal(term.normal(), map);
-            if (!reason.empty() || (normal != kNoExpr && term.normal() != normal)) {
-                if (reason.empty()) reason = "another normal";
+            const bool fits = normal == kNoExpr || (term.normal() == normal && count < kMaxGlints);
+            if (!reason.empty() || !fits) {
+                // Told where there is no map at all.
                 reasons_ += (reasons_.empty() ? "" : "; ") + term.label + ": " + reason;
                 continue;
             }
             normal = term.normal();
             term.on_slope_map = true;
+            ++count;
             map.why += (map.why.empty() ? "" : "; ") + term.label;
             if (expr_.is_constant(term.alpha()))
                 map.why += ", roughness " + number(std::sqrt(expr_.scalar(term.alpha())));
@@ -65,6 +68,7 @@ private:
 
     // Fills `map`, or says why that cannot be.
     std::string read_normal(ExprId id, SlopeMap& map) const {
+        map = {};
         const Expr& normal = expr_[id];
         if (normal.op != Op::normal_map) return "its normal is not a Normal Map node";
         if (normal.mode != static_cast<uint8_t>(NormalSpace::tangent))

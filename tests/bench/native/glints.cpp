@@ -234,7 +234,9 @@ void estimate(benchmark::State& state, const GlintScene& scene, const Estimator&
 
 void add_glints() {
     using Make = std::function<Estimator(const GlintScene&)>;
-    const Make searching = [](const GlintScene& scene) { return search(scene, 8.0f); };
+    const auto searching = [](float points) {
+        return Make([points](const GlintScene& scene) { return search(scene, points); });
+    };
     const Make unbiased = [](const GlintScene& scene) -> Estimator {
         return [walker = Walker(scene)](const Vec3& wi, uint64_t seed, uint64_t& n) {
             return walker.unbiased(wi, seed, n);
@@ -251,7 +253,8 @@ void add_glints() {
         const char* name;
         Make make, complete;
     };
-    const std::vector<Row> rows{{"search", searching, searching},
+    const std::vector<Row> rows{{"search_2", searching(2.0f), searching(8.0f)},
+                                {"search_8", searching(8.0f), searching(8.0f)},
                                 {"walks_unbiased", unbiased, unbiased},
                                 {"walks_biased_8", biased(8), unbiased},
                                 {"walks_biased_32", biased(32), unbiased}};

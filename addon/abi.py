@@ -18,7 +18,7 @@ from ctypes import (
 )
 from enum import IntEnum
 
-API_VERSION = 2  # SPC_API_VERSION that this file mirrors
+API_VERSION = 3  # SPC_API_VERSION that this file mirrors
 
 STATUS_NAMES = (
     "OK",
@@ -104,6 +104,7 @@ MaterialDesc = _struct(
     ("option_count", c_uint32),
     ("links", POINTER(NodeLink)),
     ("link_count", c_uint32),
+    ("glints", c_uint32),
 )
 
 MaterialNeeds = _struct("spc_material_needs", ("uv", c_uint32), ("tangents", c_uint32))
@@ -244,6 +245,9 @@ RenderStats = _struct(
     ("sheet_chains", c_uint64),
     ("missed_chains", c_uint64),
     ("missed_energy", c_double),
+    ("glint_estimates", c_uint64),
+    ("glint_nodes", c_uint64),
+    ("glint_points", c_uint64),
 )
 
 _HANDLE = c_void_p

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .export import desc
+from .export.image import COLOR_SPACES
 from .export.log import ExportLog
 from .export.material import default_material, export_material
 from .export.visibility import object_role, object_visibility
@@ -28,16 +29,22 @@ class Forecast:
     casts: bool
     receives: bool
     reason: str  # why it casts, or why it cannot although it is asked to; else ''
+    glints: str  # in which of its lobes there are glints, or why not if asked for
 
 
 class _NoImages:
     """In place of `image.Images`: that there is a texture matters here, what it shows does not."""
 
     def __init__(self):
-        self.descs = [desc.ImageDesc("(any image)", pixels=np.zeros((1, 1, 4), np.uint8))]
+        white = np.full((1, 1, 4), 255, np.uint8)
+        self.descs = [
+            desc.ImageDesc("(any image)", pixels=white, color_space=space)
+            for space in desc.ColorSpace
+        ]
 
     def add(self, image, user: str) -> int:
-        return 0
+        name = image.colorspace_settings.name if image else "sRGB"
+        return int(COLOR_SPACES.get(name, desc.ColorSpace.SRGB))
 
 
 def of_material(material) -> Forecast:
@@ -55,7 +62,9 @@ def _ask(materials: list, role: desc.CausticsRole, visibility: desc.Visibility) 
     with upload(_scene(materials, role, visibility)) as scene:
         scene.commit(1)
         stats, report = scene.stats(), scene.report()
-    return Forecast(bool(stats["casters"]), bool(stats["receivers"]), _reason(report))
+    return Forecast(
+        bool(stats["casters"]), bool(stats["receivers"]), _reason(report), _glints(report)
+    )
 
 
 def _scene(materials: list, role, visibility) -> desc.SceneDesc:
@@ -89,3 +98,15 @@ def _reason(report: list[str]) -> str:
         if line.startswith(f"{_NAME}: marked as caster,"):
             return line.partition("path traced: ")[2]
     return ""
+
+
+def _glints(report: list[str]) -> str:
+    """From the core's "MATERIAL: glints (LOBES; image ...)" or "MATERIAL: no glints: REASON"."""
+    for line in report:
+        _, found, lobes = line.partition(": glints (")
+        if found:
+            return lobes.partition("; image")[0]
+        _, found, reason = line.partition(": no glints: ")
+        if found:
+            return f"None: {reason}"
+    return "None"

@@ -45,6 +45,12 @@ CAUSTICS_ROLES = (
     ("OFF", "Off", "Leave this object's caustics to path tracing"),
 )
 
+GLINTS = (
+    ("AUTO", "Automatic", "Where the roughness is constant and at most 0.4"),
+    ("ON", "On", "Wherever the normal map allows it, whatever the roughness"),
+    ("OFF", "Off", "Look at the normal map at one point for each sample"),
+)
+
 FROM_CYCLES = "Taken from the Cycles settings if"
 
 
@@ -122,6 +128,15 @@ class SpeculaObjectSettings(bpy.types.PropertyGroup):
     )
 
 
+class SpeculaMaterialSettings(bpy.types.PropertyGroup):
+    glints: EnumProperty(
+        name="Glints",
+        description="Average glossy reflections of lights over what a pixel covers of the normal "
+        "map: same picture, far less noise where the map is finer than a pixel",
+        items=GLINTS,
+    )
+
+
 class SpeculaLightSettings(bpy.types.PropertyGroup):
     """Of lights and worlds."""
 
@@ -144,6 +159,7 @@ class SpeculaViewLayerSettings(bpy.types.PropertyGroup):
 GROUPS = {
     SpeculaSceneSettings: (bpy.types.Scene,),
     SpeculaObjectSettings: (bpy.types.Object,),
+    SpeculaMaterialSettings: (bpy.types.Material,),
     SpeculaLightSettings: (bpy.types.Light, bpy.types.World),
     SpeculaViewLayerSettings: (bpy.types.ViewLayer,),
 }

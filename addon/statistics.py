@@ -52,6 +52,8 @@ class Statistics:
             rows.append(("Light sheets", self._sheets()))
         if render["light_paths"]:
             rows.append(("Light paths", self._light_paths()))
+        if render["glint_estimates"]:
+            rows.append(("Glints", self._glints()))
         if render["trial_estimates"]:
             rows += [("Trials", self._trials()), ("Possible loss", self._possible_loss())]
         return [*rows, ("Dropped", self._dropped())]
@@ -76,6 +78,15 @@ class Statistics:
     def _light_paths(self) -> str:
         render = self.render_stats
         return f"{render['light_paths']:,}, {_count(render['splats'], 'splat')} in the picture"
+
+    def _glints(self) -> str:
+        render = self.render_stats
+        estimates = render["glint_estimates"]
+        return (
+            f"{_count(estimates, 'estimate')}, "
+            f"{_per(render['glint_nodes'], estimates):.0f} parts of normal maps each, "
+            f"{_per(render['glint_points'], estimates):.1f} points"
+        )
 
     def _trials(self) -> str:
         render = self.render_stats

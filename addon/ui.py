@@ -256,6 +256,25 @@ class SPECULA_PT_material_caustics(SpeculaPanel, bpy.types.Panel):
         draw_forecast(self.column(), lambda forecast: forecast.of_material(context.material))
 
 
+class SPECULA_PT_material_glints(SpeculaPanel, bpy.types.Panel):
+    bl_label = "Glints"
+    bl_context = "material"
+
+    @classmethod
+    def poll(cls, context) -> bool:
+        return bool(context.material) and super().poll(context)
+
+    def draw(self, context):
+        column, material = self.column(), context.material
+        column.prop(material.specula, "glints")
+        try:
+            from . import forecast  # not above: NumPy may be missing
+
+            draw_note(column, forecast.of_material(material).glints)
+        except Exception as error:
+            column.label(text=diagnosis.describe(error), icon="ERROR")
+
+
 class SPECULA_PT_visibility(SpeculaPanel, bpy.types.Panel):
     bl_label = "Visibility"
     bl_context = "object"
@@ -330,6 +349,7 @@ PANELS = (
     SPECULA_PT_passes,
     SPECULA_PT_object_caustics,
     SPECULA_PT_material_caustics,
+    SPECULA_PT_material_glints,
     SPECULA_PT_visibility,
     SPECULA_PT_light,
     SPECULA_PT_world_caustics,

@@ -116,6 +116,7 @@ def _material(material: desc.MaterialDesc) -> abi.MaterialDesc:
         option_count=len(options),
         links=(abi.NodeLink * len(links))(*links),
         link_count=len(links),
+        glints=material.glints,
     )
 
 

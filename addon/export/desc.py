@@ -51,6 +51,12 @@ class CausticsRole(IntEnum):
     BOTH = 4
 
 
+class Glints(IntEnum):
+    AUTO = 0
+    ON = 1
+    OFF = 2
+
+
 class LightType(IntEnum):
     POINT = 0
     SPOT = 1
@@ -137,6 +143,7 @@ class MaterialDesc:
     name: str
     nodes: list[NodeDesc] = field(default_factory=list)
     links: list[LinkDesc] = field(default_factory=list)
+    glints: Glints = Glints.AUTO
 
 
 @dataclass(frozen=True)

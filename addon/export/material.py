@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from . import compat, graph
-from .desc import LinkDesc, MaterialDesc, MaterialNeeds, NodeDesc
+from .desc import Glints, LinkDesc, MaterialDesc, MaterialNeeds, NodeDesc
 from .image import Images
 from .log import ExportLog
 from .nodes import NODES, NodeKind
@@ -35,7 +35,9 @@ def export_material(material, images: Images, log: ExportLog) -> tuple[MaterialD
         color = (*material.diffuse_color[:3], 1.0)
         return plain_material(material.name, "bsdf_diffuse", "BSDF", color), MaterialNeeds()
     converter = Converter(f"material {material.name}", images, log)
-    return converter.convert(material.name, material.node_tree)
+    desc, needs = converter.convert(material.name, material.node_tree)
+    desc.glints = Glints[material.specula.glints]
+    return desc, needs
 
 
 class Converter:

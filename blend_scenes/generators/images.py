@@ -41,13 +41,13 @@ def encode_png(pixels, bits):
     )
 
 
-def normal_image(name, pixels):
-    """A packed 16-bit image of tangent-space normals.
+def normal_image(name, pixels, bits=16):
+    """A packed image of tangent-space normals, 16-bit unless it is so rough that 8 bits will do.
 
     Blender loads it as floats and 'Non-Color' leaves them as they are. 16 bits resolve a normal to
     3e-5; 8 bits (8e-3) would show as facets in a caustic.
     """
-    return _pack(name + ".png", encode_png(pixels, 16), "Non-Color")
+    return _pack(name + ".png", encode_png(pixels, bits), "Non-Color")
 
 
 def color_image(name, pixels):

@@ -25,6 +25,19 @@ def gaussian_height(size, wavelength, rms_slope, seed):
     return scale_to_slope(spectrum, rms_slope)
 
 
+def brushed_height(size, length, width, rms_slope, seed):
+    """Periodic height field on the unit square: scratches along u, Gaussian across and along.
+
+    `length` and `width` are fractions of the square, `rms_slope` that of dh/dv: what is across.
+    Returns the spectrum (size, size) for `spectral_slopes`.
+    """
+    rng = np.random.default_rng(seed)
+    noise = np.fft.fft2(rng.standard_normal((size, size)))
+    ku, kv = wave_numbers(size)
+    spectrum = noise * np.exp(-0.5 * ((ku * length) ** 2 + (kv * width) ** 2) / (2.0 * np.pi) ** 2)
+    return spectrum * (rms_slope / np.sqrt(np.mean(spectral_slopes(spectrum)[1] ** 2)))
+
+
 def ocean_height(size, wavelengths, wind_angle, spread, rms_slope, seed):
     """Periodic height field on the unit square: small directional waves around a wind direction.
 
@@ -150,6 +163,31 @@ def stripes(size, colors):
     """Vertical stripes of equal width, one per colour: sRGB (size, size, 3)."""
     index = np.arange(size) * len(colors) // size
     return np.broadcast_to(np.asarray(colors, dtype=float)[index], (size, size, 3)).copy()
+
+
+def dark_room(height, ambient, lamps):
+    """Equirectangular room with round lamps: linear radiance (height, 2 height, 3).
+
+    `ambient` is (floor, ceiling) radiance; `lamps` holds (direction, diameter in radians, colour
+    (3,) of radiance). Blender's mapping, discs without antialiasing.
+    """
+    azimuth = 2.0 * np.pi * (0.5 - (np.arange(2 * height) + 0.5) / (2 * height))
+    elevation = np.pi * ((np.arange(height) + 0.5) / height - 0.5)
+    azimuth, elevation = np.meshgrid(azimuth, elevation)
+    direction = np.stack(
+        [
+            np.cos(elevation) * np.cos(azimuth),
+            np.cos(elevation) * np.sin(azimuth),
+            np.sin(elevation),
+        ],
+        axis=-1,
+    )
+    low, high = (np.asarray(color, dtype=float) for color in ambient)
+    radiance = low + (high - low) * (0.5 + 0.5 * direction[..., 2:])
+    for towards, diameter, color in lamps:
+        axis = np.asarray(towards, dtype=float) / np.linalg.norm(towards)
+        radiance[direction @ axis > np.cos(0.5 * diameter)] = color
+    return radiance
 
 
 def clear_sky(height, sun_direction, sun_diameter, sun_irradiance, zenith, horizon, ground):

@@ -166,7 +166,10 @@ spc_status spc_render_get_stats(spc_session* session, spc_render_stats* stats) {
                   m.leads,
                   m.roots,
                   m.missed,
-                  m.missed_energy};
+                  m.missed_energy,
+                  s.path.glints.estimates,
+                  s.path.glints.nodes,
+                  s.path.glints.points};
     });
 }
 

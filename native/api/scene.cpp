@@ -74,6 +74,7 @@ Graph to_graph(const spc_material_desc& desc) {
     Graph graph;
     graph.name = name_or(desc.name, "material");
     const std::string owner = named("material", graph.name);
+    graph.glints = checked_enum<GlintsMode>(desc.glints, SPC_GLINTS_OFF, owner, "choice of glints");
     require(desc.nodes != nullptr && desc.node_count > 0, owner + ": the material has no nodes");
     require(desc.inputs != nullptr || desc.input_count == 0, owner + ": inputs is null");
     require(desc.options != nullptr || desc.option_count == 0, owner + ": options is null");
@@ -224,6 +225,7 @@ void fill_stats(const spc_scene& handle, spc_scene_stats& stats) {
                                   layer.tangents.size() * (sizeof(Vec3) + sizeof(float));
     }
     for (const Image& image : scene.images) stats.memory_bytes += image.memory_bytes();
+    stats.memory_bytes += world.glints.memory_bytes();
     stats.instances = scene.instances.size();
     for (const Instance& instance : scene.instances) {
         stats.casters += instance.caster ? 1 : 0;

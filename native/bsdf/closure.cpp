@@ -179,6 +179,11 @@ BounceKind kind_of(const Closure& closure, bool crosses) {
     return crosses ? BounceKind::transmission : BounceKind::glossy;
 }
 
+// The set of closures that one ray stands for.
+uint32_t group_of(const ClosureList& list, const Closure& closure, bool crosses) {
+    return list.glints_apart && closure.glints ? kGlintsBit : kind_bit(kind_of(closure, crosses));
+}
+
 // Throughput and probability, within the closure, of the delta lobe that reflects or refracts at
 // the normal.
 struct DeltaPart {
@@ -225,6 +230,25 @@ void ClosureList::clear() {
     count = 0;
     emission = Spectrum(0.0f);
     transparency = Spectrum(0.0f);
+    glint_count = 0;
+    glints_apart = false;
+}
+
+void ClosureList::add_glints(const Spectrum& weight, const MicrofacetReflection& lobe,
+                             const Vec3& wo, bool on_caster_normal) {
+    const int before = count;
+    add(weight, lobe, wo, on_caster_normal);
+    if (is_delta_kind(lobe)) return;
+    if (count > before) closures[before].glints = true;
+    glints[glint_count++] = {weight, lobe};
+}
+
+Spectrum eval_glint(const GlintLobe& glint, const Vec3& n, const Vec3& wo, const Vec3& wi) {
+    MicrofacetReflection lobe = glint.lobe;
+    lobe.n = n;
+    const LobeEval value = eval_lobe(lobe, wo, wi, false);
+    if (!lobe.energy_compensated || !(value.pdf_omega > 0.0f)) return glint.weight * value.f_cos;
+    return glint.weight * value.f_cos * energy_compensation(lobe, wo);
 }
 
 void ClosureList::add(const Spectrum& weight, const ClosureKind& kind, const Vec3& wo,
@@ -239,6 +263,7 @@ void ClosureList::add(const Spectrum& weight, const ClosureKind& kind, const Vec
     Closure& closure = closures[count];
     closure.kind = kind;
     closure.on_caster_normal = on_caster_normal;
+    closure.glints = false;
     closure.weight = w;
     closure.sample_weight = mean(w);
     if (!std::holds_alternative<Lambert>(kind) && !std::holds_alternative<Transparent>(kind)) {
@@ -264,7 +289,7 @@ ClosureEval eval(const ClosureList& list, const Vec3& ng, const Vec3& wo, const 
             std::visit([&](const auto& c) { return eval_lobe(c, wo, wi, crosses); }, closure.kind);
         const float pdf = closure.sample_weight * lobe.pdf_omega;
         result.pdf_omega += pdf;
-        if ((kinds & kind_bit(kind_of(closure, crosses))) == 0) continue;
+        if ((kinds & group_of(list, closure, crosses)) == 0) continue;
         result.pdf_of_kinds += pdf;
         result.f_cos += closure.weight * lobe.f_cos;
     }
@@ -310,6 +335,7 @@ std::optional<ClosureSample> sample(const ClosureList& list, const Vec3& ng, con
                          .delta = lobe->delta,
                          .on_caster_normal = closure.on_caster_normal,
                          .refracted = lobe->kind == BounceKind::transmission,
+                         .glints = list.glints_apart && closure.glints,
                          .kind = lobe->kind};
     const float side = dot(ng, lobe->wi);
     if (lobe->delta) {
@@ -324,7 +350,7 @@ std::optional<ClosureSample> sample(const ClosureList& list, const Vec3& ng, con
     // list, but then it is drawn from outside the density that eval() states.
     const bool above = side > 0.0f;
     if (above != (lobe->kind != BounceKind::transmission)) return std::nullopt;
-    const ClosureEval sum = eval(list, ng, wo, lobe->wi, kind_bit(lobe->kind));
+    const ClosureEval sum = eval(list, ng, wo, lobe->wi, group_of(list, closure, !above));
     if (!(sum.pdf_of_kinds > 0.0f)) return std::nullopt;
     result.pdf_omega = sum.pdf_omega;
     result.weight = sum.f_cos * (1.0f / sum.pdf_of_kinds);

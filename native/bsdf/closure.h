@@ -83,22 +83,41 @@ struct Closure {
     float sample_weight;  // >= 0, relative chance to be sampled; set by ClosureList::add
     // Shares the normal that the manifold walks on (shading/program.h).
     bool on_caster_normal = false;
+    bool glints = false;  // also one of ClosureList::glints
     ClosureKind kind;
 };
+
+// A narrow lobe whose normal comes from a slope map (shading/program.h): as it is for any normal of
+// the map.
+struct GlintLobe {
+    Spectrum weight;            // before energy compensation, which depends on the normal
+    MicrofacetReflection lobe;  // its normal is that of one point
+};
+// f |cos| of the lobe if its normal were `n`, unit.
+Spectrum eval_glint(const GlintLobe& glint, const Vec3& n, const Vec3& wo, const Vec3& wi);
 
 // What a surface offers at one point. At most kMaxClosures; more are refused when the material is
 // compiled.
 inline constexpr int kMaxClosures = 12;
+inline constexpr int kMaxGlints = 4;  // further ones are closures like any other
 struct ClosureList {
     std::array<Closure, kMaxClosures> closures;
     int count = 0;
     Spectrum emission{0.0f};      // radiance towards wo
     Spectrum transparency{0.0f};  // sum of the weights of Transparent closures
+    std::array<GlintLobe, kMaxGlints> glints;
+    int glint_count = 0;
+    // Closures with `glints` are a kind of scattering of their own: whoever connects to light looks
+    // at them through a footprint instead (native/glints/).
+    bool glints_apart = false;
 
     // Drops closures that are black from wo; negative weights count as zero. The sample weight
     // follows the closure's albedo, and energy compensation, which depends on wo alone, is folded
     // into the stored weight.
     void add(const Spectrum& weight, const ClosureKind& kind, const Vec3& wo, bool on_caster_normal);
+    // Also among `glints`, where it stays whatever its own normal is.
+    void add_glints(const Spectrum& weight, const MicrofacetReflection& lobe, const Vec3& wo,
+                    bool on_caster_normal);
     void clear();
 };
 
@@ -113,6 +132,8 @@ enum class BounceKind : uint8_t { diffuse, glossy, transmission, transparent };
 
 // Sets of kinds of scattering, bits 1 << BounceKind.
 inline constexpr uint32_t kind_bit(BounceKind kind) { return 1u << static_cast<uint32_t>(kind); }
+// Of closures with glints, where they are apart.
+inline constexpr uint32_t kGlintsBit = 16;
 inline constexpr uint32_t kAllKinds = ~0u;
 
 struct ClosureEval {
@@ -142,6 +163,7 @@ struct ClosureSample {
     bool delta;
     bool on_caster_normal;  // of the closure that was sampled
     bool refracted;         // crossed the surface with a change of direction
+    bool glints;            // of closures with glints, where they are apart
     BounceKind kind;
 };
 // u[0] chooses closure and lobe, u[1], u[2] the direction; all in [0, 1). Empty where nothing is

@@ -24,7 +24,8 @@ enum class Domain : uint32_t {
     light_point,
     light_direction,
     manifold_activation,
-    light_goes_on
+    light_goes_on,
+    glints
 };
 
 inline uint64_t mix_bits(uint64_t x) {  // a bijection with good avalanche, [Stafford11] variant 13

@@ -28,15 +28,13 @@ PixelFilter::PixelFilter(FilterKind kind, float width) {
     for (int i = 0; i < kCells; ++i)
         cumulative_.push_back(cumulative_.back() +
                               density(kind, reach_ * ((2 * i + 1.0) / kCells - 1.0), w));
-    for (double& c : cumulative_) c /= cumulative_.back();
-}
-
-float PixelFilter::weight(float offset) const {
-    const auto cells = static_cast<double>(cumulative_.size() - 1);
-    const double at = 0.5 * (static_cast<double>(offset) / reach_ + 1.0) * cells;
-    if (!(at >= 0.0 && at < cells)) return 0.0f;
-    const auto cell = static_cast<size_t>(at);
-    return static_cast<float>((cumulative_[cell + 1] - cumulative_[cell]) * cells / (2.0 * reach_));
+    const double total = cumulative_.back();
+    for (double& c : cumulative_) c /= total;
+    const double cells_per_pixel = kCells / (2.0 * reach_);
+    cells_per_pixel_ = static_cast<float>(cells_per_pixel);
+    for (size_t i = 0; i < kCells; ++i)
+        density_.push_back(
+            static_cast<float>((cumulative_[i + 1] - cumulative_[i]) * cells_per_pixel));
 }
 
 // By search instead of a table of the inverse: that would be coarse in the tails, where it is

@@ -20,13 +20,20 @@ public:
     Vec2 sample(const Vec2& u) const { return {invert(u.x), invert(u.y)}; }
     // Density of those offsets along one axis, 1/pixel: the share of what falls there that a pixel
     // takes.
-    float weight(float offset) const;
+    float weight(float offset) const {
+        const float at = (offset + reach()) * cells_per_pixel_;
+        return at >= 0.0f && at < static_cast<float>(density_.size())
+                   ? density_[static_cast<size_t>(at)]
+                   : 0.0f;
+    }
     float reach() const { return static_cast<float>(reach_); }  // offsets lie within +-reach
 
 private:
     float invert(float u) const;
     double reach_;
     std::vector<double> cumulative_;  // of the density, at equal steps
+    std::vector<float> density_;      // between those, 1/pixel
+    float cells_per_pixel_;
 };
 
 }  // namespace spc

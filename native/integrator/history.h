@@ -19,6 +19,10 @@ struct PathHistory {
     Stage stage = Stage::unconnected;
     CausticPath caustic;         // as far as it has come
     bool passed_caster = false;  // straight through a part of one, since the last vertex
+    // Of the scattering at x, for its share with next event estimation: of its direction or, of
+    // closures with glints, a mean over the footprint.
+    float pdf_direct = 0.0f;
+    bool glints = false;
 
     // Of the camera's path to a surface that it meets after the last one.
     CameraApproach approach_to(const Surface& surface) const {
@@ -32,6 +36,8 @@ struct PathHistory {
                        bool may_receive, const CameraApproach& approach,
                        const BounceCounts& before) {
         stage = Stage::scattered;
+        pdf_direct = sample.pdf_omega;
+        glints = false;
         caustic.x = surface.p;
         caustic.sides = {surface.ng, has_smooth_transmission(surface.closures)};
         caustic.pdf_omega = sample.pdf_omega;
@@ -41,6 +47,11 @@ struct PathHistory {
         caustic.scatterings = approach.scatterings;
         caustic.film_per_area = film_per_area(scene, approach, surface.hit, surface.wo, sample.wi);
         caustic.count = 0;
+    }
+    // After append_smooth(): the scattering was by closures with glints.
+    void set_glints(float mean_pdf) {
+        pdf_direct = mean_pdf;
+        glints = true;
     }
     // Whether the chain goes on with this delta interaction; the caller then sets the probability
     // of its lobe.

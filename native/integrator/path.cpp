@@ -21,6 +21,13 @@ uint32_t kinds_seeing(uint32_t visibility) {
     return kinds;
 }
 
+// The share of an estimate of density `own` in light that another one finds with `other`: by the
+// balance heuristic, or, where densities are means over a footprint, by the power heuristic
+// [Veach97], which leaves more to the better one.
+float shared(float own, float other, bool glints) {
+    return glints ? sqr(own) / (sqr(own) + sqr(other)) : own / (own + other);
+}
+
 // One path under way, and the steps that it consists of.
 struct PathTracer {
     const RenderScene& world;
@@ -33,6 +40,10 @@ struct PathTracer {
     PathHistory history{};
     BounceCounts bounces{};
     uint32_t ray_kind = kVisibleCamera;
+    // Where there may be glints: how the ray moves with the film, while all bounces are deltas, and
+    // what its last surface makes of that.
+    std::optional<RayDual> differential{};
+    std::optional<GlintPoint> glints{};
 
     const Scene& scene() const { return *world.scene; }
 
@@ -57,7 +68,7 @@ struct PathTracer {
         switch (history.stage) {
             case PathHistory::Stage::unconnected: return 1.0f;
             case PathHistory::Stage::scattered:
-                return history.caustic.pdf_omega / (history.caustic.pdf_omega + pdf_direct);
+                return shared(history.pdf_direct, pdf_direct, history.glints);
             case PathHistory::Stage::chain: return weight_of_chain(end);
         }
         return 1.0f;
@@ -169,8 +180,60 @@ struct PathTracer {
         // f L / p_light, times its balance weight where scattered rays find the light, too
         const Spectrum alone = f.f_cos * light->radiance * (1.0f / light->density);
         if ((visibility & kVisibleShadow) == 0) return alone;
-        const float weight = light->delta ? 1.0f : light->density / (light->density + f.pdf_omega);
+        const float weight = light->delta ? 1.0f : shared(light->density, f.pdf_omega, false);
         return alone * weight * unblocked(surface, *light);
+    }
+
+    // The same for closures with glints, averaged over the pixel. To look for them costs more than
+    // to draw lights: of several the one is taken that promises most, by the moments of the slopes
+    // (resampled importance sampling [Talbot05]).
+    Spectrum glint_radiance(const Surface& surface, const Sampler& sampler) {
+        constexpr uint32_t kCandidates = 4;
+        constexpr float kPoints = 2.0f;
+        struct Candidate {
+            DirectSample light;
+            float share, promise;
+        };
+        std::optional<Candidate> chosen;
+        float sum = 0.0f, u = sampler[Domain::glints].one();
+        for (uint32_t i = 0; i < kCandidates; ++i) {
+            const std::optional<DirectSample> light = sample_direct(
+                world.lights, scene(), surface.p, sampler.vertex(i)[Domain::glints].three());
+            if (!light || !(dot(surface.ng, light->wi) > 0.0f)) continue;
+            const uint32_t visibility = light_visibility(world.lights, light->light);
+            if ((visibility & kVisibleGlossy) == 0) continue;
+            const float pdf = glints->pdf(light->wi);
+            const bool alone = light->delta || (visibility & kVisibleShadow) == 0;
+            const float share = alone ? 1.0f : shared(light->density, pdf, true);
+            const float promise = max_component(light->radiance) * share * pdf;
+            const float weight = promise / light->density;
+            if (!(weight > 0.0f)) continue;
+            sum += weight;
+            const float chance = weight / sum;
+            if (u < chance) {
+                chosen = Candidate{*light, share, promise};
+                u /= chance;
+            } else {
+                u = (u - chance) / (1.0f - chance);
+            }
+        }
+        if (!chosen) return Spectrum(0.0f);
+        const DirectSample& light = chosen->light;
+        Spectrum arriving = light.radiance * (chosen->share * sum / (kCandidates * chosen->promise));
+        if ((light_visibility(world.lights, light.light) & kVisibleShadow) != 0)
+            arriving *= unblocked(surface, light);
+        if (is_black(arriving)) return arriving;
+        return arriving * glints->f_cos(light.wi, kPoints * chosen->share,
+                                        sampler[Domain::glints].stream_seed(), stats.glints);
+    }
+
+    // Whether the surface is looked at through the pixel's footprint.
+    void look_for_glints(const Hit& hit, Surface& surface, const PixelKernel* pixel) {
+        glints.reset();
+        if (!differential || surface.closures.glint_count == 0) return;
+        glints = GlintPoint::at(world.glints, scene(), surface, *differential,
+                                static_cast<double>(hit.t), *pixel);
+        surface.closures.glints_apart = glints.has_value();
     }
 
     Spectrum unblocked(const Surface& surface, const DirectSample& light) {
@@ -250,9 +313,14 @@ struct PathTracer {
         if (next.kind == BounceKind::transparent) return look_through(hit);
         const BounceCounts before = bounces;
         bounces.add(next.kind);
-        if (!next.delta)
+        if (differential && !(next.delta && next.on_caster_normal &&
+                              pass_delta(scene(), surface.hit, static_cast<double>(hit.t),
+                                         next.refracted, *differential)))
+            differential.reset();
+        if (!next.delta) {
             history.append_smooth(scene(), surface, next, receives, approach, before);
-        else if (history.append_delta(surface.hit, next, world.casters))
+            if (next.glints) history.set_glints(glints->pdf(next.wi));
+        } else if (history.append_delta(surface.hit, next, world.casters))
             history.caustic.vertices[history.caustic.count - 1].probability =
                 lobe_probability(surface, next);
         ray_kind = ray_kind_after(next.kind);
@@ -289,6 +357,7 @@ RenderScene prepare(std::unique_ptr<Scene> scene, uint32_t threads) {
     RenderScene world;
     world.lights = build_lights(*scene, threads);
     world.casters = build_casters(*scene);
+    world.glints = build_glints(*scene, scene->report);
     world.scene = std::move(scene);
     return world;
 }
@@ -298,8 +367,11 @@ RenderScene prepare(std::unique_ptr<Scene> scene, uint32_t threads) {
 // says which.
 PathSample path_radiance(const RenderScene& world, const IntegratorSettings& settings,
                          const PassState& pass, const Ray& camera_ray, const Vec2& lens,
-                         const Sampler& sampler, PathStats& stats) {
+                         const Sampler& sampler, PathStats& stats, const PixelKernel* pixel) {
     PathTracer path{world, settings, pass, stats, lens, camera_ray};
+    if (pixel != nullptr && !world.glints.fields.empty())
+        path.differential =
+            camera_differential(world.scene->camera, *pixel, lens, camera_ray.direction);
     PathSample out;
     Surface surface;
     for (uint32_t vertex = 0;; ++vertex) {
@@ -325,8 +397,10 @@ PathSample path_radiance(const RenderScene& world, const IntegratorSettings& set
             break;
         }
 
+        path.look_for_glints(*hit, surface, pixel);
         const Sampler here = sampler.vertex(vertex);
         out.radiance += path.throughput * path.direct_radiance(surface, here);
+        if (path.glints) out.radiance += path.throughput * path.glint_radiance(surface, here);
         const bool receives = path.may_receive(surface);
         const CameraApproach approach = path.approach_to(surface);
         if (receives && settings.manifold.enabled) {

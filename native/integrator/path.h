@@ -3,6 +3,7 @@
 // receivers.
 #pragma once
 
+#include "glints/glint.h"
 #include "manifold/estimator.h"
 
 namespace spc {
@@ -12,6 +13,7 @@ struct RenderScene {
     std::unique_ptr<Scene> scene;
     LightSet lights;
     CasterSet casters;
+    GlintSet glints;
 };
 // `threads` 0 = all.
 RenderScene prepare(std::unique_ptr<Scene> scene, uint32_t threads = 0);
@@ -56,6 +58,7 @@ struct ActivationEvidence {
 struct PathStats {
     uint64_t rays = 0;
     ManifoldStats manifold;
+    GlintStats glints;
     std::array<ActivationEvidence, kReceiverDepths> evidence;
 };
 
@@ -70,9 +73,11 @@ struct PathSample {
     Vec3 normal{0.0f};
 };
 
-// `lens`: what the camera's ray was made with.
+// `lens`: what the camera's ray was made with; `pixel`: what it stands for, null for a ray alone,
+// which finds no glints.
 PathSample path_radiance(const RenderScene& world, const IntegratorSettings& settings,
                          const PassState& pass, const Ray& camera_ray, const Vec2& lens,
-                         const Sampler& sampler, PathStats& stats);
+                         const Sampler& sampler, PathStats& stats,
+                         const PixelKernel* pixel = nullptr);
 
 }  // namespace spc

@@ -46,13 +46,14 @@ struct ChainVertex {
     CasterPatch patch;
 };
 
-// A ray and its two neighbours along a chain, in double precision.
+// A ray, and what becomes of its position and direction if what it comes from is changed by two
+// parameters: turns at a receiver, or the place in the picture. In double precision.
 struct RayDual {
     Vec3d d;                      // unit
-    std::array<Vec3d, 2> dp, dd;  // of position and direction, by two orthogonal turns at x
+    std::array<Vec3d, 2> dp, dd;  // of position and direction
     double etendue = 1.0;         // see ChainDerivative
 };
-// Leaves x along the unit direction w.
+// Leaves x along the unit direction w, and turns there.
 RayDual ray_dual_from(const Vec3& w);
 // Goes on by `distance` m to the plane of a vertex, then turns there. False where there is no way
 // on: total internal reflection, or a vertex seen edge-on.

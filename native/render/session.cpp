@@ -51,6 +51,7 @@ void RenderStats::add(const RenderStats& other) {
     nan_samples += other.nan_samples;
     manifold_energy += other.manifold_energy;
     path.rays += other.path.rays;
+    path.glints.add(other.path.glints);
     light.add(other.light);
     for (size_t i = 0; i < kReceiverDepths; ++i) path.evidence[i].add(other.path.evidence[i]);
     ManifoldStats& m = path.manifold;
@@ -378,10 +379,11 @@ FilmSample Session::take_sample(uint32_t x, uint32_t y, uint32_t index,
     const Sampler sampler(settings_.seed, y * camera.width + x, index);
     const Vec2 offset = filter_.sample(sampler[Domain::film].two());
     const Vec2 lens = camera.aperture_radius > 0.0f ? sampler[Domain::lens].two() : Vec2(0.0f, 0.0f);
-    const Ray ray = camera.ray(static_cast<float>(x) + 0.5f + offset.x,
-                               static_cast<float>(y) + 0.5f + offset.y, lens);
-    PathSample path =
-        path_radiance(world_, settings_.integrator, state, ray, lens, sampler, stats.path);
+    const Vec2 film = Vec2(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f) + offset;
+    const Ray ray = camera.ray(film.x, film.y, lens);
+    const PixelKernel pixel{&filter_, film, offset};
+    PathSample path = path_radiance(world_, settings_.integrator, state, ray, lens, sampler,
+                                    stats.path, &pixel);
     ++stats.samples;
     if (!is_finite(path.radiance) || !is_finite(path.caustics) || !is_finite(path.position) ||
         !is_finite(path.normal) || !std::isfinite(path.alpha)) {

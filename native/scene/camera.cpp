@@ -58,6 +58,25 @@ Ray Camera::ray(float x, float y, const Vec2& lens) const {
             clip_far * stretch};
 }
 
+RayChange Camera::ray_change(float x, float y, const Vec2& lens) const {
+    const auto& [left, right, bottom, top] = viewplane;
+    const std::array<Vec3, 2> across{Vec3((right - left) / static_cast<float>(width), 0.0f, 0.0f),
+                                     Vec3(0.0f, (top - bottom) / static_cast<float>(height), 0.0f)};
+    RayChange change{{Vec3(0.0f), Vec3(0.0f)}, {Vec3(0.0f), Vec3(0.0f)}};
+    if (projection == Projection::orthographic) {
+        for (size_t i = 0; i < 2; ++i) change.origin[i] = to_world.vector(across[i]);
+        return change;
+    }
+    const Vec2 film(lerp(left, right, x / static_cast<float>(width)),
+                    lerp(bottom, top, y / static_cast<float>(height)));
+    const LocalRay local = local_ray(projection, film, lens_point(*this, lens));
+    const Vec3 d = Vec3(local.slope.x, local.slope.y, -1.0f) * (1.0f / local.stretch);
+    for (size_t i = 0; i < 2; ++i)
+        change.direction[i] =
+            to_world.vector((across[i] - d * dot(d, across[i])) * (1.0f / local.stretch));
+    return change;
+}
+
 std::optional<CameraView> Camera::view(const Vec3& p, const Vec2& lens) const {
     const Vec3 local = to_world.transposed(p - to_world.translation);
     const float distance = -local.z;  // along the axis

@@ -99,6 +99,12 @@ struct LightSurfaceHit {
 };
 std::optional<LightSurfaceHit> intersect_light(const LightDesc& light, const Ray& ray);
 
+// Derivatives of a ray by the two coordinates of the film, per pixel.
+struct RayChange {
+    std::array<Vec3, 2> origin;     // m
+    std::array<Vec3, 2> direction;  // across the direction
+};
+
 enum class Projection : uint8_t { perspective, orthographic };
 
 // A point of the scene as the camera sees it through one point of its lens.
@@ -128,6 +134,8 @@ struct Camera {
     // the point of the lens that `lens` in [0, 1)^2 stands for, evenly over its area. t_near, t_far
     // hold the clips.
     Ray ray(float x, float y, const Vec2& lens) const;
+    // How the same ray's origin and direction change with x and y, per pixel.
+    RayChange ray_change(float x, float y, const Vec2& lens) const;
     // The way back, through the same point of the lens: a ray through view(p, lens)->film is the
     // one to p. Empty where p is not in front of the camera, or clipped.
     std::optional<CameraView> view(const Vec3& p, const Vec2& lens) const;

@@ -159,7 +159,8 @@ Program generate(const ExprBuilder& expr, const std::vector<ClosureTerm>& terms,
     Section surface = generator.section(surface_roots);
     surface.result = generator.operand(roots.emission);
     for (const ClosureTerm& term : terms) {
-        ClosureInstruction closure{term.op, term.modes, term.on_caster_normal, {}};
+        ClosureInstruction closure{
+            term.op, term.modes, term.on_caster_normal, term.on_slope_map, {}};
         for (size_t k = 0; k < term.in.size(); ++k) closure.in[k] = generator.operand(term.in[k]);
         generator.add(closure);
     }

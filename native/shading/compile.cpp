@@ -16,6 +16,7 @@ bool has_background(const ResolvedGraph& graph) {
 Compiler::Compiler(const Graph& graph, std::span<const Image> images)
     : emission(expr.constant(Vec3(0.0f))),
       graph_(resolve(graph, images.size())),
+      glints_(graph.glints),
       images_(images),
       outputs_(graph_.nodes.size()),
       shader_weights_(graph_.nodes.size(), kNoExpr),
@@ -159,6 +160,7 @@ Material Compiler::run() {
     ProgramRoots roots;
     material.specular =
         find_specular_interface(expr, graph_, terms_, roots.caster_normal, warnings_);
+    material.slopes = find_slope_map(expr, glints_, images_, terms_);
     if (material.emits) (is_world_ ? roots.background : roots.emission) = emission;
     for (const ClosureTerm& term : terms_) {
         if (term.op != ClosureOp::transparent) continue;
@@ -172,20 +174,26 @@ Material Compiler::run() {
         reads_of(program, {0, static_cast<uint32_t>(program.instructions.size()), kNoOperand});
     material.normal_reads = reads_of(program, program.caster_normal);
     material.images = images_of(program);
-    material.uv_layers = keep_used_layers(program);
+    material.uv_layers = keep_used_layers(program, material.slopes);
     material.warnings = std::move(warnings_);
     return material;
 }
 
 // Layers of values that came to nothing are not read.
-std::vector<std::string> Compiler::keep_used_layers(Program& program) const {
+std::vector<std::string> Compiler::keep_used_layers(Program& program, SlopeMap& slopes) const {
     std::vector<std::string> kept;
-    for (Instruction& i : program.instructions) {
-        if (!reads_layer(i)) continue;
-        const std::string& name = uv_layers_[i.index];
+    const auto keep = [&](uint32_t layer) {
+        const std::string& name = uv_layers_[layer];
         const auto found = std::find(kept.begin(), kept.end(), name);
-        i.index = static_cast<uint32_t>(found - kept.begin());
+        const auto index = static_cast<uint32_t>(found - kept.begin());
         if (found == kept.end()) kept.push_back(name);
+        return index;
+    };
+    for (Instruction& i : program.instructions)
+        if (reads_layer(i)) i.index = keep(i.index);
+    if (slopes.image != kNone) {
+        slopes.uv_layer = keep(slopes.uv_layer);
+        slopes.tangent_layer = keep(slopes.tangent_layer);
     }
     return kept;
 }

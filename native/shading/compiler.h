@@ -16,7 +16,7 @@ struct ClosureTerm {
     std::string label;  // "Glass BSDF", for the log
     std::array<ExprId, kMaxClosureOperands> in{kNoExpr, kNoExpr, kNoExpr,
                                                kNoExpr, kNoExpr, kNoExpr};
-    bool on_caster_normal = false;
+    bool on_caster_normal = false, on_slope_map = false;
 
     ExprId weight() const { return in[0]; }
     ExprId normal() const { return in[1]; }  // kNoExpr: interpolated
@@ -53,9 +53,10 @@ private:
     ExprId convert(ExprId value, SocketType from, SocketType to);
     void check_closure_count() const;
     void describe(Material& material);
-    std::vector<std::string> keep_used_layers(Program& program) const;
+    std::vector<std::string> keep_used_layers(Program& program, SlopeMap& slopes) const;
 
     ResolvedGraph graph_;
+    GlintsMode glints_;
     std::span<const Image> images_;
     std::vector<std::vector<ExprId>> outputs_;  // known values of [node][output]
     std::vector<ExprId> shader_weights_;
@@ -91,6 +92,11 @@ public:
 SpecularInterface find_specular_interface(const ExprBuilder& expr, const ResolvedGraph& graph,
                                           std::vector<ClosureTerm>& terms, ExprId& caster_normal,
                                           std::vector<std::string>& warnings);
+
+// Decides in which normal map glints are looked for, marks the terms that belong to it
+// (slope_map.cpp). Its layers are indices among those of the compiler, in order of first use.
+SlopeMap find_slope_map(const ExprBuilder& expr, GlintsMode mode, std::span<const Image> images,
+                        std::vector<ClosureTerm>& terms);
 
 // What was asked of a program (codegen.cpp). kNoExpr for zero.
 struct ProgramRoots {

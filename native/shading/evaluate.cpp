@@ -91,14 +91,14 @@ public:
             case ClosureOp::glossy: {
                 Fresnel fresnel;
                 fresnel.f0 = color(c.in[3]);
-                return add(c, Spectrum(weight), reflection(c, fresnel));
+                return add_reflection(c, weight, fresnel);
             }
             case ClosureOp::metal: {
                 Fresnel fresnel;
                 fresnel.kind = Fresnel::Kind::f82;
                 fresnel.f0 = color(c.in[3]);
                 fresnel.f82 = color(c.in[4]);
-                return add(c, Spectrum(weight), reflection(c, fresnel));
+                return add_reflection(c, weight, fresnel);
             }
             case ClosureOp::dielectric: return add_dielectric(c, weight);
             case ClosureOp::coated: return add_coated(c, weight);
@@ -115,6 +115,13 @@ private:
     }
     void add(const ClosureInstruction& c, const Spectrum& weight, const ClosureKind& kind) {
         list_.add(weight, kind, point_.wo, c.on_caster_normal);
+    }
+    void add_reflection(const ClosureInstruction& c, float weight, const Fresnel& fresnel) {
+        const MicrofacetReflection lobe = reflection(c, fresnel);
+        if (c.on_slope_map)
+            list_.add_glints(Spectrum(weight), lobe, point_.wo, c.on_caster_normal);
+        else
+            add(c, Spectrum(weight), lobe);
     }
 
     void add_dielectric(const ClosureInstruction& c, float weight) {
@@ -142,7 +149,7 @@ private:
         float below = weight;
         if (fresnel.eta != 1.0f) {
             const ClosureKind layer = reflection(c, fresnel);
-            add(c, Spectrum(weight), layer);
+            add_reflection(c, weight, fresnel);
             below *= clamp01(1.0f - max_component(albedo(layer, point_.wo)));
         }
         list_.add(color(c.in[5]) * below, Lambert{normal(c)}, point_.wo, false);

@@ -33,8 +33,12 @@ struct GraphLink {
     uint32_t to_node;
     std::string to_socket;
 };
+// Whether narrow lobes on a normal map are looked at through the pixel's footprint.
+enum class GlintsMode : uint8_t { automatic, on, off };
+
 struct Graph {
     std::string name;
+    GlintsMode glints = GlintsMode::automatic;
     std::vector<GraphNode> nodes;
     std::vector<GraphInput> inputs;
     std::vector<GraphOption> options;

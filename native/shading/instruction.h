@@ -99,7 +99,7 @@ struct ClosureModes {
 struct ClosureInstruction {
     ClosureOp op = ClosureOp::lambert;
     ClosureModes modes;
-    bool on_caster_normal = false;
+    bool on_caster_normal = false, on_slope_map = false;
     std::array<Operand, kMaxClosureOperands> in{};
 };
 

@@ -51,6 +51,21 @@ struct SpecularInterface {
     std::string why_not;         // empty if reflects or refracts
 };
 
+// The normal map of a material whose narrow lobes may glint: a tangent-space Normal Map node fed by
+// an image that a UV layer addresses by an affine map. Lobes with another normal are not part of
+// it. What a lobe's normal is there: (T a + B b + N) for the slope (a, b) of the map, see
+// map_normal().
+struct SlopeMap {
+    uint32_t image = kNone;                    // kNone: there is none
+    uint32_t uv_layer = 0, tangent_layer = 0;  // of Material::uv_layers
+    float strength = 1.0f;
+    std::array<Vec2, 2> to_image{Vec2(1, 0),
+                                 Vec2(0, 1)};  // rows from (u, v) of the layer to the image's
+    Vec2 offset{0, 0};                         // likewise
+    std::string why;                           // e.g. "Glossy BSDF, roughness 0.2"
+    std::string why_not;                       // why there is none, empty where nobody asked
+};
+
 struct Program;  // shading/instruction.h
 struct ProgramDeleter {
     void operator()(Program*) const;
@@ -73,6 +88,7 @@ struct Material {
         false;                     // of the same radiance in every direction, by the graph itself
     std::vector<uint32_t> images;  // that some part of it reads, by index into the scene's
     SpecularInterface specular;
+    SlopeMap slopes;
     std::vector<std::string> warnings;  // what falls back, naming material and node
 };
 

@@ -38,6 +38,7 @@ ENUMS = {
     "SPC_COLOR_": desc.ColorSpace,
     "SPC_ALPHA_": desc.AlphaMode,
     "SPC_CAUSTICS_": desc.CausticsRole,
+    "SPC_GLINTS_": desc.Glints,
     "SPC_LIGHT_": desc.LightType,
     "SPC_AREA_": desc.AreaShape,
     "SPC_PROJECTION_": desc.Projection,

@@ -68,6 +68,12 @@ def test_the_line_on_light_paths_is_there_if_there_were_any():
     assert "Light paths" in dict(statistics(light_paths=9).rows())  # that all went astray
 
 
+def test_the_line_on_glints_is_there_if_there_were_any():
+    assert "Glints" not in dict(statistics(walks=3).rows())
+    rows = dict(statistics(glint_estimates=1000, glint_nodes=300000, glint_points=8200).rows())
+    assert rows["Glints"] == "1,000 estimates, 300 parts of normal maps each, 8.2 points"
+
+
 def test_stamp_holds_every_number_of_the_core():
     stamp = statistics(rays=7).stamp()
     assert stamp["specula.render.rays"] == "7"

@@ -433,3 +433,11 @@ def test_world_is_a_background_graph():
 def test_no_world_is_no_environment():
     bpy.context.scene.world = None
     assert export()[0].environment is None
+
+
+@pytest.mark.parametrize("glints", ["AUTO", "ON", "OFF"])
+def test_glints(glints):
+    material = new_material()
+    add_node(material, "ShaderNodeBsdfGlossy", surface(material))
+    material.specula.glints = glints
+    assert convert(material)[0].glints.name == glints

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import bpy
 import pytest
-from scenes import add_mesh, add_node, new_material, surface
+from scenes import add_mesh, add_node, new_image, new_material, surface
 
 import specula
 from specula import abi, native, passes, statistics, ui
@@ -181,6 +181,21 @@ def test_a_material_tells_why_it_casts_no_caustics():
     assert any("roughness 0.5" in text for text in texts)
 
 
+def test_a_material_tells_where_it_glints():
+    material = new_material()
+    glossy = add_node(material, "ShaderNodeBsdfGlossy", surface(material))
+    glossy.inputs["Roughness"].default_value = 0.2
+    assert "None" in draw(ui.SPECULA_PT_material_glints, Context(material=material)).texts
+    material.specula.glints = "ON"
+    texts = draw(ui.SPECULA_PT_material_glints, Context(material=material)).texts
+    assert any(text.startswith("None: Glossy BSDF: no normal map") for text in texts)
+    normal = add_node(material, "ShaderNodeNormalMap", glossy.inputs["Normal"])
+    texture = add_node(material, "ShaderNodeTexImage", normal.inputs["Color"], image=new_image())
+    texture.image.colorspace_settings.name = "Non-Color"
+    texts = draw(ui.SPECULA_PT_material_glints, Context(material=material)).texts
+    assert "Glossy BSDF, roughness 0.2" in texts
+
+
 def test_without_the_core_the_panels_say_so(monkeypatch):
     def missing():
         raise native.NativeError("the core library is missing")
@@ -191,6 +206,7 @@ def test_without_the_core_the_panels_say_so(monkeypatch):
         ui.SPECULA_PT_sampling,
         ui.SPECULA_PT_object_caustics,
         ui.SPECULA_PT_material_caustics,
+        ui.SPECULA_PT_material_glints,
     ):
         assert "the core library is missing" in draw(panel, context).texts
 

@@ -101,4 +101,5 @@ def test_a_render_and_the_panels_in_a_window(tmp_path):
         "SPECULA_PT_passes",
         "SPECULA_PT_object_caustics",
         "SPECULA_PT_material_caustics",
+        "SPECULA_PT_material_glints",
     }

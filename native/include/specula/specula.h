@@ -38,7 +38,7 @@ extern "C" {
 #endif
 
 /* Raised whenever a struct or the meaning of a call changes. */
-#define SPC_API_VERSION 2u
+#define SPC_API_VERSION 3u
 
 /* "No index", where an index is optional. */
 #define SPC_NONE 0xffffffffu
@@ -140,6 +140,10 @@ typedef struct spc_node_link {
     const char* to_socket;
 } spc_node_link;
 
+/* Glints: whether narrow lobes on a normal map are averaged over each pixel's footprint in that map. AUTO: those
+ * of constant roughness up to 0.4. ON: all that can be; the scene's report says why one cannot. */
+typedef enum spc_glints { SPC_GLINTS_AUTO = 0, SPC_GLINTS_ON = 1, SPC_GLINTS_OFF = 2 } spc_glints;
+
 /* Exactly one node has kind "output"; its socket "Surface" is the material (a world's background too).
  * A graph may contain unused nodes; cycles are refused. */
 typedef struct spc_material_desc {
@@ -153,6 +157,7 @@ typedef struct spc_material_desc {
     uint32_t option_count;
     const spc_node_link* links;
     uint32_t link_count;
+    uint32_t glints; /* spc_glints; of surfaces */
 } spc_material_desc;
 
 SPC_API spc_status spc_scene_add_material(spc_scene* scene, const spc_material_desc* desc,
@@ -316,7 +321,7 @@ typedef struct spc_scene_stats {
     uint64_t casters;
     uint64_t receivers;
     uint64_t dropped_triangles; /* of zero area */
-    uint64_t memory_bytes;      /* of geometry and images; without Embree's trees */
+    uint64_t memory_bytes; /* of geometry, images and what is known of their slopes; without Embree's trees */
     double commit_seconds;
 } spc_scene_stats;
 SPC_API spc_status spc_scene_get_stats(const spc_scene* scene, spc_scene_stats* stats);
@@ -426,6 +431,9 @@ typedef struct spc_render_stats {
      * others that walks found beside them, with the luminance that these gave. */
     uint64_t sheet_leads, sheet_chains, missed_chains;
     double missed_energy;
+    uint64_t glint_estimates; /* of the light of one direction, over a footprint */
+    uint64_t glint_nodes;     /* parts of normal maps that they looked at */
+    uint64_t glint_points;    /* points of those at which they evaluated a lobe */
 } spc_render_stats;
 SPC_API spc_status spc_render_get_stats(spc_session* session, spc_render_stats* stats);
 

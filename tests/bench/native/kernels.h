@@ -15,6 +15,7 @@ void add_walks();
 void add_surfaces();
 void add_closures();
 void add_rays();
+void add_glints();
 
 inline constexpr uint32_t kBatch = 4096;
 

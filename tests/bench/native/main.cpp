@@ -8,6 +8,7 @@ int main(int argc, char** argv) {
     spc::bench::add_surfaces();
     spc::bench::add_closures();
     spc::bench::add_rays();
+    spc::bench::add_glints();
     benchmark::RunSpecifiedBenchmarks();
     return 0;
 }

@@ -162,6 +162,11 @@ TEST_F(MaterialMisuse, AVeryLongChainOfNodes) {
     }
 }
 
+TEST_F(MaterialMisuse, UnknownChoiceOfGlints) {
+    refuses_desc({"Plaster", "choice of glints", "3"},
+                 [](spc_material_desc& desc) { desc.glints = 3; });
+}
+
 TEST_F(MaterialMisuse, NamesMayBeMissing) {
     Parts parts;
     for (spc_node& node : parts.nodes) node.name = nullptr;

@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "glints/slope_field.h"
+
+namespace spc {
+
+namespace {
+
+// Finest level with sums. Below it a region is described by the node around it.
+constexpr int kFirstSums = 3;
+// Of normals that are not normalised; steeper ones than 1 / kLeastHeight are artefacts of a file.
+constexpr float kLeastHeight = 0.02f;
+constexpr float kSteps = 65535.0f;
+
+int halved(int n) { return (n + 1) / 2; }
+int wrapped(int i, int n) {
+    const int m = i % n;
+    return m < 0 ? m + n : m;
+}
+
+}  // namespace
+
+Vec2 SlopePatch::slope(float s, float t) const {
+    const Vec3 lower = corner[0] + (corner[1] - corner[0]) * s;
+    const Vec3 upper = corner[2] + (corner[3] - corner[2]) * s;
+    return slope_of(lower + (upper - lower) * t);
+}
+
+SlopeBounds SlopePatch::bounds() const {
+    const Vec2 first = slope_of(corner[0]);
+    SlopeBounds bounds{first, first};
+    for (size_t i = 1; i < 4; ++i) bounds.extend(slope_of(corner[i]));
+    return bounds;
+}
+
+SlopePatch SlopePatch::quarter(int i) const {
+    const Vec3 left = (corner[0] + corner[2]) * 0.5f, right = (corner[1] + corner[3]) * 0.5f,
+               lower = (corner[0] + corner[1]) * 0.5f, upper = (corner[2] + corner[3]) * 0.5f,
+               middle = (left + right) * 0.5f;
+    switch (i) {
+        case 0: return {{corner[0], lower, left, middle}};
+        case 1: return {{lower, corner[1], middle, right}};
+        case 2: return {{left, middle, corner[2], upper}};
+        default: return {{middle, right, upper, corner[3]}};
+    }
+}
+
+std::optional<SlopeField> SlopeField::build(const Image& image, float strength) {
+    SlopeField field;
+    field.image_ = &image;
+    field.strength_ = strength;
+    field.width_ = static_cast<int>(image.width);
+    field.height_ = static_cast<int>(image.height);
+    const Vec2 first = slope_of(field.texel(0, 0));
+    SlopeBounds all{first, first};
+    for (int y = 0; y < field.height_; ++y)
+        for (int x = 0; x < field.width_; ++x) {
+            const Vec3 n = field.texel(x, y);
+            if (!(n.z >= kLeastHeight)) return std::nullopt;
+            all.extend(slope_of(n));
+        }
+    field.origin_ = all.lower;
+    // A little wider than needed: rounding must not push the last step beyond the end.
+    field.step_ = (all.upper - all.lower) * (1.0001f / kSteps) + Vec2(1e-12f, 1e-12f);
+    field.build_bounds();
+    field.build_sums();
+    return field;
+}
+
+Vec3 SlopeField::texel(int x, int y) const {
+    const int column = x == width_ ? 0 : x, row = y == height_ ? 0 : y;
+    const size_t at =
+        (static_cast<size_t>(row) * static_cast<size_t>(width_) + static_cast<size_t>(column)) *
+        image_->channels;
+    Vec3 c;
+    for (int i = 0; i < 3; ++i) {
+        const size_t k = at + (image_->channels == 1 ? 0 : static_cast<size_t>(i));
+        c[i] = image_->bytes.empty() ? image_->floats[k]
+                                     : static_cast<float>(image_->bytes[k]) * (1.0f / 255.0f);
+    }
+    c = c * 2.0f - Vec3(1.0f);
+    return {c.x * strength_, c.y * strength_, 1.0f + (c.z - 1.0f) * clamp01(strength_)};
+}
+
+SlopePatch SlopeField::cell(int x, int y) const {
+    return {{texel(x, y), texel(x + 1, y), texel(x, y + 1), texel(x + 1, y + 1)}};
+}
+
+SlopeBounds SlopeField::bounds(int level, int x, int y) const {
+    const Level& l = levels_[static_cast<size_t>(level - 1)];
+    const Node& node =
+        l.nodes[static_cast<size_t>(y) * static_cast<size_t>(l.width) + static_cast<size_t>(x)];
+    const auto value = [&](const uint16_t(&q)[2]) {
+        return origin_ +
+               Vec2(step_.x * static_cast<float>(q[0]), step_.y * static_cast<float>(q[1]));
+    };
+    return {value(node.lower), value(node.upper)};
+}
+
+void SlopeField::build_bounds() {
+    int w = width_, h = height_;
+    while (w > 1 || h > 1 || levels_.empty()) {
+        const int below_w = w, below_h = h;
+        w = halved(w);
+        h = halved(h);
+        Level level{w, h, {}};
+        level.nodes.reserve(static_cast<size_t>(w) * static_cast<size_t>(h));
+        const int below = static_cast<int>(levels_.size());
+        for (int y = 0; y < h; ++y)
+            for (int x = 0; x < w; ++x) {
+                Node node{{UINT16_MAX, UINT16_MAX}, {0, 0}};
+                for (int k = 0; k < 4; ++k) {
+                    const int cx = 2 * x + (k & 1), cy = 2 * y + (k >> 1);
+                    if (cx >= below_w || cy >= below_h) continue;
+                    const SlopeBounds b = below == 0 ? cell(cx, cy).bounds() : bounds(below, cx, cy);
+                    for (int i = 0; i < 2; ++i) {
+                        // Of the level below they are multiples already, up to rounding.
+                        const float down = (b.lower[i] - origin_[i]) / step_[i],
+                                    up = (b.upper[i] - origin_[i]) / step_[i];
+                        const float slack = below == 0 ? 0.0f : 0.5f;
+                        node.lower[i] =
+                            std::min(node.lower[i], static_cast<uint16_t>(std::clamp(
+                                                        std::floor(down + slack), 0.0f, kSteps)));
+                        node.upper[i] = std::max(
+                            node.upper[i],
+                            static_cast<uint16_t>(std::clamp(std::ceil(up - slack), 0.0f, kSteps)));
+                    }
+                }
+                level.nodes.push_back(node);
+            }
+        levels_.push_back(std::move(level));
+    }
+}
+
+void SlopeField::build_sums() {
+    int w = width_, h = height_;
+    for (int l = 0; l < kFirstSums; ++l) {
+        w = halved(w);
+        h = halved(h);
+    }
+    SumLevel finest{w, h,
+                    std::vector<Sums>(static_cast<size_t>(w) * static_cast<size_t>(h), Sums{})};
+    for (int y = 0; y < height_; ++y)
+        for (int x = 0; x < width_; ++x) {
+            const Vec2 s = slope_of(texel(x, y));
+            Sums& sums = finest.nodes[static_cast<size_t>(y >> kFirstSums) * static_cast<size_t>(w) +
+                                      static_cast<size_t>(x >> kFirstSums)];
+            sums.a += s.x;
+            sums.b += s.y;
+            sums.aa += s.x * s.x;
+            sums.ab += s.x * s.y;
+            sums.bb += s.y * s.y;
+            sums.count += 1.0f;
+        }
+    sums_.push_back(std::move(finest));
+    while (w > 1 || h > 1) {
+        const SumLevel& below = sums_.back();
+        w = halved(w);
+        h = halved(h);
+        SumLevel level{w, h,
+                       std::vector<Sums>(static_cast<size_t>(w) * static_cast<size_t>(h), Sums{})};
+        for (int y = 0; y < below.height; ++y)
+            for (int x = 0; x < below.width; ++x) {
+                const Sums& from =
+                    below.nodes[static_cast<size_t>(y) * static_cast<size_t>(below.width) +
+                                static_cast<size_t>(x)];
+                Sums& to = level.nodes[static_cast<size_t>(y / 2) * static_cast<size_t>(w) +
+                                       static_cast<size_t>(x / 2)];
+                to.a += from.a;
+                to.b += from.b;
+                to.aa += from.aa;
+                to.ab += from.ab;
+                to.bb += from.bb;
+                to.count += from.count;
+            }
+        sums_.push_back(std::move(level));
+    }
+}
+
+SlopeMoments SlopeField::moments(const Vec2& lower, const Vec2& upper) const {
+    // The first level at which two nodes span the rectangle along both axes.
+    const float extent = std::max(upper.x - lower.x, upper.y - lower.y);
+    size_t l = 0;
+    while (l + 1 < sums_.size() && extent > 2.0f * static_cast<float>(1 << (kFirstSums + l))) ++l;
+    const SumLevel& level = sums_[l];
+    Sums all{};
+    const auto add = [&](int x, int y) {
+        const Sums& s = level.nodes[static_cast<size_t>(y) * static_cast<size_t>(level.width) +
+                                    static_cast<size_t>(x)];
+        all.a += s.a;
+        all.b += s.b;
+        all.aa += s.aa;
+        all.ab += s.ab;
+        all.bb += s.bb;
+        all.count += s.count;
+    };
+    const auto cell_size = static_cast<float>(1 << (kFirstSums + l));
+    const auto first = [&](float at) { return static_cast<int>(std::floor(at / cell_size)); };
+    if (level.nodes.size() == 1) {
+        add(0, 0);
+    } else {
+        // Where width or height are not multiples of a node's size, tiles are counted as if they
+        // were: this serves estimates alone.
+        for (int y = first(lower.y); y <= first(upper.y); ++y)
+            for (int x = first(lower.x); x <= first(upper.x); ++x)
+                add(wrapped(x, level.width), wrapped(y, level.height));
+    }
+    const float inv = 1.0f / all.count;
+    SlopeMoments m;
+    m.mean = Vec2(all.a, all.b) * inv;
+    m.aa = std::max(all.aa * inv - m.mean.x * m.mean.x, 0.0f);
+    m.bb = std::max(all.bb * inv - m.mean.y * m.mean.y, 0.0f);
+    const float most = std::sqrt(m.aa * m.bb);
+    m.ab = std::clamp(all.ab * inv - m.mean.x * m.mean.y, -most, most);
+    return m;
+}
+
+size_t SlopeField::memory_bytes() const {
+    size_t bytes = 0;
+    for (const Level& level : levels_) bytes += level.nodes.size() * sizeof(Node);
+    for (const SumLevel& level : sums_) bytes += level.nodes.size() * sizeof(Sums);
+    return bytes;
+}
+
+}  // namespace spc

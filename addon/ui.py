@@ -152,7 +152,8 @@ class SPECULA_PT_advanced(SpeculaPanel, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context) -> bool:
-        return super().poll(context) and context.scene.specula.method not in ("PT", "LT")
+        without_walks = ("PT", "LT", "SHEETS")
+        return super().poll(context) and context.scene.specula.method not in without_walks
 
     def draw(self, context):
         column = self.column()

@@ -183,6 +183,22 @@ METHODS = {
             *(GREEN, "P", "ANGLE_DIFFERENCE", True),
             light_tracing="ON",
         ),
+        _specula(
+            "sheets",
+            "light sheets",
+            ("best", "light"),
+            *(SKY, "D"),
+            method="SHEETS",
+            light_tracing="OFF",
+        ),
+        _specula(
+            "sheets-lt",
+            "light sheets + LT",
+            ("best", "light"),
+            *(PURPLE, "X"),
+            method="SHEETS",
+            light_tracing="ON",
+        ),
         _unbiased(
             "sms-one", "SMS, one stage", ("variants",), ORANGE, "v", "ANGLE_DIFFERENCE", False
         ),

@@ -135,13 +135,19 @@ def test_advanced_settings_are_closed_and_only_there_where_they_matter():
     assert panel.bl_parent_id == "SPECULA_PT_sampling"
     assert panel.bl_options == {"DEFAULT_CLOSED"}
     assert draw(panel, Context()).shown == ["constraint", "two_stage"]
-    for method in ("PT", "LT"):
+    for method in ("PT", "LT", "SHEETS"):
         bpy.context.scene.specula.method = method
         assert not panel.poll.__func__(panel, Context())
 
 
 def test_light_tracing_is_offered_beside_the_manifold():
-    for method, offered in (("AUTO", True), ("SMS_BIASED", True), ("PT", False), ("LT", False)):
+    for method, offered in (
+        ("AUTO", True),
+        ("SMS_BIASED", True),
+        ("SHEETS", True),
+        ("PT", False),
+        ("LT", False),
+    ):
         bpy.context.scene.specula.method = method
         shown = draw(ui.SPECULA_PT_sampling, Context()).shown
         assert ("light_tracing" in shown) == offered, method
@@ -219,7 +225,7 @@ def test_panels_stay_away_from_other_engines():
 
 def test_names_that_scripts_rely_on():
     settings = bpy.context.scene.specula
-    for method in ("AUTO", "PT", "SMS_UNBIASED", "SMS_BIASED", "LT"):
+    for method in ("AUTO", "PT", "SMS_UNBIASED", "SMS_BIASED", "LT", "SHEETS"):
         settings.method = method
     for light_tracing in ("AUTO", "ON", "OFF"):
         settings.light_tracing = light_tracing

@@ -222,6 +222,7 @@ def mirrored_light():
         ("SMS_UNBIASED", "ON", True, True),
         ("SMS_BIASED", "OFF", True, False),
         ("LT", "OFF", False, True),
+        ("SHEETS", "OFF", True, False),
         ("PT", "ON", False, False),
     ],
 )

@@ -132,6 +132,7 @@ VARIANTS = tuple(
 )
 JOINT = Variant("ANGLE_DIFFERENCE", True, light_tracing=True)
 LIGHT_TRACING = "light tracing"  # without manifold
+SHEETS = {"light sheets": "OFF", "light sheets, light tracing": "ON"}
 SET_SIZES = (4, 16)  # of the biased estimator
 
 
@@ -151,6 +152,12 @@ def renders(case: Case, seed: int) -> dict[str, dict]:
         }
     result[JOINT.name] = JOINT.settings(case)
     result[LIGHT_TRACING] = {"method": "LT", "samples": case.samples}
+    for name, light_tracing in SHEETS.items():
+        result[name] = {
+            "method": "SHEETS",
+            "light_tracing": light_tracing,
+            "samples": case.samples,
+        }
     for index, settings in enumerate(result.values()):
         settings["seed"] = seed + SEED_STEP * index
         settings["max_bounces"] = case.max_bounces

@@ -22,6 +22,7 @@ from tests.images._cases import (
     JOINT,
     LIGHT_TRACING,
     SET_SIZES,
+    SHEETS,
     VARIANTS,
     WITH_CASTERS,
     biased_name,
@@ -29,7 +30,7 @@ from tests.images._cases import (
 
 ALL_VARIANTS = [variant.name for variant in VARIANTS]
 WITH_LIGHT = [JOINT.name, LIGHT_TRACING]
-UNBIASED = [*ALL_VARIANTS, *WITH_LIGHT]
+UNBIASED = [*ALL_VARIANTS, *WITH_LIGHT, *SHEETS]
 BLOCKS = sum(statistics.block_count(case.size) for case in WITH_CASTERS)
 UNBIASED_BLOCK_Z = statistics.threshold(BLOCKS * len(UNBIASED))
 UNBIASED_TOTAL_Z = statistics.threshold(3 * len(WITH_CASTERS) * len(UNBIASED))

@@ -55,12 +55,11 @@ Vec3 direction_of_texel(double x, double y, uint32_t width, uint32_t height) {
     return to_float(direction({{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, theta, phi));
 }
 
-TEST(World, ConstantIsUniformForTheManifoldAndLeftToClosuresOtherwise) {
+TEST(World, ConstantIsLeftToClosures) {
     const Lit lit = under_constant(2);
     ASSERT_TRUE(lit.lights.has_world && lit.lights.world_is_constant);
-    EXPECT_TRUE(
-        is_mean(irradiance_light_point(lit, kOrigin, kUp, kSamples, 1), 2 * kPiD, kSignificance));
-    EXPECT_NEAR_REL(pdf_light_point_world(lit.lights, kUp), 1 / (4 * kPiD), 1e-6);
+    EXPECT_EQ(pdf_light_point_world(lit.lights, kUp), 0.0f);
+    EXPECT_FALSE(sample_light_point(lit.lights, *lit.scene, {0.5f, 0.5f, 0.5f}));
     EXPECT_EQ(pdf_direct_world(lit.lights, kUp), 0.0f);
     EXPECT_FALSE(sample_direct(lit.lights, *lit.scene, kOrigin, {0.5f, 0.5f, 0.5f}));
     EXPECT_EQ(world_radiance(lit.lights, *lit.scene, kUp), Spectrum(2.0f));
@@ -174,14 +173,16 @@ TEST(World, BrightTexelIsFoundWhereverItLies) {
                                           },
                                           theta0, theta0 + step, 1e-12);
             const double expected = value * step * over_theta;
-            for (const MeanEstimate& e :
-                 {irradiance_direct(lit, kOrigin, kUp, 4 * kSamples, 3),
-                  irradiance_light_point(lit, kOrigin, kUp, 4 * kSamples, 4)}) {
-                EXPECT_TRUE(is_mean(e, expected, kSignificance / 12, 1e-3 * expected))
-                    << width << " " << x << " " << y;
-                EXPECT_FALSE(is_mean(e, 1.02 * expected, kSignificance / 12, 1e-3 * expected));
-                EXPECT_LT(e.standard_error() / e.mean() * std::sqrt(4.0 * kSamples), 1.6);
-            }
+            const MeanEstimate e = irradiance_direct(lit, kOrigin, kUp, 4 * kSamples, 3);
+            EXPECT_TRUE(is_mean(e, expected, kSignificance / 12, 1e-3 * expected))
+                << width << " " << x << " " << y;
+            EXPECT_FALSE(is_mean(e, 1.02 * expected, kSignificance / 12, 1e-3 * expected));
+            EXPECT_LT(e.standard_error() / e.mean() * std::sqrt(4.0 * kSamples), 1.6);
+            // Casters get all of it but the skirts of the hat, which are no peak.
+            const MeanEstimate peak = irradiance_light_point(lit, kOrigin, kUp, 4 * kSamples, 4);
+            EXPECT_GT(peak.mean(), 0.9 * expected) << width << " " << x << " " << y;
+            EXPECT_LT(peak.mean(), expected + 5.0 * peak.standard_error())
+                << width << " " << x << " " << y;
         }
     }
 }

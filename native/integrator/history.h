@@ -33,8 +33,7 @@ struct PathHistory {
     }
     // `before`: the path's bounces when it came here.
     void append_smooth(const Scene& scene, const Surface& surface, const ClosureSample& sample,
-                       bool may_receive, const CameraApproach& approach,
-                       const BounceCounts& before) {
+                       bool may_receive, const CameraApproach& approach, const BounceCounts& before) {
         stage = Stage::scattered;
         pdf_direct = sample.pdf_omega;
         glints = false;
@@ -67,9 +66,7 @@ struct PathHistory {
                 hit, sample.refracted ? Interaction::refraction : Interaction::reflection, 0.0f};
         return goes_on;
     }
-    void append_transparent(const Instance& instance) {
-        passed_caster |= instance.caster;
-    }
+    void append_transparent(const Instance& instance) { passed_caster |= instance.caster; }
 };
 
 // A light path so far: its chain, then smooth scatterings from the receiver on.

@@ -273,11 +273,11 @@ struct PathTracer {
         const ManifoldStats before = counts;
         const Spectrum caustic =
             throughput * (1.0f / chance) *
-            manifold_radiance(techniques_of(world, settings),
-                              {surface.p, surface.p_error, surface.ng, surface.wo, &surface.closures,
-                               bounces.transparent_left(settings.limits), surface.hit, approach,
-                               bounces},
-                              pass.sheets, sampler, counts);
+            manifold_radiance(
+                techniques_of(world, settings),
+                {surface.p, surface.p_error, surface.ng, surface.wo, &surface.closures,
+                 bounces.transparent_left(settings.limits), surface.hit, approach, bounces},
+                pass.sheets, sampler, counts);
         const double squares =
             static_cast<double>((sqr(caustic.x) + sqr(caustic.y) + sqr(caustic.z)) * (1.0f / 3.0f));
         const double work =

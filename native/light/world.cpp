@@ -111,7 +111,8 @@ double mean_over_sphere(Table& table) {
     double sum = 0.0, weight = 0.0;
     for (uint32_t y = 0; y < table.height; ++y) {
         const double sine = sin_theta(table, y);
-        for (uint32_t x = 0; x < table.width; ++x) sum += sine * static_cast<double>(table.at(x, y));
+        for (uint32_t x = 0; x < table.width; ++x)
+            sum += sine * static_cast<double>(table.at(x, y));
         weight += sine * table.width;
     }
     return sum / weight;

@@ -137,8 +137,8 @@ private:
         const CasterChoice choice = choose_caster(techniques_.casters, receiver_.p,
                                                   sides_of(receiver_), end_of(y_), pcg.one());
         if (choice.index == kNone) return std::nullopt;
-        const std::optional<RandomChain> chain =
-            sample_chain(scene_, settings_, start(), techniques_.casters, choice.index, pcg, stats_);
+        const std::optional<RandomChain> chain = sample_chain(
+            scene_, settings_, start(), techniques_.casters, choice.index, pcg, stats_);
         if (!chain) return std::nullopt;
         return shoot(scene_, settings_, start(), end_of(y_), chain->kind, chain->w, stats_);
     }
@@ -173,9 +173,8 @@ private:
         for (uint32_t i = 0; i < chain.count; ++i) {
             const Vec3& p = chain.vertices[i].patch.p;
             float unused;
-            const Vec3 to_light = i + 1 < chain.count
-                                      ? normalize(chain.vertices[i + 1].patch.p - p)
-                                      : end_of(y_).from(p, unused);
+            const Vec3 to_light = i + 1 < chain.count ? normalize(chain.vertices[i + 1].patch.p - p)
+                                                      : end_of(y_).from(p, unused);
             evaluate_surface(scene_, chain.hits[i], normalize(from - p), surface);
             const Interaction interaction = chain.vertices[i].interaction;
             const DeltaLobe lobe = delta_lobe(surface.closures, surface.ng, surface.wo, to_light,
@@ -203,8 +202,8 @@ private:
         for (uint32_t i = 0; i < chain.count; ++i) {
             const CasterPatch& patch = chain.vertices[i].patch;
             // Chains that look through a caster are path tracing's: CausticPath::through_caster.
-            through *= transmittance(scene_, from, vertex_end(from.p, patch), kind, transparent_left,
-                                     stats_.rays, Opaque::casters_too);
+            through *= transmittance(scene_, from, vertex_end(from.p, patch), kind,
+                                     transparent_left, stats_.rays, Opaque::casters_too);
             if (is_black(through)) return through;
             from = {patch.p, patch.ng, patch.p_error};
             kind = kind_at(i);
@@ -277,8 +276,7 @@ CausticPath caustic_path(const Scene& scene, const Receiver& receiver, const Clo
 }
 
 Spectrum manifold_radiance(const Techniques& techniques, const Receiver& receiver,
-                           const LightSheets& sheets, const Sampler& sampler,
-                           ManifoldStats& stats) {
+                           const LightSheets& sheets, const Sampler& sampler, ManifoldStats& stats) {
     const CasterSet& casters = techniques.casters;
     const Vec3 u = sampler[Domain::manifold_light].three();
     Pcg pcg(sampler[Domain::manifold_seeds].stream_seed());

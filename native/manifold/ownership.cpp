@@ -74,8 +74,8 @@ uint32_t most_scatterings(const BounceLimits& limits) {
 }
 
 bool manifold_owns(const Techniques& techniques, const CausticPath& path) {
-    return techniques.manifold.enabled && path.receiver && !path.through_caster &&
-           path.count > 0 && path.count <= techniques.manifold.longest_chain &&
+    return techniques.manifold.enabled && path.receiver && !path.through_caster && path.count > 0 &&
+           path.count <= techniques.manifold.longest_chain &&
            allowed(techniques.manifold, path.vertices[0].interaction) &&
            within_limits(techniques.limits, path.before, path);
 }

@@ -11,8 +11,8 @@ enum class Constraint : uint8_t { half_vector, angle_difference };
 
 struct ManifoldSettings {
     bool enabled = false;
-    bool biased = false;  // sum over the solutions of `set_size` walks [Zeltner20 Alg. 3]
-    bool sheets = false;  // all solutions from light sheets, walks for what those miss
+    bool biased = false;         // sum over the solutions of `set_size` walks [Zeltner20 Alg. 3]
+    bool sheets = false;         // all solutions from light sheets, walks for what those miss
     uint32_t longest_chain = 1;  // interactions; walks without sheets find single ones
     uint32_t set_size = 16;
     Constraint constraint = Constraint::angle_difference;
@@ -47,9 +47,9 @@ struct ManifoldStats {
     uint64_t trials = 0;
     uint64_t max_trials = 0;
     uint64_t capped = 0;
-    uint64_t leads = 0;  // chains that sheets told to look for
-    uint64_t roots = 0;  // different ones that were there
-    uint64_t missed = 0;  // found by walks beside them
+    uint64_t leads = 0;          // chains that sheets told to look for
+    uint64_t roots = 0;          // different ones that were there
+    uint64_t missed = 0;         // found by walks beside them
     double missed_energy = 0.0;  // luminance that those gave to their estimates
     double capped_energy = 0.0;  // luminance that capped estimates gave to their pixels
 };

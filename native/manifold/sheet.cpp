@@ -14,7 +14,7 @@ struct Landing {
     ChainKind kind;    // from the light on
     uint32_t ordinal;  // among the receivers behind the last caster
     BeamEdge edge;
-    float path;        // m from the light, or from where the rays of a distant one begin
+    float path;  // m from the light, or from where the rays of a distant one begin
     uint32_t instance;
     Vec3 ng;
     float throughput;  // largest component
@@ -43,8 +43,7 @@ public:
     }
 
 private:
-    void follow(Ray ray, const RayDual& dual, float path, const ChainKind& kind,
-                float throughput) {
+    void follow(Ray ray, const RayDual& dual, float path, const ChainKind& kind, float throughput) {
         uint32_t ordinal = 0;
         for (;;) {
             ++rays_;
@@ -81,8 +80,8 @@ private:
                 edge.landed_moved[static_cast<size_t>(k)] += on_receiver * across_[j][k];
             }
         }
-        landings_.push_back({kind, ordinal, edge,
-                             path + hit.t, hit.surface.instance, ng, throughput});
+        landings_.push_back(
+            {kind, ordinal, edge, path + hit.t, hit.surface.instance, ng, throughput});
     }
 
     // Reflected and refracted, as far as either carries light.
@@ -229,8 +228,8 @@ private:
     float bend(const std::array<uint32_t, 4>& ends) const {
         const auto p = [&](size_t i) { return landings_[ends[i]].edge.landed; };
         const float off = length(p(0) + p(2) - p(1) - p(3));
-        const float size = std::max({length(p(1) - p(0)), length(p(2) - p(1)), length(p(3) - p(2)),
-                                     length(p(0) - p(3))});
+        const float size = std::max(
+            {length(p(1) - p(0)), length(p(2) - p(1)), length(p(3) - p(2)), length(p(0) - p(3))});
         return size > 0.0f ? off / size : 0.0f;
     }
 
@@ -241,8 +240,8 @@ private:
         const float longest = std::max({length(e1), length(e2), length(e1 - e2)});
         const bool flat = la.instance == lb.instance && la.instance == lc.instance &&
                           dot(la.ng, lb.ng) > kFlat && dot(la.ng, lc.ng) > kFlat;
-        const float depth = longest * (flat ? kFlatDepth : 1.0f) +
-                            1e-5f * length(la.edge.landed - la.edge.last);
+        const float depth =
+            longest * (flat ? kFlatDepth : 1.0f) + 1e-5f * length(la.edge.landed - la.edge.last);
         const bool forward = dot(cross(e1, e2), la.edge.d) > 0.0f;
         for (const uint32_t k : {a, b, c}) {
             (forward ? marks_[k].forward : marks_[k].backward) = true;
@@ -326,8 +325,7 @@ std::optional<Vec3> locate(const std::array<const BeamEdge*, 3>& edges,
 }
 
 Bounds bounds_of(const std::array<const BeamEdge*, 3>& edges, const Beam& beam, float reach) {
-    const Vec3 center =
-        (edges[0]->landed + edges[1]->landed + edges[2]->landed) * (1.0f / 3);
+    const Vec3 center = (edges[0]->landed + edges[1]->landed + edges[2]->landed) * (1.0f / 3);
     const float scale = 1.0f + 3.0f * beam.margin;
     Bounds bounds;
     for (const BeamEdge* edge : edges) {
@@ -336,7 +334,8 @@ Bounds bounds_of(const std::array<const BeamEdge*, 3>& edges, const Beam& beam, 
         Vec3 half;
         for (int k = 0; k < 3; ++k)
             half[k] = std::abs(edge->d[k]) * beam.depth +
-                      reach * length(Vec3(edge->landed_moved[0][k], edge->landed_moved[1][k], edge->landed_moved[2][k]));
+                      reach * length(Vec3(edge->landed_moved[0][k], edge->landed_moved[1][k],
+                                          edge->landed_moved[2][k]));
         bounds.extend(p - half);
         bounds.extend(p + half);
     }
@@ -498,8 +497,7 @@ void LightSheet::add_lead(const Beam& beam, const Vec3& x, const Vec3& shift,
         return moved[0] * shift.x + moved[1] * shift.y + moved[2] * shift.z;
     };
     std::array<Vec3, 3> landed;
-    for (size_t i = 0; i < 3; ++i)
-        landed[i] = edges[i]->landed + by_shift(edges[i]->landed_moved);
+    for (size_t i = 0; i < 3; ++i) landed[i] = edges[i]->landed + by_shift(edges[i]->landed_moved);
     const std::optional<Vec3> at = locate(edges, landed, x);
     if (!at || !(std::abs(at->z) <= beam.depth)) return;
     const float b0 = 1.0f - at->x - at->y, least = std::min({b0, at->x, at->y});

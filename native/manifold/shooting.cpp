@@ -22,9 +22,9 @@ float leave(const RayStart& from, const Vec3& w) {
 struct Shot {
     Chain chain;
     RayDual ray;
-    Vec2 c;               // angle by which it misses, rad, in two directions
-    Vec2 dc_dx, dc_dy;    // by the two turns at the receiver
-    float noise;          // what rounding leaves of it at an exact solution
+    Vec2 c;                // angle by which it misses, rad, in two directions
+    Vec2 dc_dx, dc_dy;     // by the two turns at the receiver
+    float noise;           // what rounding leaves of it at an exact solution
     Vec3 w;                // at the receiver
     float first_distance;  // m, to the first vertex
     float size() const { return c.length(); }
@@ -116,8 +116,7 @@ private:
         const float largest = std::max(largest_coordinate(x_.p), largest_coordinate(first.p));
         const float spacing =
             0x1p-24f * std::max(length(first.dp_du), length(first.dp_dv)) / shot.first_distance;
-        const float at_start =
-            kUnitRoundoff * (1.0f + largest / shot.first_distance) + spacing;
+        const float at_start = kUnitRoundoff * (1.0f + largest / shot.first_distance) + spacing;
         const float turn = std::sqrt(shot.dc_dx.length2() + shot.dc_dy.length2());
         // Near the critical angle the refracted direction magnifies every error by 1 / cos_t.
         const float magnified =
@@ -144,8 +143,7 @@ std::optional<Vec2> newton_step(const Shot& shot) {
 // How far rounding may put the first and the last vertex from those of the solution. Empty on a
 // fold.
 bool measure_resolution(const Shot& shot, ChainSolution& solution) {
-    const float det =
-        std::abs(shot.dc_dx.x * shot.dc_dy.y - shot.dc_dx.y * shot.dc_dy.x);
+    const float det = std::abs(shot.dc_dx.x * shot.dc_dy.y - shot.dc_dx.y * shot.dc_dy.x);
     const float norm = std::sqrt(shot.dc_dx.length2() + shot.dc_dy.length2());
     if (!(det > 1e-7f * sqr(norm))) return false;
     const float turn = norm / det * shot.noise;  // of the first direction
@@ -155,8 +153,7 @@ bool measure_resolution(const Shot& shot, ChainSolution& solution) {
     const float cosine = std::max(std::abs(dot(first.ng, shot.w)), 1e-3f);
     solution.first_resolution = turn * shot.first_distance / cosine + spacing(first.p);
     solution.last_resolution =
-        turn * static_cast<float>(length(shot.ray.dp[0]) + length(shot.ray.dp[1])) +
-        spacing(last.p);
+        turn * static_cast<float>(length(shot.ray.dp[0]) + length(shot.ray.dp[1])) + spacing(last.p);
     return true;
 }
 
@@ -227,13 +224,11 @@ std::optional<RandomChain> sample_chain(const Scene& scene, const ManifoldSettin
     Ray ray{x.p, chain.w, leave(x, chain.w), kInfinity};
     ++stats.rays;
     std::optional<Hit> hit = scene.accel->intersect_caster(first.instance, ray);
-    while (hit && hit->light == kNone &&
-           casters.of_instance[hit->surface.instance] != kNone) {
+    while (hit && hit->light == kNone && casters.of_instance[hit->surface.instance] != kNone) {
         const SpecularInterface& specular = scene.material_of(hit->surface).specular;
         const bool reflects = specular.reflects && (!specular.refracts || pcg.one() < 0.5f);
         if (!reflects && !specular.refracts) break;
-        const Interaction interaction =
-            reflects ? Interaction::reflection : Interaction::refraction;
+        const Interaction interaction = reflects ? Interaction::reflection : Interaction::refraction;
         const CasterPatch patch = evaluate_caster(scene, hit->surface, false);
         const float eta = eta_seen_from(patch.ng, ray.direction * -1.0f, specular.ior);
         RayDual dual = ray_dual_from(ray.direction);
@@ -255,8 +250,7 @@ std::optional<RandomChain> sample_chain(const Scene& scene, const ManifoldSettin
     return chain;
 }
 
-bool same_solution(const ManifoldSettings& settings, const ChainSolution& a,
-                   const ChainSolution& b) {
+bool same_solution(const ManifoldSettings& settings, const ChainSolution& a, const ChainSolution& b) {
     if (a.kind != b.kind) return false;
     const auto near = [&](const Vec3& p, const Vec3& q, float resolution) {
         return length(p - q) <= settings.identity_factor * resolution;

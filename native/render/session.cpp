@@ -285,8 +285,7 @@ bool Session::render_tile(uint32_t pass, uint32_t tile, RenderStats& stats) {
         std::this_thread::yield();
     }
     std::vector<PixelSums> pixels = film_.copy_tile(tile);
-    const bool complete =
-        render_pixels(tile, pass, pixels, stats);
+    const bool complete = render_pixels(tile, pass, pixels, stats);
     film_.store_tile(tile, pixels);
     if (!complete) return false;
     evidence_[tile].add(stats);
@@ -312,9 +311,9 @@ void Session::prepare_sheets() {
     const auto& crop = world_.scene->camera.crop;
     const uint32_t tiles = std::clamp(crop[2] * crop[3] / kPixelsOfTile, kLeastTiles, kMostTiles);
     sheets_of_pass_ = std::min(lights.count(), kSheetsOfPass);
-    sheets_ = std::make_unique<SheetPool>(*world_.scene, lights, world_.casters,
-                                          manifold.longest_chain, settings_.seed,
-                                          sheets_of_pass_ * kPassesWithSheets, tiles);
+    sheets_ =
+        std::make_unique<SheetPool>(*world_.scene, lights, world_.casters, manifold.longest_chain,
+                                    settings_.seed, sheets_of_pass_ * kPassesWithSheets, tiles);
     RenderStats stats;
     for (uint32_t i = 0; i < sheets_for(0) && !must_stop(); ++i)
         stats.path.manifold.rays += sheets_->build(i);
@@ -373,8 +372,8 @@ bool Session::render_pixels(uint32_t tile, uint32_t pass, std::vector<PixelSums>
 }
 
 // x and y in the full frame: a crop is a window into the same picture.
-FilmSample Session::take_sample(uint32_t x, uint32_t y, uint32_t index,
-                                const PassState& state, RenderStats& stats) const {
+FilmSample Session::take_sample(uint32_t x, uint32_t y, uint32_t index, const PassState& state,
+                                RenderStats& stats) const {
     const Camera& camera = world_.scene->camera;
     const Sampler sampler(settings_.seed, y * camera.width + x, index);
     const Vec2 offset = filter_.sample(sampler[Domain::film].two());
@@ -382,8 +381,8 @@ FilmSample Session::take_sample(uint32_t x, uint32_t y, uint32_t index,
     const Vec2 film = Vec2(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f) + offset;
     const Ray ray = camera.ray(film.x, film.y, lens);
     const PixelKernel pixel{&filter_, film, offset};
-    PathSample path = path_radiance(world_, settings_.integrator, state, ray, lens, sampler,
-                                    stats.path, &pixel);
+    PathSample path =
+        path_radiance(world_, settings_.integrator, state, ray, lens, sampler, stats.path, &pixel);
     ++stats.samples;
     if (!is_finite(path.radiance) || !is_finite(path.caustics) || !is_finite(path.position) ||
         !is_finite(path.normal) || !std::isfinite(path.alpha)) {

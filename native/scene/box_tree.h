@@ -19,9 +19,10 @@ public:
     // Calls `act` with the index of each box that holds p.
     template <class Act>
     void visit(const Vec3& p, const Act& act) const {
-        find(p, [](uint32_t index, const void* context) {
-            (*static_cast<const Act*>(context))(index);
-        }, &act);
+        find(
+            p,
+            [](uint32_t index, const void* context) { (*static_cast<const Act*>(context))(index); },
+            &act);
     }
 
 private:

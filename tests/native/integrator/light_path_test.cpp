@@ -85,9 +85,9 @@ Picture render(const RenderScene& world, IntegratorSettings settings, const Meth
                 const Vec2 u = sampler[Domain::film].two();
                 const Ray ray = world.scene->camera.ray(float(x) + u.x, float(y) + u.y, Vec2(0.5f));
                 add(x, y,
-                    average(path_radiance(world, settings, state, ray, Vec2(0.5f), sampler,
-                                          path_stats)
-                                .radiance));
+                    average(
+                        path_radiance(world, settings, state, ray, Vec2(0.5f), sampler, path_stats)
+                            .radiance));
             }
         for (uint32_t i = 0; pilot && i < kPixels; ++i) {
             splats.clear();

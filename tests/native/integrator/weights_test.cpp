@@ -190,8 +190,7 @@ std::optional<CausticDensities> by_manifold(const Bench& bench, const Integrator
         before.append_smooth(scene, surface, next, true, approach, bounces);
         bounces.add(BounceKind::diffuse);
     }
-    const Receiver receiver{x.p, x.p_error, x.ng,     x.wo,   &x.closures,
-                            16,  x.hit,     approach, bounces};
+    const Receiver receiver{x.p, x.p_error, x.ng, x.wo, &x.closures, 16, x.hit, approach, bounces};
     const Vec3 wi = normalize(root->patch.p - x.p);
     Surface at_root;
     evaluate_surface(scene, root->hit, wi * -1.0f, at_root);
@@ -199,8 +198,7 @@ std::optional<CausticDensities> by_manifold(const Bench& bench, const Integrator
     const DeltaLobe lobe = delta_lobe(at_root.closures, at_root.ng, at_root.wo,
                                       end_of(path.y).from(root->patch.p, unused),
                                       root->interaction == Interaction::refraction);
-    CausticPath record =
-        caustic_path(scene, receiver, eval(x.closures, x.ng, x.wo, wi), wi);
+    CausticPath record = caustic_path(scene, receiver, eval(x.closures, x.ng, x.wo, wi), wi);
     record.vertices[record.count++] = {root->hit, root->interaction, lobe.probability};
     return caustic_densities(bench.techniques(settings), record,
                              light_end(path.y, leaving(path.y, root->patch.p)));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Ray casts. accel.cpp is the only user of Embree (3 or 4).
+// Ray casts, by Embree (3 or 4).
 #pragma once
 
 #include "scene/description.h"

@@ -15,7 +15,7 @@ constexpr uint32_t kLeastWidth = 256, kMostWidth = 4096;
 // out of reach.
 constexpr float kDensityFloor = 1e-3f;
 // Radiance of a peak, at least, over the mean.
-constexpr float kPeak = 32.0f;
+constexpr float kPeak = 16.0f;
 
 Vec3 to_direction(const Vec2& position) {
     const Vec2 azimuth = unit_circle(0.5f - position.x + (position.x > 0.5f ? 1.0f : 0.0f));

@@ -397,7 +397,11 @@ struct TracedTile {
 // Splits the least regular tiles, an eighth of them at a time.
 std::vector<TracedTile> trace_tiles(const SheetWorld& world, const LightPoint& y, size_t budget) {
     std::vector<TracedTile> tiles;
+    const auto is_cancelled = [&] {
+        return world.cancelled != nullptr && world.cancelled->load(std::memory_order_relaxed);
+    };
     const auto add = [&](const Square& square) {
+        if (is_cancelled()) return;
         TracedTile traced{square, 0.0f, {}};
         traced.irregular = Tile(world, y, square, traced.beams).irregularity() * square.area();
         if (square.level == kFinestLevel) traced.irregular = 0.0f;
@@ -405,7 +409,7 @@ std::vector<TracedTile> trace_tiles(const SheetWorld& world, const LightPoint& y
     };
     const std::vector<Vec2> places = places_of_casters(world, y);
     for (const Square& square : first_squares(places, budget / 4)) add(square);
-    while (!tiles.empty() && tiles.size() < budget) {
+    while (!tiles.empty() && tiles.size() < budget && !is_cancelled()) {
         const auto by_need = [](const TracedTile& a, const TracedTile& b) {
             return a.irregular < b.irregular;
         };

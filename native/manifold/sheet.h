@@ -12,6 +12,7 @@
 #include "manifold/shooting.h"
 #include "scene/box_tree.h"
 
+#include <atomic>
 #include <map>
 
 namespace spc {
@@ -23,6 +24,8 @@ struct SheetWorld {
     const CasterSet& casters;
     const EmissionGuide& guide;
     uint32_t longest_chain;
+    // Once set, sheets end where they are; whoever sets it throws them away.
+    const std::atomic<bool>* cancelled = nullptr;
 };
 
 // A ray behind its last caster.

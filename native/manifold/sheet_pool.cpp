@@ -17,12 +17,12 @@ const LightSheet* nearest_sheet(const LightSheets& sheets, const LightPoint& y) 
 }
 
 SheetPool::SheetPool(const Scene& scene, const LightSet& lights, const CasterSet& casters,
-                     uint32_t longest_chain, uint32_t seed, uint32_t count, uint32_t tiles)
+                     const ManifoldSettings& settings, uint32_t seed, uint32_t count, uint32_t tiles)
     : scene_(scene),
       lights_(lights),
       casters_(casters),
       guide_(aim_at_casters(scene, lights, casters)),
-      longest_chain_(longest_chain),
+      settings_(settings),
       tiles_(tiles),
       reach_(count, 0.0f),
       sheets_(count),
@@ -66,8 +66,9 @@ void SheetPool::measure_reach(uint32_t seed) {
 uint64_t SheetPool::build(uint32_t index) {
     if (const std::optional<LightPoint>& y = points_[index])
         sheets_[index] = std::make_unique<const LightSheet>(
-            SheetWorld{scene_, lights_, casters_, guide_, longest_chain_}, *y, tiles_,
-            reach_[index]);
+            SheetWorld{scene_, lights_, casters_, guide_, settings_.longest_chain,
+                       settings_.cancelled},
+            *y, tiles_, reach_[index]);
     done_[index] = true;
     return sheets_[index] ? sheets_[index]->rays() : 0;
 }

@@ -5,8 +5,6 @@
 
 #include "manifold/sheet.h"
 
-#include <atomic>
-
 namespace spc {
 
 // Those that there are; any light may have some.
@@ -18,10 +16,10 @@ const LightSheet* nearest_sheet(const LightSheets& sheets, const LightPoint& y);
 
 class SheetPool {
 public:
-    // Draws light points for `count` sheets of `tiles` parts; builds none. The scene must outlive the
-    // pool.
+    // Draws light points for `count` sheets of `tiles` parts; builds none. All that it is given must
+    // outlive the pool.
     SheetPool(const Scene& scene, const LightSet& lights, const CasterSet& casters,
-              uint32_t longest_chain, uint32_t seed, uint32_t count, uint32_t tiles);
+              const ManifoldSettings& settings, uint32_t seed, uint32_t count, uint32_t tiles);
 
     uint32_t size() const { return static_cast<uint32_t>(sheets_.size()); }
     // Builds one; any may be under way at a time. Returns the rays that it took.
@@ -38,7 +36,8 @@ private:
     const LightSet& lights_;
     const CasterSet& casters_;
     const EmissionGuide guide_;
-    const uint32_t longest_chain_, tiles_;
+    const ManifoldSettings& settings_;
+    const uint32_t tiles_;
     std::vector<std::optional<LightPoint>> points_;
     std::vector<float> reach_;  // of each, see LightSheet
     std::vector<std::unique_ptr<const LightSheet>> sheets_;

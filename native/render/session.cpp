@@ -312,8 +312,8 @@ void Session::prepare_sheets() {
     const uint32_t tiles = std::clamp(crop[2] * crop[3] / kPixelsOfTile, kLeastTiles, kMostTiles);
     sheets_of_pass_ = std::min(lights.count(), kSheetsOfPass);
     sheets_ =
-        std::make_unique<SheetPool>(*world_.scene, lights, world_.casters, manifold.longest_chain,
-                                    settings_.seed, sheets_of_pass_ * kPassesWithSheets, tiles);
+        std::make_unique<SheetPool>(*world_.scene, lights, world_.casters, manifold, settings_.seed,
+                                    sheets_of_pass_ * kPassesWithSheets, tiles);
     RenderStats stats;
     for (uint32_t i = 0; i < sheets_for(0) && !must_stop(); ++i)
         stats.path.manifold.rays += sheets_->build(i);

@@ -51,7 +51,7 @@ Picture render(const RenderScene& world, IntegratorSettings settings, const Meth
     if (method.sheets) {
         constexpr uint32_t kSheetCount = 8, kTiles = 64;
         settings.manifold.longest_chain = kLongestManifoldChain;
-        sheets.emplace(*world.scene, world.lights, world.casters, kLongestManifoldChain, seed,
+        sheets.emplace(*world.scene, world.lights, world.casters, settings.manifold, seed,
                        kSheetCount, kTiles);
         for (uint32_t i = 0; i < kSheetCount; ++i) sheets->build(i);
         state.sheets = sheets->first(kSheetCount);

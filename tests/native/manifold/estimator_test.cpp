@@ -58,8 +58,7 @@ std::vector<LightCase> finite_lights() {
              [](SceneMaker& maker) {
                  maker.add(test::flat(test::square(0.3f)), test::emission(20.0f),
                            test::translation({0.9f, 0.2f, 2.5f}));
-             }},
-            {"world", [](SceneMaker& maker) { test::set_world(maker, 1.0f); }}};
+             }}};
 }
 
 // A diffuse floor with a mirror ball above it, and a sheet of glass between floor and light.

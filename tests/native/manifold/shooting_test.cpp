@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Shots and light sheets against chains that closures made: whatever light takes through casters, by
+// the closures' own sampling, must be found from the receiver.
+#include "manifold/shooting.h"
+
+#include "manifold/sheet.h"
+#include "support/casters.h"
+
+#include <gtest/gtest.h>
+
+namespace spc {
+namespace {
+
+using test::SceneMaker;
+
+ManifoldSettings settings() {
+    ManifoldSettings s;
+    s.enabled = s.sheets = true;
+    s.longest_chain = kLongestManifoldChain;
+    return s;
+}
+
+// A path through casters, as closures scatter it.
+struct Traced {
+    ChainKind kind;  // in the order of the path
+    std::vector<Vec3> vertices;
+    Ray ray;  // behind the last
+};
+
+// Follows delta closures until a surface that is no caster, or nothing, is met. Empty without one
+// interaction, or with too many.
+std::optional<Traced> follow(const RenderScene& world, Ray ray, Pcg& pcg) {
+    Traced path;
+    for (;;) {
+        const std::optional<Hit> hit = world.scene->accel->intersect(ray, kVisibleScattered);
+        if (hit && hit->light != kNone) {
+            ray.t_near = past(hit->t);
+            continue;
+        }
+        path.ray = ray;
+        if (!hit || world.casters.of_instance[hit->surface.instance] == kNone) {
+            if (hit) path.ray.t_far = hit->t;
+            if (path.vertices.empty()) return std::nullopt;
+            return path;
+        }
+        Surface surface;
+        evaluate_surface(*world.scene, hit->surface, ray.direction * -1.0f, surface);
+        const Vec2 u = pcg.two();
+        const std::optional<ClosureSample> next =
+            sample(surface.closures, surface.ng, surface.wo, {pcg.one(), u.x, u.y});
+        if (!next || path.kind.count == kLongestManifoldChain) return std::nullopt;
+        path.kind.append({hit->surface.instance,
+                          next->refracted ? Interaction::refraction : Interaction::reflection});
+        path.vertices.push_back(surface.p);
+        ray = {offset_origin({surface.p, surface.ng, surface.p_error}, next->wi), next->wi, 0.0f,
+               kInfinity};
+    }
+}
+
+struct CasterCase {
+    const char* name;
+    std::function<void(SceneMaker&)> build;
+    double missed_by_sheets;  // of the light, at most
+};
+void add_ball(SceneMaker& maker, const Graph& graph) {
+    maker.add(test::sphere(48, 0.5), graph, test::translation({0, 0, 0.8f}), CausticsRole::caster);
+}
+std::vector<CasterCase> cases() {
+    return {{"mirror ball", [](SceneMaker& m) { add_ball(m, test::mirror()); }, 0.02},
+            {"glass ball", [](SceneMaker& m) { add_ball(m, test::glass(1.5f)); }, 0.04},
+            {"two sheets of glass",
+             [](SceneMaker& m) {
+                 for (const float z : {0.5f, 0.9f})
+                     m.add(test::square(0.8f), test::glass(1.3f), test::rotation_x(0.2f, {0, 0, z}),
+                           CausticsRole::caster);
+             },
+             0.02},
+            {"wavy mirror",
+             [](SceneMaker& m) {
+                 m.builder.add_image(test::plane_normals(128, 0.25, 0.03, 5));
+                 m.add(test::square(0.8f), test::normal_mapped(test::mirror(), Vec2(1.0f, 1.0f)),
+                       test::rotation_x(1.3f, {0.0f, 0.9f, 0.8f}), CausticsRole::caster);
+             },
+             0.06}};
+}
+RenderScene make(const CasterCase& c) {
+    SceneMaker maker;
+    maker.add(test::square(8.0f), test::diffuse(0.8f), {}, CausticsRole::receiver);
+    c.build(maker);
+    test::add_lamp(maker, {0.3f, -1.2f, 2.6f}, {0.0f, 0.2f, 0.8f}, 0.05f);
+    return maker.finish();
+}
+
+bool is_chain(const ChainSolution& solution, const ChainKind& kind, const Vec3& first,
+              const Vec3& last) {
+    const auto near = [](const Vec3& p, const Vec3& q) { return length(p - q) < 1e-3f; };
+    return solution.kind == kind && near(solution.chain.vertices[0].patch.p, first) &&
+           near(solution.chain.vertices[kind.count - 1].patch.p, last);
+}
+
+TEST(Shots, StayAtChainsThatExist) {
+    for (const CasterCase& c : cases()) {
+        const RenderScene world = make(c);
+        Pcg pcg(3);
+        ManifoldStats stats;
+        int chains = 0, missed = 0, returned = 0;
+        while (chains < 2000) {
+            const Caster& caster = world.casters.casters[pcg.bits() % world.casters.casters.size()];
+            const RayStart x{Vec3(2.0f * pcg.one() - 1.0f, 2.0f * pcg.one() - 1.0f, 0.0f),
+                             Vec3(0, 0, 1), 1e-6f};
+            const Vec3 w = towards_caster(caster, x.p, pcg.two());
+            if (w.z < 0.01f) continue;
+            const std::optional<Traced> path = follow(world, {x.p, w, 1e-5f, kInfinity}, pcg);
+            if (!path) continue;
+            ++chains;
+            const bool distant = pcg.one() < 0.3f;
+            const Vec3 y =
+                path->vertices.back() +
+                path->ray.direction * (0.05f + std::min(path->ray.t_far, 3.0f) * pcg.one());
+            const ChainEnd end{distant, y, path->ray.direction};
+            const std::optional<ChainSolution> at =
+                shoot(*world.scene, settings(), x, end, path->kind, w, stats);
+            if (!at || !is_chain(*at, path->kind, path->vertices[0], path->vertices.back()))
+                ++missed;
+            const Frame frame = Frame::around(w);
+            const Vec3 beside = normalize(w + frame.x * 3e-4f - frame.y * 2e-4f);
+            const std::optional<ChainSolution> back =
+                shoot(*world.scene, settings(), x, end, path->kind, beside, stats);
+            if (back && is_chain(*back, path->kind, path->vertices[0], path->vertices.back()))
+                ++returned;
+        }
+        EXPECT_LE(missed, chains / 200) << c.name;
+        EXPECT_GE(returned, chains * 9 / 10) << c.name;
+    }
+}
+
+// Rays that leave the light evenly carry even shares of its light: those whose chain no lead finds
+// from where they land are light that walks would have to find.
+TEST(Sheets, LeadToNearlyAllLight) {
+    for (const CasterCase& c : cases()) {
+        const RenderScene world = make(c);
+        const EmissionGuide guide = aim_at_casters(*world.scene, world.lights, world.casters);
+        const SheetWorld parts{*world.scene, world.lights,          world.casters,
+                               guide,        kLongestManifoldChain, nullptr};
+        const std::optional<LightPoint> y =
+            sample_light_point(world.lights, *world.scene, {0.5f, 0.5f, 0.5f});
+        ASSERT_TRUE(y);
+        constexpr uint32_t kTiles = 128;
+        const LightSheet sheet(parts, *y, kTiles, 0.0f);
+        Pcg pcg(7);
+        ManifoldStats stats;
+        int chains = 0, missed = 0;
+        double with_chance = 0.0;
+        for (int i = 0; i < 40000 && chains < 4000; ++i) {
+            const std::optional<Traced> path = follow(world, ray_at(guide, *y, pcg.two()), pcg);
+            if (!path || std::isinf(path->ray.t_far)) continue;
+            const RayStart x{path->ray.origin + path->ray.direction * path->ray.t_far,
+                             Vec3(0, 0, 1), 1e-5f};
+            if (std::abs(x.p.z) > 1e-4f) continue;
+            ++chains;
+            const auto best_chance = [&](float u) {
+                std::vector<Lead> leads;
+                sheet.find_leads(x.p, Vec3(0.0f), u, leads);
+                float best = 0.0f;
+                for (const Lead& lead : leads) {
+                    const std::optional<ChainSolution> found =
+                        shoot(*world.scene, settings(), x, {false, y->p, Vec3(0.0f)}, *lead.kind,
+                              lead.w, stats);
+                    if (found && is_chain(*found, path->kind.reversed(), path->vertices.back(),
+                                          path->vertices[0]))
+                        best = std::max(best, lead.chance);
+                }
+                return best;
+            };
+            const float chance = best_chance(0.0f);
+            if (chance == 0.0f) {
+                ++missed;
+                continue;
+            }
+            // A uniform u finds it with that chance, and it says so.
+            EXPECT_EQ(best_chance(0.99f * chance), chance);
+            EXPECT_EQ(best_chance(chance), 0.0f);
+            with_chance += chance < 1.0f ? 1.0 : 0.0;
+        }
+        std::cout << c.name << ": " << chains << " chains, missed " << missed << ", weak "
+                  << with_chance << std::endl;
+        EXPECT_GT(chains, 500) << c.name;
+        EXPECT_LE(missed, c.missed_by_sheets * chains) << c.name;
+    }
+}
+
+}  // namespace
+}  // namespace spc

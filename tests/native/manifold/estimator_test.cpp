@@ -54,8 +54,7 @@ std::vector<LightCase> finite_lights() {
             lamp_case("rectangle", rectangle),
             lamp_case("ellipse", ellipse),
             lamp_case("sheared rectangle", sheared),
-            {"emissive mesh",
-             [](SceneMaker& maker) {
+            {"emissive mesh", [](SceneMaker& maker) {
                  maker.add(test::flat(test::square(0.3f)), test::emission(20.0f),
                            test::translation({0.9f, 0.2f, 2.5f}));
              }}};

@@ -165,11 +165,10 @@ def stripes(size, colors):
     return np.broadcast_to(np.asarray(colors, dtype=float)[index], (size, size, 3)).copy()
 
 
-def dark_room(height, ambient, lamps):
-    """Equirectangular room with round lamps: linear radiance (height, 2 height, 3).
+def sky_directions(height):
+    """Azimuth and elevation (height, 2 height) and direction (height, 2 height, 3) of texels.
 
-    `ambient` is (floor, ceiling) radiance; `lamps` holds (direction, diameter in radians, colour
-    (3,) of radiance). Blender's mapping, discs without antialiasing.
+    Blender's equirectangular mapping.
     """
     azimuth = 2.0 * np.pi * (0.5 - (np.arange(2 * height) + 0.5) / (2 * height))
     elevation = np.pi * ((np.arange(height) + 0.5) / height - 0.5)
@@ -182,6 +181,16 @@ def dark_room(height, ambient, lamps):
         ],
         axis=-1,
     )
+    return azimuth, elevation, direction
+
+
+def dark_room(height, ambient, lamps):
+    """Equirectangular room with round lamps: linear radiance (height, 2 height, 3).
+
+    `ambient` is (floor, ceiling) radiance; `lamps` holds (direction, diameter in radians, colour
+    (3,) of radiance). Blender's mapping, discs without antialiasing.
+    """
+    _, _, direction = sky_directions(height)
     low, high = (np.asarray(color, dtype=float) for color in ambient)
     radiance = low + (high - low) * (0.5 + 0.5 * direction[..., 2:])
     for towards, diameter, color in lamps:
@@ -199,18 +208,7 @@ def clear_sky(height, sun_direction, sun_diameter, sun_irradiance, zenith, horiz
     """
     width = 2 * height
     sub = 8
-    column = 0.5 - (np.arange(width) + 0.5) / width
-    azimuth = 2.0 * np.pi * column
-    elevation = np.pi * ((np.arange(height) + 0.5) / height - 0.5)
-    azimuth, elevation = np.meshgrid(azimuth, elevation)
-    direction = np.stack(
-        [
-            np.cos(elevation) * np.cos(azimuth),
-            np.cos(elevation) * np.sin(azimuth),
-            np.sin(elevation),
-        ],
-        axis=-1,
-    )
+    azimuth, elevation, direction = sky_directions(height)
     sun = np.asarray(sun_direction, dtype=float)
     sun /= np.linalg.norm(sun)
     cos_sun = direction @ sun

@@ -144,12 +144,7 @@ void SlopeField::build_sums() {
             const Vec2 s = slope_of(texel(x, y));
             Sums& sums = finest.nodes[static_cast<size_t>(y >> kFirstSums) * static_cast<size_t>(w) +
                                       static_cast<size_t>(x >> kFirstSums)];
-            sums.a += s.x;
-            sums.b += s.y;
-            sums.aa += s.x * s.x;
-            sums.ab += s.x * s.y;
-            sums.bb += s.y * s.y;
-            sums.count += 1.0f;
+            sums.add({s.x, s.y, s.x * s.x, s.x * s.y, s.y * s.y, 1.0f});
         }
     sums_.push_back(std::move(finest));
     while (w > 1 || h > 1) {
@@ -163,14 +158,10 @@ void SlopeField::build_sums() {
                 const Sums& from =
                     below.nodes[static_cast<size_t>(y) * static_cast<size_t>(below.width) +
                                 static_cast<size_t>(x)];
-                Sums& to = level.nodes[static_cast<size_t>(y / 2) * static_cast<size_t>(w) +
-                                       static_cast<size_t>(x / 2)];
-                to.a += from.a;
-                to.b += from.b;
-                to.aa += from.aa;
-                to.ab += from.ab;
-                to.bb += from.bb;
-                to.count += from.count;
+                level
+                    .nodes[static_cast<size_t>(y / 2) * static_cast<size_t>(w) +
+                           static_cast<size_t>(x / 2)]
+                    .add(from);
             }
         sums_.push_back(std::move(level));
     }
@@ -184,14 +175,8 @@ SlopeMoments SlopeField::moments(const Vec2& lower, const Vec2& upper) const {
     const SumLevel& level = sums_[l];
     Sums all{};
     const auto add = [&](int x, int y) {
-        const Sums& s = level.nodes[static_cast<size_t>(y) * static_cast<size_t>(level.width) +
-                                    static_cast<size_t>(x)];
-        all.a += s.a;
-        all.b += s.b;
-        all.aa += s.aa;
-        all.ab += s.ab;
-        all.bb += s.bb;
-        all.count += s.count;
+        all.add(level.nodes[static_cast<size_t>(y) * static_cast<size_t>(level.width) +
+                            static_cast<size_t>(x)]);
     };
     const auto cell_size = static_cast<float>(1 << (kFirstSums + l));
     const auto first = [&](float at) { return static_cast<int>(std::floor(at / cell_size)); };

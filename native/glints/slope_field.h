@@ -67,6 +67,14 @@ private:
     // Sums over texels.
     struct Sums {
         float a, b, aa, ab, bb, count;
+        void add(const Sums& other) {
+            a += other.a;
+            b += other.b;
+            aa += other.aa;
+            ab += other.ab;
+            bb += other.bb;
+            count += other.count;
+        }
     };
     struct SumLevel {
         int width, height;

@@ -47,21 +47,8 @@ void LightHistory::append_smooth(const Surface& surface, const Arrival& arrival,
 }
 
 Spectrum LightHistory::trace_back(const Scene& scene, const ChainEnd& end, CausticPath& path) const {
-    Spectrum throughput(1.0f);
-    Surface surface;
-    Vec3 from = path.x;
-    for (uint32_t k = count; k-- > 0;) {
-        const auto& [p, vertex] = vertices[k];
-        float unused;
-        const Vec3 to_light = k > 0 ? normalize(vertices[k - 1].p - p) : end.from(p, unused);
-        evaluate_surface(scene, vertex.hit, normalize(from - p), surface);
-        const DeltaLobe lobe = delta_lobe(surface.closures, surface.ng, surface.wo, to_light,
-                                          vertex.interaction == Interaction::refraction);
-        throughput *= lobe.throughput;
-        path.vertices[path.count++] = {vertex.hit, vertex.interaction, lobe.probability};
-        from = p;
-    }
-    return throughput;
+    for (uint32_t k = count; k-- > 0;) path.vertices[path.count++] = vertices[k].vertex;
+    return chain_throughput(scene, path, end);
 }
 
 }  // namespace spc

@@ -38,11 +38,7 @@ public:
         end_ = light_end(y_, away_);
         radiance_ = radiance_at(world_.lights, scene_, y_, away_);
         if (is_black(radiance_)) return std::nullopt;
-        ray_ = {emitted.origin, away_, 0.0f, kInfinity};
-        if (y_.surface.instance != kNone)
-            ray_.origin = offset_origin(
-                {y_.p, y_.n, position_error(scene_, y_.surface.instance, y_.surface.triangle)},
-                away_);
+        ray_ = {leave_light(scene_, y_, emitted.origin, away_), away_, 0.0f, kInfinity};
         while (advance()) {}
         if (history_.scatterings > 0) stats_.rays_behind += stats_.rays - rays_before_;
         return EmissionSample{y_.light, {emitted.place, 0.0f}};

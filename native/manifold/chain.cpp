@@ -67,15 +67,6 @@ std::optional<DirectionDual> scattered(Interaction interaction, float eta, const
                          derivative(wi.dw_dv, vertex.dn_dv)};
 }
 
-// Of single precision, with room for the handful of operations that each coordinate has seen.
-constexpr float kUnitRoundoff = 8.0f * 0x1p-24f;
-
-float largest_coordinate(const Vec3& a, const Vec3& b) {
-    float largest = 0.0f;
-    for (int i = 0; i < 3; ++i) largest = std::max({largest, std::abs(a[i]), std::abs(b[i])});
-    return largest;
-}
-
 std::optional<ConstraintValue> angle_difference(Interaction interaction, float eta,
                                                 const DirectionDual& wi, const DirectionDual& wo,
                                                 const CasterPatch& vertex) {
@@ -101,6 +92,17 @@ std::optional<ConstraintValue> angle_difference(Interaction interaction, float e
 }
 
 }  // namespace
+
+bool has_interaction(const SpecularInterface& specular, Interaction interaction) {
+    return interaction == Interaction::reflection ? specular.reflects : specular.refracts;
+}
+
+bool sides_agree(const CasterPatch& patch, const Vec3& wi, const Vec3& wo, Interaction interaction) {
+    const float geometric = dot(patch.ng, wi) * dot(patch.ng, wo),
+                shading = dot(patch.n, wi) * dot(patch.n, wo);
+    return interaction == Interaction::reflection ? geometric > 0.0f && shading > 0.0f
+                                                  : geometric < 0.0f && shading < 0.0f;
+}
 
 float eta_seen_from(const Vec3& front_ng, const Vec3& towards, float ior) {
     return dot(front_ng, towards) >= 0.0f ? ior : 1.0f / ior;
@@ -129,8 +131,9 @@ std::optional<ConstraintValue> evaluate_constraint(Constraint constraint, Intera
             : angle_difference(interaction, eta, wi_dual, wo_dual, vertex);
     if (value) {
         // The two see directions of this error; so far `noise` holds how much each magnifies it.
-        value->noise *= kUnitRoundoff *
-                        (2.0f + largest_coordinate(x, vertex.p) / std::min(distance_x, distance_y));
+        value->noise *=
+            kUnitRoundoff * (2.0f + std::max(largest_coordinate(x), largest_coordinate(vertex.p)) /
+                                        std::min(distance_x, distance_y));
         // A vertex is where a ray from x meets the surface: at a grazing angle it slips far. And
         // barycentrics have a spacing of their own, which a detailed normal map magnifies.
         const float cosine = std::abs(dot(vertex.ng, to_x)) / distance_x;

@@ -14,6 +14,17 @@ namespace spc {
 
 enum class Interaction : uint8_t { reflection, refraction };
 
+// Of single precision, with room for the handful of operations that each coordinate has seen.
+inline constexpr float kUnitRoundoff = 8.0f * 0x1p-24f;
+inline float largest_coordinate(const Vec3& p) {
+    return std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+}
+
+// Whether the material lets light pass a surface so.
+bool has_interaction(const SpecularInterface& specular, Interaction interaction);
+// Whether wi and wo leave the geometric and the shading surface as the interaction demands.
+bool sides_agree(const CasterPatch& patch, const Vec3& wi, const Vec3& wo, Interaction interaction);
+
 // Index ratio for light that passes the interface: behind the surface over in front of it, as seen
 // by the side on which `ng` points at the receiver. `ior` is that of the back of a front face.
 float eta_seen_from(const Vec3& front_ng, const Vec3& towards, float ior);

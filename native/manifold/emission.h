@@ -40,8 +40,11 @@ struct EmittedRay {
 };
 EmittedRay emit(const EmissionGuide& guide, const LightPoint& y, const Vec2& u);
 
-// The ray that leaves y at a place of its light's unit square.
+// The ray that leaves y at a place of its light's unit square; of an emissive mesh it starts at y
+// itself, not past its surface.
 Ray ray_at(const EmissionGuide& guide, const LightPoint& y, const Vec2& place);
+// Where a ray from y starts that begins at `origin`: past the surface of an emissive mesh.
+Vec3 leave_light(const Scene& scene, const LightPoint& y, const Vec3& origin, const Vec3& direction);
 // Density of rays that are uniform over that square: by solid angle from y (1/sr); distant: by area
 // across the direction (1/m^2).
 float density_of_uniform(const EmissionGuide& guide, const LightPoint& y);

@@ -14,7 +14,7 @@ ReceiverSides sides_of(const Receiver& receiver) {
     return {receiver.ng, has_smooth_transmission(*receiver.closures)};
 }
 
-// One estimate: a receiver, a light point and a caster, and walks between them.
+// One estimate: a receiver and a light point, and chains between them.
 class Estimate {
 public:
     Estimate(const Techniques& techniques, const Receiver& receiver, const LightPoint& y,
@@ -155,7 +155,10 @@ private:
         if (is_black(radiance)) return Spectrum(0.0f);
 
         CausticPath path = caustic_path(scene_, receiver_, at_x, wi);
-        const Spectrum throughput = follow(chain, path);
+        for (; path.count < chain.count; ++path.count)
+            path.vertices[path.count] = {chain.hits[path.count],
+                                         chain.vertices[path.count].interaction, 0.0f};
+        const Spectrum throughput = chain_throughput(scene_, path, end_of(y_));
         if (is_black(throughput) || !manifold_owns(techniques_, path)) return Spectrum(0.0f);
         const std::optional<CausticDensities> densities =
             caustic_densities(techniques_, path, light_end(y_, away));
@@ -163,28 +166,6 @@ private:
         const Spectrum through = passes(chain);
         return at_x.f_cos * throughput * radiance * through *
                static_cast<float>(manifold_worth(settings_) * densities->scale());
-    }
-
-    // The chain's vertices as a path has them; returns its throughput.
-    Spectrum follow(const Chain& chain, CausticPath& path) const {
-        Spectrum throughput(1.0f);
-        Surface surface;
-        Vec3 from = receiver_.p;
-        for (uint32_t i = 0; i < chain.count; ++i) {
-            const Vec3& p = chain.vertices[i].patch.p;
-            float unused;
-            const Vec3 to_light = i + 1 < chain.count ? normalize(chain.vertices[i + 1].patch.p - p)
-                                                      : end_of(y_).from(p, unused);
-            evaluate_surface(scene_, chain.hits[i], normalize(from - p), surface);
-            const Interaction interaction = chain.vertices[i].interaction;
-            const DeltaLobe lobe = delta_lobe(surface.closures, surface.ng, surface.wo, to_light,
-                                              interaction == Interaction::refraction);
-            throughput *= lobe.throughput;
-            if (is_black(throughput)) return throughput;
-            path.vertices[path.count++] = {chain.hits[i], interaction, lobe.probability};
-            from = p;
-        }
-        return throughput;
     }
 
     // Fraction of light that passes along all segments of a chain.

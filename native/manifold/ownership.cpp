@@ -93,6 +93,31 @@ bool light_tracing_owns(const Techniques& techniques, const CausticPath& path) {
            within_limits(techniques.limits, whichever, path);
 }
 
+Spectrum chain_throughput(const Scene& scene, CausticPath& path, const ChainEnd& end) {
+    Spectrum throughput(1.0f);
+    Surface surface;
+    Vec3 from = path.x, p = surface_position(scene, path.vertices[0].hit);
+    for (uint32_t i = 0; i < path.count; ++i) {
+        CausticVertex& vertex = path.vertices[i];
+        evaluate_surface(scene, vertex.hit, normalize(from - p), surface);
+        from = p;
+        float unused;
+        Vec3 to_light;
+        if (i + 1 < path.count) {
+            p = surface_position(scene, path.vertices[i + 1].hit);
+            to_light = normalize(p - from);
+        } else {
+            to_light = end.from(from, unused);
+        }
+        const DeltaLobe lobe = delta_lobe(surface.closures, surface.ng, surface.wo, to_light,
+                                          vertex.interaction == Interaction::refraction);
+        vertex.probability = lobe.probability;
+        throughput *= lobe.throughput;
+        if (is_black(throughput)) break;
+    }
+    return throughput;
+}
+
 std::optional<CausticDensities> caustic_densities(const Techniques& techniques,
                                                   const CausticPath& path, const LightEnd& end) {
     const Scene& scene = techniques.scene;

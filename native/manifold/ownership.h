@@ -149,6 +149,9 @@ struct CausticDensities {
     // manifold_worth() of it, which it has not been divided by.
     double scale() const { return geometry / (path_tracing + manifold + light_tracing); }
 };
+// Throughput of the chain's vertices as the camera's path comes to them; fills in the chances of
+// their lobes.
+Spectrum chain_throughput(const Scene& scene, CausticPath& path, const ChainEnd& end);
 // Empty where the chain cannot be, by the accuracy that there is.
 std::optional<CausticDensities> caustic_densities(const Techniques& techniques,
                                                   const CausticPath& path, const LightEnd& end);

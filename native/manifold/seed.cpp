@@ -52,10 +52,9 @@ std::optional<Seed> seed_at(const Scene& scene, const ManifoldSettings& settings
     const Interaction interaction =
         side_x * side_y > 0.0f ? Interaction::reflection : Interaction::refraction;
     const SpecularInterface& specular = scene.material_of(hit).specular;
-    const bool possible = interaction == Interaction::reflection
-                              ? specular.reflects && settings.reflections
-                              : specular.refracts && settings.refractions;
-    if (!possible) return std::nullopt;
+    const bool allowed =
+        interaction == Interaction::reflection ? settings.reflections : settings.refractions;
+    if (!allowed || !has_interaction(specular, interaction)) return std::nullopt;
     return Seed{hit, interaction, side_x >= 0.0f ? specular.ior : 1.0f / specular.ior, first};
 }
 

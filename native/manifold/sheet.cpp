@@ -32,10 +32,7 @@ public:
         // What a point on the far side of a lamp does not light, one on its near side may.
         const bool faces = dot(y_.n, ray.direction) >= 0.0f;
         if (faces && is_black(radiance_at(world_.lights, scene_, y_, ray.direction))) return;
-        if (y_.surface.instance != kNone)
-            ray.origin = offset_origin(
-                {y_.p, y_.n, position_error(scene_, y_.surface.instance, y_.surface.triangle)},
-                ray.direction);
+        ray.origin = leave_light(scene_, y_, ray.origin, ray.direction);
         const Frame frame = Frame::around(y_.distant ? y_.direction : ray.direction);
         across_ = {frame.x, frame.y};
         const RayDual dual{.d = Vec3d(ray.direction), .dp = {}, .dd = {}};
@@ -280,14 +277,16 @@ private:
             beam.kind = index[landings_[beam.edges[0]].kind];
             beam.margin = kMargin;
             beam.chance = chance_of(beam);
-            for (const uint32_t k : beam.edges) {
-                const Mark& mark = marks_[k];
-                if (mark.forward && mark.backward) {
-                    beam.margin = std::max(beam.margin, kFoldMargin);
-                    beam.chance = std::min(1.0f, kFoldGain * beam.chance);
-                }
-                if (mark.beams < mark.expected) beam.margin = std::max(beam.margin, kEndMargin);
+            const auto any = [&](const auto& test) {
+                return std::any_of(beam.edges.begin(), beam.edges.end(),
+                                   [&](uint32_t k) { return test(marks_[k]); });
+            };
+            if (any([](const Mark& mark) { return mark.forward && mark.backward; })) {
+                beam.margin = kFoldMargin;
+                beam.chance = std::min(1.0f, kFoldGain * beam.chance);
             }
+            if (any([](const Mark& mark) { return mark.beams < mark.expected; }))
+                beam.margin = kEndMargin;
         }
     }
 

@@ -5,13 +5,6 @@ namespace spc {
 
 namespace {
 
-// Of single precision, with room for the handful of operations that each coordinate has seen.
-constexpr float kUnitRoundoff = 8.0f * 0x1p-24f;
-
-float largest_coordinate(const Vec3& p) {
-    return std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
-}
-
 // Where a ray that has left the surface at a small angle is past its rounding.
 float leave(const RayStart& from, const Vec3& w) {
     constexpr float kLeastCosine = 1e-2f;
@@ -60,27 +53,17 @@ public:
             const double distance = length(along);
             if (!(distance > 0.0)) return false;
             shot.ray.d = along / distance;
-            const Vec3d before = shot.ray.d;
             if (!pass_vertex(vertex, distance, shot.ray)) return false;
-            if (!keeps_sides(vertex, before, shot.ray.d)) return false;
+            const Vec3 wi = d * -1.0f;
+            d = Vec3(shot.ray.d);
+            if (!sides_agree(vertex.patch, wi, d, link.interaction)) return false;
             if (i == 0) shot.first_distance = static_cast<float>(distance);
             from = {vertex.patch.p, vertex.patch.ng, vertex.patch.p_error};
-            d = Vec3(shot.ray.d);
         }
         return measure_miss(shot);
     }
 
 private:
-    // Whether the ray leaves on the side of the surface that the interaction demands, by geometry
-    // and by normal.
-    static bool keeps_sides(const ChainVertex& vertex, const Vec3d& in, const Vec3d& out) {
-        const Vec3d ng(vertex.patch.ng), n(vertex.patch.n);
-        const bool crosses_geometry = dot(in, ng) * dot(out, ng) > 0.0;
-        const bool crosses_shading = dot(in, n) * dot(out, n) > 0.0;
-        const bool refracts = vertex.interaction == Interaction::refraction;
-        return crosses_geometry == refracts && crosses_shading == refracts;
-    }
-
     bool measure_miss(Shot& shot) const {
         const Vec3& last = shot.chain.vertices[kind_.count - 1].patch.p;
         double distance = 0.0;
@@ -169,10 +152,6 @@ ChainKind ChainKind::reversed() const {
     ChainKind kind;
     for (uint32_t i = count; i-- > 0;) kind.append(links[i]);
     return kind;
-}
-
-bool has_interaction(const SpecularInterface& specular, Interaction interaction) {
-    return interaction == Interaction::reflection ? specular.reflects : specular.refracts;
 }
 
 std::optional<ChainSolution> shoot(const Scene& scene, const ManifoldSettings& settings,

@@ -64,7 +64,4 @@ std::optional<RandomChain> sample_chain(const Scene& scene, const ManifoldSettin
 // Whether two solutions for the same ends are the same chain.
 bool same_solution(const ManifoldSettings& settings, const ChainSolution& a, const ChainSolution& b);
 
-// Whether the material lets light pass a surface so.
-bool has_interaction(const SpecularInterface& specular, Interaction interaction);
-
 }  // namespace spc

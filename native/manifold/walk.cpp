@@ -11,14 +11,6 @@ struct Iterate {
     ConstraintValue value;
 };
 
-// Whether wi and wo leave the geometric and the shading surface as the interaction demands.
-bool sides_agree(const CasterPatch& patch, const Vec3& wi, const Vec3& wo, Interaction interaction) {
-    const float geometric = dot(patch.ng, wi) * dot(patch.ng, wo),
-                shading = dot(patch.n, wi) * dot(patch.n, wo);
-    return interaction == Interaction::reflection ? geometric > 0.0f && shading > 0.0f
-                                                  : geometric < 0.0f && shading < 0.0f;
-}
-
 class Walk {
 public:
     Walk(const Scene& scene, const ManifoldSettings& settings, const ChainQuery& query,
@@ -86,8 +78,7 @@ private:
             {query_.x, to * (1.0f / distance), 1e-4f * distance, kInfinity});
         if (!hit) return std::nullopt;
         const SpecularInterface& specular = scene_.material_of(hit->surface).specular;
-        if (interaction_ == Interaction::reflection ? !specular.reflects : !specular.refracts)
-            return std::nullopt;
+        if (!has_interaction(specular, interaction_)) return std::nullopt;
         return hit->surface;
     }
 

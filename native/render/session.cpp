@@ -310,7 +310,10 @@ void Session::prepare_sheets() {
     // As large as leaves their making a small part of the work.
     const auto& crop = world_.scene->camera.crop;
     const uint32_t tiles = std::clamp(crop[2] * crop[3] / kPixelsOfTile, kLeastTiles, kMostTiles);
-    sheets_of_pass_ = std::min(lights.count(), kSheetsOfPass);
+    uint32_t feeding = 0;
+    for (uint32_t i = 0; i < lights.count(); ++i)
+        feeding += lights.caustic_selection.probability(i) > 0.0f ? 1 : 0;
+    sheets_of_pass_ = std::min(feeding, kSheetsOfPass);
     sheets_ =
         std::make_unique<SheetPool>(*world_.scene, lights, world_.casters, manifold, settings_.seed,
                                     sheets_of_pass_ * kPassesWithSheets, tiles);

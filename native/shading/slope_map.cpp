@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // In which normal map of a material glints are looked for.
-#include <cstdio>
-
 #include "shading/compiler.h"
+
+#include <fmt/format.h>
 
 namespace spc {
 namespace {
@@ -10,12 +10,6 @@ namespace {
 // Lobes that are wider than the slopes of most maps show no glints: evaluating them where the ray
 // hit is as good and costs less.
 constexpr float kWidestAlpha = 0.16f;  // roughness 0.4
-
-std::string number(float value) {
-    char text[32];
-    std::snprintf(text, sizeof(text), "%.4g", static_cast<double>(value));
-    return text;
-}
 
 class Finder {
 public:
@@ -45,7 +39,8 @@ public:
             ++count;
             map.why += (map.why.empty() ? "" : "; ") + term.label;
             if (expr_.is_constant(term.alpha()))
-                map.why += ", roughness " + number(std::sqrt(expr_.scalar(term.alpha())));
+                map.why +=
+                    ", roughness " + fmt::format("{:.4g}", std::sqrt(expr_.scalar(term.alpha())));
         }
         if (normal == kNoExpr) {
             map = {};
@@ -62,7 +57,8 @@ private:
             return mode_ == GlintsMode::on ? "" : "roughness varies";
         const float alpha = expr_.scalar(term.alpha());
         const bool wide = mode_ == GlintsMode::automatic && alpha > kWidestAlpha;
-        if (wide || alpha <= kDeltaAlpha) return "roughness " + number(std::sqrt(alpha));
+        if (wide || alpha <= kDeltaAlpha)
+            return "roughness " + fmt::format("{:.4g}", std::sqrt(alpha));
         return "";
     }
 

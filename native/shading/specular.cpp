@@ -1,18 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What the manifold may walk on: the delta closures of a material that share one normal and one
 // index.
-#include <cstdio>
-
 #include "shading/compiler.h"
+
+#include <fmt/format.h>
 
 namespace spc {
 namespace {
-
-std::string number(float value) {
-    char text[32];
-    std::snprintf(text, sizeof(text), "%.4g", static_cast<double>(value));
-    return text;
-}
 
 class Finder {
 public:
@@ -62,7 +56,7 @@ private:
         if (!is_specular(term)) return "";
         if (!expr_.is_constant(term.alpha())) return "roughness varies";
         const float alpha = expr_.scalar(term.alpha());
-        if (alpha > kDeltaAlpha) return "roughness " + number(std::sqrt(alpha));
+        if (alpha > kDeltaAlpha) return "roughness " + fmt::format("{:.4g}", std::sqrt(alpha));
         if (term.op == ClosureOp::dielectric && !expr_.is_constant(term.ior())) return "IOR varies";
         return "";
     }
@@ -83,10 +77,12 @@ private:
     }
 
     std::string text(const ClosureTerm& term) const {
-        std::string s = term.label + ", roughness " + number(std::sqrt(expr_.scalar(term.alpha())));
-        if (term.op == ClosureOp::dielectric) s += ", IOR " + number(expr_.scalar(term.ior()));
+        std::string s = term.label + ", roughness " +
+                        fmt::format("{:.4g}", std::sqrt(expr_.scalar(term.alpha())));
+        if (term.op == ClosureOp::dielectric)
+            s += ", IOR " + fmt::format("{:.4g}", expr_.scalar(term.ior()));
         if (term.op == ClosureOp::coated && expr_.is_constant(term.ior()))
-            s += ", IOR " + number(expr_.scalar(term.ior()));
+            s += ", IOR " + fmt::format("{:.4g}", expr_.scalar(term.ior()));
         if (term.normal() != kNoExpr) s += ", mapped normal";
         return s;
     }

@@ -218,6 +218,13 @@ bool has_smooth_closure(const ClosureList& list) {
     return false;
 }
 
+float smooth_albedo(const ClosureList& list) {
+    float sum = 0.0f;
+    for (int i = 0; i < list.count; ++i)
+        if (!is_delta(list.closures[i].kind)) sum += list.closures[i].sample_weight;
+    return sum;
+}
+
 bool has_smooth_transmission(const ClosureList& list) {
     for (int i = 0; i < list.count; ++i) {
         const auto* glass = std::get_if<MicrofacetDielectric>(&list.closures[i].kind);

@@ -124,6 +124,8 @@ struct ClosureList {
 bool is_delta(const ClosureKind& kind);
 // Any closure that next event estimation can connect to.
 bool has_smooth_closure(const ClosureList& list);
+// Albedo of the smooth closures towards wo, about.
+float smooth_albedo(const ClosureList& list);
 // Any of those that sends light through the surface.
 bool has_smooth_transmission(const ClosureList& list);
 

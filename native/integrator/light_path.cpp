@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "integrator/light_path.h"
 
+#include "core/parallel.h"
 #include "integrator/history.h"
 
 #include <numeric>
-#include <thread>
 
 namespace spc {
 
@@ -227,31 +227,22 @@ std::vector<EmissionSample> pilot(const RenderScene& world, const IntegratorSett
     std::array<std::vector<EmissionSample>, chunks> found;
     std::array<LightPathStats, chunks> counted;
     std::vector<MomentGrid> grids(chunks, moments);
-    std::atomic<uint32_t> next{0};
-    const auto work = [&] {
+    parallel_for(threads, chunks, [&](uint32_t c) {
         std::vector<Splat> splats;
-        for (uint32_t c; (c = next.fetch_add(1)) < chunks && !cancelled.load();) {
-            for (uint32_t i = 0; i < kPilotChunk; ++i) {
-                const uint64_t index = (uint64_t{generation} * chunks + c) * kPilotChunk + i;
-                splats.clear();
-                std::optional<EmissionSample> sample =
-                    LightTracer(world, settings, margin, light_sampler(~seed, index), splats,
-                                counted[c])
-                        .trace();
-                if (!sample) continue;
-                for (const Splat& splat : splats) {
-                    sample->place.weight += luminance(splat.value);
-                    grids[c].add(splat);
-                }
-                if (sample->place.weight > 0.0f) found[c].push_back(*sample);
+        for (uint32_t i = 0; i < kPilotChunk && !cancelled.load(); ++i) {
+            const uint64_t index = (uint64_t{generation} * chunks + c) * kPilotChunk + i;
+            splats.clear();
+            std::optional<EmissionSample> sample =
+                LightTracer(world, settings, margin, light_sampler(~seed, index), splats, counted[c])
+                    .trace();
+            if (!sample) continue;
+            for (const Splat& splat : splats) {
+                sample->place.weight += luminance(splat.value);
+                grids[c].add(splat);
             }
+            if (sample->place.weight > 0.0f) found[c].push_back(*sample);
         }
-    };
-    {
-        std::vector<std::jthread> others;
-        for (uint32_t i = 1; i < threads; ++i) others.emplace_back(work);
-        work();
-    }
+    });
     std::vector<EmissionSample> all;
     for (uint32_t c = 0; c < chunks; ++c) {
         all.insert(all.end(), found[c].begin(), found[c].end());

@@ -276,7 +276,8 @@ struct PathTracer {
             manifold_radiance(
                 techniques_of(world, settings),
                 {surface.p, surface.p_error, surface.ng, surface.wo, &surface.closures,
-                 bounces.transparent_left(settings.limits), surface.hit, approach, bounces},
+                 bounces.transparent_left(settings.limits), surface.hit, approach, bounces,
+                 max_component(throughput) * smooth_albedo(surface.closures) / (kPi * chance)},
                 pass.sheets, sampler, counts);
         const double squares =
             static_cast<double>((sqr(caustic.x) + sqr(caustic.y) + sqr(caustic.z)) * (1.0f / 3.0f));

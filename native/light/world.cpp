@@ -2,9 +2,8 @@
 // A world's strength is its radiance (Cycles 5.0.1: irradiance pi times it on an open plane).
 #include "light/world.h"
 
+#include "core/parallel.h"
 #include "math/warp.h"
-
-#include <thread>
 
 namespace spc {
 namespace {
@@ -65,7 +64,7 @@ Table tabulate(const Scene& scene, const Material& material, uint32_t threads) {
             luminance(evaluate_background(material, scene.images, to_direction(position)));
         return std::isfinite(value) ? std::max(value, 0.0f) : 0.0f;
     };
-    const auto fill_row = [&](uint32_t y) {
+    parallel_for(threads, height, [&](uint32_t y) {
         for (uint32_t x = 0; x < width; ++x) {
             float sum = 0.0f;
             for (uint32_t j = 0; j < finer; ++j)
@@ -73,14 +72,7 @@ Table tabulate(const Scene& scene, const Material& material, uint32_t threads) {
                     sum += brightness(x * finer + i, y * finer + j);
             table.at(x, y) = sum / static_cast<float>(finer * finer);
         }
-    };
-    const uint32_t count = threads > 0 ? threads : std::max(std::thread::hardware_concurrency(), 1u);
-    std::vector<std::jthread> workers;
-    for (uint32_t i = 0; i < count; ++i)
-        workers.emplace_back([&fill_row, i, count, height] {
-            for (uint32_t y = i; y < height; y += count) fill_row(y);
-        });
-    workers.clear();  // joins
+    });
     return table;
 }
 

@@ -62,11 +62,14 @@ public:
     // The sum over the solutions to which a sheet leads, weak ones by chance. What it misses at its
     // folds and ends is left to walks, as many as it takes to find it again: they have next to
     // nothing to find.
-    Spectrum by_sheet(const LightSheet* sheet, Pcg& pcg) {
+    Spectrum by_sheet(const LightSheet* sheet, float sure, Pcg& pcg) {
         const float search_chance = sheet != nullptr ? settings_.search_chance : 1.0f;
+        // Of light that is 1 by area at the receiver.
+        const float worth = sure > 0.0f ? receiver_.importance / (y_.pdf * sure)
+                                        : std::numeric_limits<float>::max();
         FoundChains found;
         const float u = pcg.one();
-        if (sheet != nullptr) shoot_leads(*sheet, u, found);
+        if (sheet != nullptr) shoot_leads(*sheet, worth, u, found);
         Spectrum sum(0.0f);
         for (const FoundChain& one : found)
             sum += contribution(one.solution.chain) * (1.0f / one.chance);
@@ -74,7 +77,7 @@ public:
         if (pcg.one() >= search_chance) return sum;
         const std::optional<ChainSolution> missed = random_chain(pcg);
         if (!missed || find(found, *missed) != nullptr) return sum;
-        if (sheet != nullptr) shoot_leads(*sheet, 0.0f, found);
+        if (sheet != nullptr) shoot_leads(*sheet, worth, 0.0f, found);
         if (find(found, *missed) != nullptr) return sum;
         const Spectrum value = contribution(missed->chain);
         if (is_black(value)) return sum;
@@ -101,17 +104,18 @@ private:
         return nullptr;
     }
 
-    void shoot_leads(const LightSheet& sheet, float u, FoundChains& found) {
+    void shoot_leads(const LightSheet& sheet, float worth, float u, FoundChains& found) {
         static thread_local std::vector<Lead> leads;
         leads.clear();
-        sheet.find_leads(receiver_.p, shift_between(sheet.light_point(), y_), u, leads);
+        sheet.find_leads(receiver_.p, shift_between(sheet.light_point(), y_), worth, u, leads);
         std::vector<const Lead*> arrived;
         for (const Lead& lead : leads) {
             const auto repeated = [&](const Lead* other) { return repeats(lead, *other); };
             if (std::any_of(arrived.begin(), arrived.end(), repeated)) continue;
             ++stats_.leads;
             const std::optional<ChainSolution> solution =
-                shoot(scene_, settings_, start(), end_of(y_), *lead.kind, lead.w, stats_);
+                shoot(scene_, settings_, start(), end_of(y_), *lead.kind, lead.w,
+                      settings_.lead_halvings, stats_);
             if (!solution) continue;
             arrived.push_back(&lead);
             if (FoundChain* known = find(found, *solution))
@@ -140,7 +144,8 @@ private:
         const std::optional<RandomChain> chain = sample_chain(
             scene_, settings_, start(), techniques_.casters, choice.index, pcg, stats_);
         if (!chain) return std::nullopt;
-        return shoot(scene_, settings_, start(), end_of(y_), chain->kind, chain->w, stats_);
+        return shoot(scene_, settings_, start(), end_of(y_), chain->kind, chain->w,
+                     settings_.max_halvings, stats_);
     }
 
     // What one solution contributes; zero if something stands in its way.
@@ -265,7 +270,8 @@ Spectrum manifold_radiance(const Techniques& techniques, const Receiver& receive
     if (!y) return Spectrum(0.0f);
     if (techniques.manifold.sheets) {
         ++stats.estimates;
-        return Estimate(techniques, receiver, *y, stats).by_sheet(nearest_sheet(sheets, *y), pcg);
+        return Estimate(techniques, receiver, *y, stats)
+            .by_sheet(nearest_sheet(sheets, *y), sheets.sure, pcg);
     }
     const CasterChoice choice = choose_caster(casters, receiver.p, sides_of(receiver), end_of(*y),
                                               sampler[Domain::manifold_caster].one());

@@ -25,6 +25,8 @@ struct Receiver {
     SurfaceHit hit;
     CameraApproach approach;
     BounceCounts before;  // see CausticPath
+    // What irradiance adds to the pixel's radiance, about; largest channel.
+    float importance;
 };
 
 // The path of light that arrives from the direction wi, without its chain and its light: `at_x`

@@ -23,12 +23,13 @@ struct ManifoldSettings {
 
     int max_iterations = 20;  // walks that need more nearly always diverge
     int max_halvings = 6;     // of one step, before the walk gives up
+    int lead_halvings = 1;    // the same from a lead of a sheet: most that need more lead nowhere
     // Share of the seeds that are uniform over the caster; the rest is what x sees of it.
     float seeds_by_area = 0.5f;
     // Points from which the best becomes a seed. More find small basins, and cost time elsewhere.
     uint32_t seed_candidates = 4;
     // Share of the estimates by sheets that look for what those miss.
-    float search_chance = 1.0f / 2;
+    float search_chance = 1.0f / 4;
     // Two solutions closer than this many of their resolutions are one.
     float identity_factor = 4.0f;
     // Bernoulli trials; beyond, the estimate keeps what it counted and reports it.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "manifold/sheet.h"
 
+#include "core/parallel.h"
+
 namespace spc {
 
 namespace {
@@ -8,6 +10,7 @@ namespace {
 constexpr uint32_t kCells = 16;  // of a tile, along each side
 constexpr uint32_t kCorners = kCells + 1;
 constexpr uint32_t kFinestLevel = 16;
+constexpr float kLeastChance = 1.0f / 512;  // of a lead: chains may carry more than it promises
 
 // Where one ray ends on a receiver.
 struct Landing {
@@ -18,6 +21,7 @@ struct Landing {
     uint32_t instance;
     Vec3 ng;
     float throughput;  // largest component
+    float light;  // that arrives, by solid angle at the light or area across it, largest channel
 };
 
 // Follows one ray from the light along every way through the casters.
@@ -30,8 +34,10 @@ public:
     void follow(const Vec2& place) {
         Ray ray = ray_at(world_.guide, y_, place);
         // What a point on the far side of a lamp does not light, one on its near side may.
-        const bool faces = dot(y_.n, ray.direction) >= 0.0f;
-        if (faces && is_black(radiance_at(world_.lights, scene_, y_, ray.direction))) return;
+        const float cosine = dot(y_.n, ray.direction);
+        const Spectrum radiance = radiance_at(world_.lights, scene_, y_, ray.direction);
+        if (cosine >= 0.0f && is_black(radiance)) return;
+        emitted_ = max_component(radiance) * (y_.distant || y_.delta ? 1.0f : std::abs(cosine));
         ray.origin = leave_light(scene_, y_, ray.origin, ray.direction);
         const Frame frame = Frame::around(y_.distant ? y_.direction : ray.direction);
         across_ = {frame.x, frame.y};
@@ -77,8 +83,8 @@ private:
                 edge.landed_moved[static_cast<size_t>(k)] += on_receiver * across_[j][k];
             }
         }
-        landings_.push_back(
-            {kind, ordinal, edge, path + hit.t, hit.surface.instance, ng, throughput});
+        landings_.push_back({kind, ordinal, edge, path + hit.t, hit.surface.instance, ng,
+                             throughput, throughput * emitted_});
     }
 
     // Reflected and refracted, as far as either carries light.
@@ -136,6 +142,7 @@ private:
     std::vector<Landing>& landings_;
     uint64_t& rays_;
     std::array<Vec3, 2> across_;  // unit, across the light's first ray
+    float emitted_ = 0.0f;        // as Landing::light
 };
 
 // A square of a light's unit square, of side 2^-level.
@@ -152,7 +159,6 @@ public:
         const float side = std::ldexp(1.0f, -static_cast<int>(tile.level));
         // Solid angle, or area across the direction of a distant light, of a beam.
         beam_size_ = 0.5f * sqr(side / kCells) / density_of_uniform(world.guide, y);
-        distant_ = y.distant;
         for (uint32_t j = 0; j < kCorners; ++j)
             for (uint32_t i = 0; i < kCorners; ++i) {
                 const auto at = [&](uint32_t corner, uint32_t k) {
@@ -247,21 +253,13 @@ private:
         out_.beams.push_back({{a, b, c}, 0, 0.0f, depth, 0.0f});
     }
 
-    // In proportion to the light in the beam, over what there would be without the casters.
-    float chance_of(const Beam& beam) const {
-        constexpr float kCertain = 1.0f / 8, kLeast = 1.0f / 512;
+    // Light in the beam by area across it.
+    float density_of(const Beam& beam) const {
         const Landing &a = landings_[beam.edges[0]], &b = landings_[beam.edges[1]],
                       &c = landings_[beam.edges[2]];
         const Vec3 e1 = b.edge.landed - a.edge.landed, e2 = c.edge.landed - a.edge.landed;
         const float area = 0.5f * std::abs(dot(cross(e1, e2), a.edge.d));
-        const float size = beam_size_ * (distant_ ? 1.0f : sqr(a.path));
-        const float light = std::max({a.throughput, b.throughput, c.throughput}) * size;
-        const float chance = light < kCertain * area ? light / (kCertain * area) : 1.0f;
-        return std::max(power_of_two_below(chance), kLeast);
-    }
-    static float power_of_two_below(float a) {
-        int exponent;
-        return a > 0.0f ? (std::frexp(a, &exponent), std::ldexp(0.5f, exponent)) : 0.0f;
+        return std::max({a.light, b.light, c.light}) * beam_size_ / std::max(area, 1e-20f);
     }
 
     // Margins are wide where a sheet folds over or ends: there chains lie beyond its triangles.
@@ -276,28 +274,23 @@ private:
         for (Beam& beam : out_.beams) {
             beam.kind = index[landings_[beam.edges[0]].kind];
             beam.margin = kMargin;
-            beam.chance = chance_of(beam);
+            beam.density = density_of(beam);
             const auto any = [&](const auto& test) {
                 return std::any_of(beam.edges.begin(), beam.edges.end(),
                                    [&](uint32_t k) { return test(marks_[k]); });
             };
-            if (any([](const Mark& mark) { return mark.forward && mark.backward; })) {
+            if (any([](const Mark& mark) { return mark.forward && mark.backward; }))
                 beam.margin = kFoldMargin;
-                beam.chance = std::min(1.0f, kFoldGain * beam.chance);
-            }
             if (any([](const Mark& mark) { return mark.beams < mark.expected; }))
                 beam.margin = kEndMargin;
         }
     }
 
     static constexpr float kFlat = 0.999f, kFlatDepth = 0.05f;
-    // A beam on a fold may carry more light than its area tells.
-    static constexpr float kFoldGain = 8.0f;
     static constexpr float kMargin = 0.1f, kFoldMargin = 0.75f, kEndMargin = 1.0f;
 
     BeamSet& out_;
     float beam_size_;
-    bool distant_;
     std::vector<Landing> landings_;
     std::vector<Mark> marks_;
     std::array<uint32_t, kCorners * kCorners + 1> begin_{};
@@ -323,9 +316,10 @@ std::optional<Vec3> locate(const std::array<const BeamEdge*, 3>& edges,
     return at;
 }
 
-Bounds bounds_of(const std::array<const BeamEdge*, 3>& edges, const Beam& beam, float reach) {
+Bounds bounds_of(const std::array<const BeamEdge*, 3>& edges, const Beam& beam, float margin,
+                 float reach) {
     const Vec3 center = (edges[0]->landed + edges[1]->landed + edges[2]->landed) * (1.0f / 3);
-    const float scale = 1.0f + 3.0f * beam.margin;
+    const float scale = 1.0f + 3.0f * margin;
     Bounds bounds;
     for (const BeamEdge* edge : edges) {
         const Vec3 p = center + (edge->landed - center) * scale;
@@ -399,30 +393,36 @@ std::vector<TracedTile> trace_tiles(const SheetWorld& world, const LightPoint& y
     const auto is_cancelled = [&] {
         return world.cancelled != nullptr && world.cancelled->load(std::memory_order_relaxed);
     };
-    const auto add = [&](const Square& square) {
-        if (is_cancelled()) return;
-        TracedTile traced{square, 0.0f, {}};
-        traced.irregular = Tile(world, y, square, traced.beams).irregularity() * square.area();
-        if (square.level == kFinestLevel) traced.irregular = 0.0f;
-        if (!traced.beams.edges.empty()) tiles.push_back(std::move(traced));
+    const auto add = [&](const std::vector<Square>& squares) {
+        std::vector<TracedTile> traced(squares.size());
+        parallel_for(world.threads, static_cast<uint32_t>(squares.size()), [&](uint32_t i) {
+            if (is_cancelled()) return;
+            const Square& square = squares[i];
+            Tile tile(world, y, square, traced[i].beams);
+            traced[i].square = square;
+            traced[i].irregular =
+                square.level == kFinestLevel ? 0.0f : tile.irregularity() * square.area();
+        });
+        for (TracedTile& tile : traced)
+            if (!tile.beams.edges.empty()) tiles.push_back(std::move(tile));
     };
     const std::vector<Vec2> places = places_of_casters(world, y);
-    for (const Square& square : first_squares(places, budget / 4)) add(square);
+    add(first_squares(places, budget / 4));
     while (!tiles.empty() && tiles.size() < budget && !is_cancelled()) {
         const auto by_need = [](const TracedTile& a, const TracedTile& b) {
             return a.irregular < b.irregular;
         };
         std::stable_sort(tiles.begin(), tiles.end(), by_need);
         size_t splits = std::min(tiles.size() / 8 + 1, (budget - tiles.size()) / 3 + 1);
-        std::vector<Square> coarse;
+        std::vector<Square> finer;
         for (; splits > 0 && !tiles.empty() && tiles.back().irregular > 0.0f; --splits) {
-            coarse.push_back(tiles.back().square);
+            const Square& coarse = tiles.back().square;
+            for (uint32_t q = 0; q < 4; ++q)
+                finer.push_back({2 * coarse.x + (q & 1), 2 * coarse.y + (q >> 1), coarse.level + 1});
             tiles.pop_back();
         }
-        if (coarse.empty()) break;
-        for (const Square& square : coarse)
-            for (uint32_t q = 0; q < 4; ++q)
-                add({2 * square.x + (q & 1), 2 * square.y + (q >> 1), square.level + 1});
+        if (finer.empty()) break;
+        add(finer);
     }
     return tiles;
 }
@@ -436,19 +436,35 @@ LightSheet::LightSheet(const SheetWorld& world, const LightPoint& y, uint32_t ti
     build_layers(reach);
 }
 
+float LightSheet::density_of(const Entry& entry) const {
+    // Where few leads arrive, mostly at chains that others lead to as well.
+    constexpr float kBeside = 1.0f / 16;
+    return all_.beams[entry.beam].density * (entry.inside ? 1.0f : kBeside);
+}
+
 void LightSheet::build_layers(float reach) {
-    constexpr int kLayers = 10;
-    layers_.resize(kLayers);
-    std::array<std::vector<Bounds>, kLayers> boxes;
+    constexpr size_t kMostLayers = 24;
+    std::vector<Entry> entries;
     for (uint32_t i = 0; i < all_.beams.size(); ++i) {
-        const Beam& beam = all_.beams[i];
-        const auto k = static_cast<size_t>(std::clamp(-std::ilogb(beam.chance), 0, kLayers - 1));
-        layers_[k].beams.push_back(i);
-        boxes[k].push_back(bounds_of(edges_of(all_, beam), beam, reach));
+        entries.push_back({i, true});
+        entries.push_back({i, false});
     }
-    for (size_t k = 0; k < kLayers; ++k) {
-        layers_[k].largest = std::ldexp(1.0f, -static_cast<int>(k));
-        layers_[k].tree = std::make_unique<const BoxTree>(std::move(boxes[k]));
+    std::stable_sort(entries.begin(), entries.end(),
+                     [&](const Entry& a, const Entry& b) { return density_of(a) > density_of(b); });
+    const auto least = static_cast<long>(entries.size() / kMostLayers + 1);
+    for (auto begin = entries.begin(), end = begin; begin != entries.end(); begin = end) {
+        const float largest = density_of(*begin);
+        while (end != entries.end() && (end < begin + least || density_of(*end) > 0.5f * largest))
+            ++end;
+        Layer layer{largest, {begin, end}, nullptr};
+        std::vector<Bounds> boxes;
+        for (const auto& [i, inside] : layer.entries) {
+            const Beam& beam = all_.beams[i];
+            boxes.push_back(
+                bounds_of(edges_of(all_, beam), beam, inside ? 0.0f : beam.margin, reach));
+        }
+        layer.tree = std::make_unique<const BoxTree>(std::move(boxes));
+        layers_.push_back(std::move(layer));
     }
 }
 
@@ -484,17 +500,21 @@ bool repeats(const Lead& lead, const Lead& other) {
     return std::any_of(lead.edges.begin(), lead.edges.end(), shared);
 }
 
-void LightSheet::find_leads(const Vec3& x, const Vec3& shift, float u,
+void LightSheet::find_leads(const Vec3& x, const Vec3& shift, float worth, float u,
                             std::vector<Lead>& leads) const {
-    for (const Layer& layer : layers_)
-        if (layer.largest > u)
+    for (const Layer& layer : layers_) {
+        if (std::max(layer.density * worth, kLeastChance) > u)
             layer.tree->visit(
-                x, [&](uint32_t i) { add_lead(all_.beams[layer.beams[i]], x, shift, leads); });
+                x, [&](uint32_t i) { add_lead(layer.entries[i], x, shift, worth, u, leads); });
+    }
     std::stable_partition(leads.begin(), leads.end(), [](const Lead& lead) { return lead.inside; });
 }
 
-void LightSheet::add_lead(const Beam& beam, const Vec3& x, const Vec3& shift,
-                          std::vector<Lead>& leads) const {
+void LightSheet::add_lead(const Entry& entry, const Vec3& x, const Vec3& shift, float worth,
+                          float u, std::vector<Lead>& leads) const {
+    const Beam& beam = all_.beams[entry.beam];
+    const float chance = std::clamp(density_of(entry) * worth, kLeastChance, 1.0f);
+    if (!(chance > u)) return;
     const std::array<const BeamEdge*, 3> edges = edges_of(all_, beam);
     const auto by_shift = [&](const std::array<Vec3, 3>& moved) {
         return moved[0] * shift.x + moved[1] * shift.y + moved[2] * shift.z;
@@ -504,7 +524,7 @@ void LightSheet::add_lead(const Beam& beam, const Vec3& x, const Vec3& shift,
     const std::optional<Vec3> at = locate(edges, landed, x);
     if (!at || !(std::abs(at->z) <= beam.depth)) return;
     const float b0 = 1.0f - at->x - at->y, least = std::min({b0, at->x, at->y});
-    if (!(least >= -beam.margin)) return;
+    if (entry.inside ? least < 0.0f : least >= 0.0f || least < -beam.margin) return;
     const auto last_of = [&](size_t i) { return edges[i]->last + by_shift(edges[i]->last_moved); };
     const Vec3 last = last_of(0) * b0 + last_of(1) * at->x + last_of(2) * at->y;
     const Vec3 to = last - x;
@@ -512,8 +532,8 @@ void LightSheet::add_lead(const Beam& beam, const Vec3& x, const Vec3& shift,
     if (!(distance > 0.0f)) return;
     const bool forward =
         dot(cross(landed[1] - landed[0], landed[2] - landed[0]), edges[0]->d) > 0.0f;
-    leads.push_back({&all_.kinds[beam.kind], to * (1.0f / distance), beam.chance, least >= 0.0f,
-                     forward, beam.edges});
+    leads.push_back({&all_.kinds[beam.kind], to * (1.0f / distance), chance, entry.inside, forward,
+                     beam.edges});
 }
 
 }  // namespace spc

@@ -24,6 +24,7 @@ struct SheetWorld {
     const CasterSet& casters;
     const EmissionGuide& guide;
     uint32_t longest_chain;
+    uint32_t threads;  // that build one; 0: all
     // Once set, sheets end where they are; whoever sets it throws them away.
     const std::atomic<bool>* cancelled = nullptr;
 };
@@ -44,7 +45,9 @@ struct Beam {
     uint32_t kind;
     float margin;  // in barycentrics, by which it reaches beyond its rays
     float depth;   // m along the rays, before and behind where they landed
-    float chance;  // to be looked at, where a query meets it; a power of two
+    // Light in it, by area across it where it landed: about what irradiance, for a light point of unit
+    // density, it gives.
+    float density;
 };
 struct BeamSet {
     std::vector<BeamEdge> edges;
@@ -77,23 +80,30 @@ public:
 
     const LightPoint& light_point() const { return y_; }
     uint64_t rays() const { return all_.rays; }  // that it took
-    // Of the beams that x lies in or, by their margin, next to, those whose chance is above u: of a
-    // chain to which several of them lead, the chance that a uniform u finds it is the largest of
-    // theirs. Those that it lies in come first. To a light point that lies by `shift` from the
-    // sheet's own, as it does in `reach`.
-    void find_leads(const Vec3& x, const Vec3& shift, float u, std::vector<Lead>& leads) const;
+    // The beams that x lies in or, by their margin, next to. Each is there with a chance: its density
+    // times `worth`, less where x is beside it, within bounds; u, uniform, decides for all of them. So
+    // the chance of a chain to which several lead is the largest of theirs. Those that x lies in come
+    // first. `shift`: from the sheet's light point to that of the chains.
+    void find_leads(const Vec3& x, const Vec3& shift, float worth, float u,
+                    std::vector<Lead>& leads) const;
 
 private:
-    // Beams of similar chance: weak ones spread over large boxes, in which most queries need not
+    // Where to look at a beam: for what lies inside it, or beside it within its margin.
+    struct Entry {
+        uint32_t beam;
+        bool inside;
+    };
+    // Entries of similar density: weak ones spread over large boxes, in which most queries need not
     // look.
     struct Layer {
-        float largest;  // chance
-        std::vector<uint32_t> beams;
+        float density;  // the largest
+        std::vector<Entry> entries;
         std::unique_ptr<const BoxTree> tree;
     };
     void append(const BeamSet& part, std::map<ChainKind, uint32_t>& kinds);
     void build_layers(float reach);
-    void add_lead(const Beam& beam, const Vec3& x, const Vec3& shift,
+    float density_of(const Entry& entry) const;
+    void add_lead(const Entry& entry, const Vec3& x, const Vec3& shift, float worth, float u,
                   std::vector<Lead>& leads) const;
 
     const LightPoint y_;

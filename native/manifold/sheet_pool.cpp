@@ -1,13 +1,81 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "manifold/sheet_pool.h"
 
+#include <numeric>
+
 namespace spc {
+
+namespace {
+
+constexpr uint32_t kMostSheets = 16, kMostOfLight = 8;
+
+// Light points, and how far the points of their light lie for which they are the nearest.
+struct Site {
+    LightPoint y;
+    float reach;  // m or, of a distant light, as a difference of directions
+};
+
+float distance_between(const LightPoint& a, const LightPoint& b) {
+    return length(shift_between(a, b));
+}
+
+// Points of the light, spread over it by its power.
+std::vector<LightPoint> points_of(const Scene& scene, const LightSet& lights, uint32_t light,
+                                  uint32_t seed) {
+    constexpr uint32_t kProbes = 256;
+    std::vector<LightPoint> points;
+    for (uint32_t i = 0; i < kProbes; ++i) {
+        const Vec2 u = Sampler(seed, light, i)[Domain::manifold_light].two();
+        if (const std::optional<LightPoint> y = sample_point_of_light(lights, scene, light, u))
+            points.push_back(*y);
+    }
+    return points;
+}
+
+// Starts in the middle; each further site is the point that lies farthest from those there are.
+std::vector<Site> sites_of(const std::vector<LightPoint>& points, const EmissionGuide& guide,
+                           size_t most) {
+    constexpr float kFar = 1.0f / 16;  // rad, as the casters see it
+    std::vector<Site> sites;
+    if (points.empty() || most == 0) return sites;
+    const auto sum_to = [&](const LightPoint& y) {
+        return std::accumulate(
+            points.begin(), points.end(), 0.0f,
+            [&](float sum, const LightPoint& other) { return sum + distance_between(y, other); });
+    };
+    const LightPoint* next = &points.front();
+    for (const LightPoint& y : points)
+        if (sum_to(y) < sum_to(*next)) next = &y;
+    std::vector<float> distance(points.size(), kInfinity);
+    std::vector<size_t> nearest(points.size(), 0);
+    for (;;) {
+        const LightPoint y = *next;
+        size_t farthest = 0;
+        for (size_t i = 0; i < points.size(); ++i) {
+            const float d = distance_between(points[i], y);
+            if (d < distance[i]) {
+                distance[i] = d;
+                nearest[i] = sites.size();
+            }
+            if (distance[i] > distance[farthest]) farthest = i;
+        }
+        sites.push_back({y, 0.0f});
+        const float far = y.distant ? kFar : kFar * length(y.p - guide.center);
+        if (sites.size() == most || !(distance[farthest] > far)) break;
+        next = &points[farthest];
+    }
+    for (size_t i = 0; i < points.size(); ++i)
+        sites[nearest[i]].reach = std::max(sites[nearest[i]].reach, distance[i]);
+    return sites;
+}
+
+}  // namespace
 
 const LightSheet* nearest_sheet(const LightSheets& sheets, const LightPoint& y) {
     const LightSheet* nearest = nullptr;
     float least = kInfinity;
-    for (const std::unique_ptr<const LightSheet>& sheet : sheets) {
-        if (!sheet || sheet->light_point().light != y.light) continue;
+    for (const std::unique_ptr<const LightSheet>& sheet : sheets.all) {
+        if (sheet->light_point().light != y.light) continue;
         const float d2 = length_squared(shift_between(sheet->light_point(), y));
         if (nearest != nullptr && !(d2 < least)) continue;
         nearest = sheet.get();
@@ -17,65 +85,32 @@ const LightSheet* nearest_sheet(const LightSheets& sheets, const LightPoint& y) 
 }
 
 SheetPool::SheetPool(const Scene& scene, const LightSet& lights, const CasterSet& casters,
-                     const ManifoldSettings& settings, uint32_t seed, uint32_t count, uint32_t tiles)
-    : scene_(scene),
-      lights_(lights),
-      casters_(casters),
-      guide_(aim_at_casters(scene, lights, casters)),
-      settings_(settings),
-      tiles_(tiles),
-      reach_(count, 0.0f),
-      sheets_(count),
-      done_(count) {
-    // Stratified over all sheets.
-    for (uint32_t i = 0; i < count; ++i) points_.push_back(draw(Domain::manifold_light, seed, i));
-    measure_reach(seed);
-}
-
-std::optional<LightPoint> SheetPool::draw(Domain domain, uint32_t seed, uint32_t index) const {
-    return sample_light_point(lights_, scene_, Sampler(seed, kNone, index)[domain].three());
-}
-
-// Nine tenths of the light points that are nearest to a sheet lie within its reach.
-void SheetPool::measure_reach(uint32_t seed) {
-    constexpr uint32_t kProbes = 1024;
-    std::vector<std::vector<float>> distances(points_.size());
-    for (uint32_t i = 0; i < kProbes; ++i) {
-        const std::optional<LightPoint> y = draw(Domain::light_point, seed, i);
-        if (!y) continue;
-        size_t nearest = points_.size();
-        float least = kInfinity;
-        for (size_t k = 0; k < points_.size(); ++k) {
-            if (!points_[k] || points_[k]->light != y->light) continue;
-            const float distance = length(shift_between(*points_[k], *y));
-            if (distance >= least) continue;
-            nearest = k;
-            least = distance;
-        }
-        if (nearest < points_.size()) distances[nearest].push_back(least);
+                     const ManifoldSettings& settings, uint32_t seed, uint32_t tiles,
+                     uint32_t threads)
+    : guide_(aim_at_casters(scene, lights, casters)) {
+    std::vector<uint32_t> feeding;
+    for (uint32_t i = 0; i < lights.count(); ++i)
+        if (lights.caustic_selection.probability(i) > 0.0f) feeding.push_back(i);
+    std::stable_sort(feeding.begin(), feeding.end(), [&](uint32_t a, uint32_t b) {
+        return lights.caustic_selection.probability(a) > lights.caustic_selection.probability(b);
+    });
+    std::vector<Site> sites;
+    for (const uint32_t light : feeding) {
+        const size_t most = std::min<size_t>(kMostOfLight, kMostSheets - sites.size());
+        const std::vector<Site> more = sites_of(points_of(scene, lights, light, seed), guide_, most);
+        sites.insert(sites.end(), more.begin(), more.end());
     }
-    for (size_t k = 0; k < points_.size(); ++k) {
-        std::vector<float>& all = distances[k];
-        if (all.empty()) continue;
-        const auto most = all.begin() + static_cast<long>(all.size() * 9 / 10);
-        std::nth_element(all.begin(), most, all.end());
-        reach_[k] = *most;
-    }
+    const SheetWorld world{
+        scene, lights, casters, guide_, settings.longest_chain, threads, settings.cancelled};
+    for (const Site& site : sites)
+        sheets_.push_back(std::make_unique<const LightSheet>(
+            world, site.y, tiles / static_cast<uint32_t>(sites.size()), site.reach));
 }
 
-uint64_t SheetPool::build(uint32_t index) {
-    if (const std::optional<LightPoint>& y = points_[index])
-        sheets_[index] = std::make_unique<const LightSheet>(
-            SheetWorld{scene_, lights_, casters_, guide_, settings_.longest_chain,
-                       settings_.cancelled},
-            *y, tiles_, reach_[index]);
-    done_[index] = true;
-    return sheets_[index] ? sheets_[index]->rays() : 0;
-}
-
-bool SheetPool::has_first(uint32_t n) const {
-    return std::all_of(done_.begin(), done_.begin() + n,
-                       [](const std::atomic<bool>& done) { return done.load(); });
+uint64_t SheetPool::rays() const {
+    uint64_t sum = 0;
+    for (const std::unique_ptr<const LightSheet>& sheet : sheets_) sum += sheet->rays();
+    return sum;
 }
 
 }  // namespace spc

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The light sheets of a render: some for each light point that matters, which any estimate may use
+// The light sheets of a render: some for each light that feeds casters, which any estimate may use
 // whose own light point lies near.
 #pragma once
 
@@ -7,8 +7,12 @@
 
 namespace spc {
 
-// Those that there are; any light may have some.
-using LightSheets = std::span<const std::unique_ptr<const LightSheet>>;
+struct LightSheets {
+    std::span<const std::unique_ptr<const LightSheet>> all;
+    // A chain that promises to add this much radiance to its pixel is looked for with certainty, a
+    // weaker one by a chance in proportion. 0: all are.
+    float sure = 0.0f;
+};
 
 // The sheet of the light whose point is nearest to y, or null: chains to y differ little from those
 // to its neighbours.
@@ -16,32 +20,18 @@ const LightSheet* nearest_sheet(const LightSheets& sheets, const LightPoint& y);
 
 class SheetPool {
 public:
-    // Draws light points for `count` sheets of `tiles` parts; builds none. All that it is given must
-    // outlive the pool.
+    // Builds them all, of some `tiles` parts together, on so many threads (0: all). So many for a
+    // light that no point of it is far from one of theirs, as the casters see it, up to a limit.
+    // All that it is given must outlive the pool.
     SheetPool(const Scene& scene, const LightSet& lights, const CasterSet& casters,
-              const ManifoldSettings& settings, uint32_t seed, uint32_t count, uint32_t tiles);
+              const ManifoldSettings& settings, uint32_t seed, uint32_t tiles, uint32_t threads);
 
-    uint32_t size() const { return static_cast<uint32_t>(sheets_.size()); }
-    // Builds one; any may be under way at a time. Returns the rays that it took.
-    uint64_t build(uint32_t index);
-    // Whether the first n have been built; then they may be used.
-    bool has_first(uint32_t n) const;
-    LightSheets first(uint32_t n) const { return LightSheets(sheets_).first(n); }
+    std::span<const std::unique_ptr<const LightSheet>> sheets() const { return sheets_; }
+    uint64_t rays() const;  // that they took
 
 private:
-    void measure_reach(uint32_t seed);
-    std::optional<LightPoint> draw(Domain domain, uint32_t seed, uint32_t index) const;
-
-    const Scene& scene_;
-    const LightSet& lights_;
-    const CasterSet& casters_;
     const EmissionGuide guide_;
-    const ManifoldSettings& settings_;
-    const uint32_t tiles_;
-    std::vector<std::optional<LightPoint>> points_;
-    std::vector<float> reach_;  // of each, see LightSheet
     std::vector<std::unique_ptr<const LightSheet>> sheets_;
-    std::vector<std::atomic<bool>> done_;
 };
 
 }  // namespace spc

@@ -156,7 +156,7 @@ ChainKind ChainKind::reversed() const {
 
 std::optional<ChainSolution> shoot(const Scene& scene, const ManifoldSettings& settings,
                                    const RayStart& x, const ChainEnd& end, const ChainKind& kind,
-                                   const Vec3& w, ManifoldStats& stats) {
+                                   const Vec3& w, int max_halvings, ManifoldStats& stats) {
     constexpr float kLongestStep = 0.5f;  // rad
     ++stats.walks;
     const Shooter shooter(scene, x, end, kind, stats);
@@ -175,7 +175,7 @@ std::optional<ChainSolution> shoot(const Scene& scene, const ManifoldSettings& s
         int halvings = 0;
         while (!shooter.fire(normalize(shot->w + frame.x * step->x + frame.y * step->y), *next) ||
                !(next->size() < shot->size())) {
-            if (++halvings > settings.max_halvings) return std::nullopt;
+            if (++halvings > max_halvings) return std::nullopt;
             *step *= 0.5f;
         }
         std::swap(shot, next);

@@ -44,10 +44,10 @@ struct ChainSolution {
 // Goes on from the unit direction `w` at the receiver to a chain of this kind that leads to `end`.
 // Empty when it diverges, a ray misses its caster or meets total internal reflection or the wrong
 // side of a surface, or on a fold, where solutions cannot be told apart. A step that fails so is
-// halved. What stands between the vertices does not matter.
+// halved, `max_halvings` times at most. What stands between the vertices does not matter.
 std::optional<ChainSolution> shoot(const Scene& scene, const ManifoldSettings& settings,
                                    const RayStart& x, const ChainEnd& end, const ChainKind& kind,
-                                   const Vec3& w, ManifoldStats& stats);
+                                   const Vec3& w, int max_halvings, ManifoldStats& stats);
 
 // Where a chain may be looked for.
 struct RandomChain {

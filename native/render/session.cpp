@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "render/session.h"
 
+#include "core/parallel.h"
+
 #include <bit>
 #include <numeric>
 
@@ -14,9 +16,6 @@ namespace {
 // Samples per pass: one at first, so that a picture is there soon, then twice as many each time, so
 // that a tile's data stays in cache, up to 2^kDoublings.
 constexpr uint32_t kDoublings = 2, kLargestBatch = 1u << kDoublings;
-
-// Light sheets that each of the first passes adds, at most.
-constexpr uint32_t kSheetsOfPass = 4, kPassesWithSheets = 8;
 
 // Light paths in a job.
 constexpr uint64_t kLightJob = 1024;
@@ -162,7 +161,9 @@ void Session::work(bool first) {
     try {
         if (first) {
             prepare_sheets();
-            prepare_light_tracing();
+            learn_light_paths();
+            weigh_chains();
+            count_light_paths();
         }
     } catch (...) {
         fail();
@@ -187,8 +188,7 @@ void Session::fail() {
 }
 
 void Session::run_jobs() {
-    const uint64_t jobs =
-        static_cast<uint64_t>(sheets_of_pass_ + light_jobs_ + film_.tile_count()) * pass_count_;
+    const uint64_t jobs = static_cast<uint64_t>(light_jobs_ + film_.tile_count()) * pass_count_;
     while (!should_stop()) {
         const uint64_t job = next_job_.fetch_add(1);
         if (job >= jobs) break;
@@ -199,23 +199,57 @@ void Session::run_jobs() {
     }
 }
 
-void Session::prepare_light_tracing() {
+void Session::learn_light_paths() {
     if (!settings_.light_tracing) return;
     RenderStats stats;
     light_pilot_ = learn_emission(world_, settings_.integrator, filter_.reach(), settings_.seed,
                                   active_workers_, cancelled_, stats.light);
-    if (light_pilot_) {
-        const auto& crop = world_.scene->camera.crop;
-        LightTracing& light_tracing = settings_.integrator.light_tracing;
-        light_tracing = {&light_pilot_->guide, static_cast<double>(uint64_t{crop[2]} * crop[3]),
-                         light_pilot_->goes_on};
-        light_paths_ = light_paths_that_pay(*light_pilot_);
-        light_jobs_ = static_cast<uint32_t>(
-            std::clamp<uint64_t>(light_paths_ / kLightJob, 1, film_.tile_count()));
-        light_tracing.paths = static_cast<double>(light_paths_);
-    }
+    const auto& crop = world_.scene->camera.crop;
+    if (light_pilot_)
+        settings_.integrator.light_tracing = {&light_pilot_->guide,
+                                              static_cast<double>(uint64_t{crop[2]} * crop[3]),
+                                              light_pilot_->goes_on};
     const std::lock_guard lock(mutex_);
     stats_.add(stats);
+}
+
+void Session::count_light_paths() {
+    if (!light_pilot_) return;
+    light_paths_ = light_paths_that_pay(*light_pilot_);
+    light_jobs_ =
+        static_cast<uint32_t>(std::clamp<uint64_t>(light_paths_ / kLightJob, 1, film_.tile_count()));
+    settings_.integrator.light_tracing.paths = static_cast<double>(light_paths_);
+}
+
+Session::Probe Session::probe(uint32_t most, uint32_t rare) const {
+    constexpr uint32_t kFewest = 256;
+
+    const auto& [x0, y0, width, height] = world_.scene->camera.crop;
+    const uint64_t pixels = uint64_t{width} * height;
+    PassState always;
+    always.activation.fill(1.0f);
+    always.sheets = sheets_;
+    const auto count = static_cast<uint32_t>(std::clamp<uint64_t>(pixels / 16, kFewest, most));
+    std::vector<double> squares(count);  // of differences, mean of the channels
+    std::vector<RenderStats> stats(count);
+    parallel_for(active_workers_, count, [&](uint32_t i) {
+        if (must_stop()) return;
+        const auto pixel = static_cast<uint32_t>(pixels * i / count);
+        const auto take = [&](uint32_t index) {
+            return take_sample(x0 + pixel % width, y0 + pixel / width, index, always, stats[i]).radiance;
+        };
+        const Spectrum difference = take(~i) - take(~i ^ (1u << 30));
+        squares[i] = static_cast<double>(dot(difference, difference) * (1.0f / 3.0f));
+    });
+    std::sort(squares.begin(), squares.end());
+    squares.resize(squares.size() - (squares.size() + rare - 1) / rare);
+    RenderStats all;
+    for (const RenderStats& one : stats) all.add(one);
+    const double samples = 2.0 * static_cast<double>(count);
+    return {
+        std::accumulate(squares.begin(), squares.end(), 0.0) / samples,
+        static_cast<double>(all.path.rays + all.path.manifold.rays + all.path.manifold.iterations) /
+            samples};
 }
 
 // For each sample of the picture: so many that a ray more lowers the picture's variance alike,
@@ -223,52 +257,21 @@ void Session::prepare_light_tracing() {
 // and cost N C + P C': then N / P = sqrt(V / C) / sqrt(V' / C'). Work is counted, not timed, so that
 // the same render comes out everywhere.
 uint64_t Session::light_paths_that_pay(const LightPilot& pilot) const {
-    constexpr double kLeast = 0.125, kMost = 8.0;    // for each pixel
-    constexpr uint64_t kFewest = 256, kMany = 2048;  // pixels that are probed, twice each
-    constexpr size_t kRare = 1024;  // of so many, one whose bright sample would tell all is left out
-
-    const auto& [x0, y0, width, height] = world_.scene->camera.crop;
-    const uint64_t pixels = uint64_t{width} * height;
-    PassState always;
-    always.activation.fill(1.0f);
-    always.sheets = sheets_of(0);
-    RenderStats probes;
-    std::vector<double> squares;  // of differences, mean of the channels
-    const uint64_t count = std::clamp(pixels / 16, kFewest, kMany);
-    for (uint32_t i = 0; i < count && !must_stop(); ++i) {
-        const auto pixel = static_cast<uint32_t>(pixels * i / count);
-        const auto take = [&](uint32_t index) {
-            return take_sample(x0 + pixel % width, y0 + pixel / width, index, always, probes).radiance;
-        };
-        const Spectrum difference = take(~i) - take(~i ^ (1u << 30));
-        squares.push_back(static_cast<double>(dot(difference, difference) * (1.0f / 3.0f)));
-    }
-    std::sort(squares.begin(), squares.end());
-    squares.resize(squares.size() - (squares.size() + kRare - 1) / kRare);
-    const PathStats& path = probes.path;
-    const double samples = 2.0 * static_cast<double>(count),
-                 work =
-                     static_cast<double>(path.rays + path.manifold.rays + path.manifold.iterations) /
-                     samples,
-                 variance = std::accumulate(squares.begin(), squares.end(), 0.0) / samples;
-    const auto all = static_cast<double>(pixels);
+    constexpr double kLeast = 0.125, kMost = 8.0;  // for each pixel
+    const auto& crop = world_.scene->camera.crop;
+    const auto pixels = static_cast<double>(uint64_t{crop[2]} * crop[3]);
+    const auto [variance, work] = probe(2048, 1024);
     const double best =
-        std::sqrt(pilot.squares * spread(filter_) * work / (pilot.rays * variance)) / all;
+        std::sqrt(pilot.squares * spread(filter_) * work / (pilot.rays * variance)) / pixels;
     return static_cast<uint64_t>(
-        std::ceil(all * (variance > 0.0 ? std::clamp(best, kLeast, kMost) : kMost)));
+        std::ceil(pixels * (variance > 0.0 ? std::clamp(best, kLeast, kMost) : kMost)));
 }
 
 // Whether the whole job was done.
 bool Session::render_job(uint64_t job, RenderStats& stats) {
-    const uint32_t per_pass = sheets_of_pass_ + light_jobs_ + film_.tile_count();
+    const uint32_t per_pass = light_jobs_ + film_.tile_count();
     const auto pass = static_cast<uint32_t>(job / per_pass);
-    auto part = static_cast<uint32_t>(job % per_pass);
-    if (part < sheets_of_pass_) {
-        const uint32_t index = sheets_for(pass) + part;
-        if (index < sheets_for(pass + 1)) stats.path.manifold.rays += sheets_->build(index);
-        return true;
-    }
-    part -= sheets_of_pass_;
+    const auto part = static_cast<uint32_t>(job % per_pass);
     return part < light_jobs_ ? render_light_paths(pass, part, stats)
                               : render_tile(pass, part - light_jobs_, stats);
 }
@@ -280,10 +283,6 @@ bool Session::render_tile(uint32_t pass, uint32_t tile, RenderStats& stats) {
         if (should_stop()) return false;
         std::this_thread::yield();
     }
-    while (sheets_ && !sheets_->has_first(sheets_for(pass))) {
-        if (pass > 0 ? should_stop() : must_stop()) return false;
-        std::this_thread::yield();
-    }
     std::vector<PixelSums> pixels = film_.copy_tile(tile);
     const bool complete = render_pixels(tile, pass, pixels, stats);
     film_.store_tile(tile, pixels);
@@ -293,35 +292,30 @@ bool Session::render_tile(uint32_t pass, uint32_t tile, RenderStats& stats) {
     return true;
 }
 
-uint32_t Session::sheets_for(uint32_t pass) const {
-    return sheets_ ? std::min((pass + 1) * sheets_of_pass_, sheets_->size()) : 0;
-}
-
-LightSheets Session::sheets_of(uint32_t pass) const {
-    return sheets_ ? sheets_->first(sheets_for(pass)) : LightSheets{};
-}
-
-// Builds those of the first pass.
 void Session::prepare_sheets() {
-    constexpr uint32_t kPixelsOfTile = 128, kLeastTiles = 64, kMostTiles = 1024;
-    const LightSet& lights = world_.lights;
+    constexpr uint32_t kPixelsOfTile = 128, kLeastTiles = 128, kMostTiles = 2048;
     const ManifoldSettings& manifold = settings_.integrator.manifold;
-    if (!manifold.sheets || world_.casters.empty() || lights.caustic_selection.empty()) return;
+    if (!manifold.sheets || world_.casters.empty() || world_.lights.caustic_selection.empty())
+        return;
     // As large as leaves their making a small part of the work.
     const auto& crop = world_.scene->camera.crop;
     const uint32_t tiles = std::clamp(crop[2] * crop[3] / kPixelsOfTile, kLeastTiles, kMostTiles);
-    uint32_t feeding = 0;
-    for (uint32_t i = 0; i < lights.count(); ++i)
-        feeding += lights.caustic_selection.probability(i) > 0.0f ? 1 : 0;
-    sheets_of_pass_ = std::min(feeding, kSheetsOfPass);
-    sheets_ =
-        std::make_unique<SheetPool>(*world_.scene, lights, world_.casters, manifold, settings_.seed,
-                                    sheets_of_pass_ * kPassesWithSheets, tiles);
+    sheet_pool_ =
+        std::make_unique<const SheetPool>(*world_.scene, world_.lights, world_.casters, manifold,
+                                          settings_.seed, tiles, active_workers_);
+    sheets_.all = sheet_pool_->sheets();
     RenderStats stats;
-    for (uint32_t i = 0; i < sheets_for(0) && !must_stop(); ++i)
-        stats.path.manifold.rays += sheets_->build(i);
+    stats.path.manifold.rays = sheet_pool_->rays();
     const std::lock_guard lock(mutex_);
     stats_.add(stats);
+}
+
+// A chain that adds v, looked for with the chance v / s, adds s v to the variance and v / s shots to
+// the cost. With a, the sum of all v of a sample, variance V + s a and cost C + c a / s have the least
+// product where s = sqrt(V c / C). A shot costs about half as much as the rest of a sample.
+void Session::weigh_chains() {
+    if (!sheets_.all.empty())
+        sheets_.sure = static_cast<float>(std::sqrt(0.5 * probe(512, 128).variance));
 }
 
 // A part of the light paths of a pass.
@@ -353,7 +347,7 @@ bool Session::render_pixels(uint32_t tile, uint32_t pass, std::vector<PixelSums>
                             RenderStats& stats) {
     const uint32_t first = pass_begin(pass), count = pass_begin(pass + 1) - first;
     const Film::TileBounds b = film_.bounds(tile);
-    const PassState state{activation_for(evidence_[tile], pixels), sheets_of(pass)};
+    const PassState state{activation_for(evidence_[tile], pixels), sheets_};
     const auto& crop = world_.scene->camera.crop;
     for (uint32_t y = 0; y < b.height; ++y) {
         for (uint32_t x = 0; x < b.width; ++x) {

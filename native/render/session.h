@@ -77,16 +77,24 @@ private:
     void work(bool first);
     void run_jobs();
     void fail();
-    void prepare_light_tracing();
+    // Before the first pass, in this order.
     void prepare_sheets();
+    void learn_light_paths();
+    void weigh_chains();
+    void count_light_paths();
+    // Variance (mean of the channels) and counted work of one sample of the picture, from two in each
+    // of some pixels, `most` at most. Of `rare` of them the one whose bright sample would tell all is
+    // left out.
+    struct Probe {
+        double variance, work;
+    };
+    Probe probe(uint32_t most, uint32_t rare) const;
     uint64_t light_paths_that_pay(const LightPilot& pilot) const;
     bool render_job(uint64_t job, RenderStats& stats);
     bool render_tile(uint32_t pass, uint32_t tile, RenderStats& stats);
     bool render_light_paths(uint32_t pass, uint32_t part, RenderStats& stats);
     bool render_pixels(uint32_t tile, uint32_t pass, std::vector<PixelSums>& pixels,
                        RenderStats& stats);
-    uint32_t sheets_for(uint32_t pass) const;
-    LightSheets sheets_of(uint32_t pass) const;
     FilmSample take_sample(uint32_t x, uint32_t y, uint32_t index, const PassState& state,
                            RenderStats& stats) const;
     uint32_t pass_begin(
@@ -107,10 +115,8 @@ private:
     uint64_t light_paths_ = 0;  // for each sample of the picture
     std::atomic<uint64_t> light_jobs_done_{0};
     std::unique_ptr<const LightPilot> light_pilot_;
-    // Some for each of the first passes, built during the pass before; a pass has its own and all
-    // earlier ones.
-    std::unique_ptr<SheetPool> sheets_;  // null if there are none
-    uint32_t sheets_of_pass_ = 0;
+    std::unique_ptr<const SheetPool> sheet_pool_;  // null if there are none
+    LightSheets sheets_;
     std::latch prepared_{1};
     std::atomic<uint64_t> next_job_{0};
     std::atomic<bool> cancelled_{false}, out_of_time_{false}, failed_{false};

@@ -30,7 +30,7 @@ PART_SECONDS = 60.0  # of rendering that an interrupt can lose
 FIRST_SEED = 500_000  # far from those of what is measured
 OVERHEAD = 5.0  # s of a child beside rendering
 PATH_TRACED = ("cornell",)  # where path tracing converges; elsewhere the manifold and light paths
-METHODS = ("PT", "SMS_UNBIASED")
+METHODS = ("PT", "SMS_UNBIASED", "SHEETS")
 SCRIPT = "_reference_job.py"
 SCRIPTS = (_children.HERE / SCRIPT, ROOT / "tests" / "images" / "_render.py")  # what renders a part
 
@@ -143,7 +143,7 @@ def main() -> int:
     if not blend.is_file():
         raise DevError(f"there is no {blend}")
     blend = blend.resolve()
-    method = args.method or ("PT" if blend.stem in PATH_TRACED else "SMS_UNBIASED")
+    method = args.method or ("PT" if blend.stem in PATH_TRACED else "SHEETS")
     FOLDER.mkdir(parents=True, exist_ok=True)
     _program.freeze_library("reference")
     size = image_size(args.size, blend)

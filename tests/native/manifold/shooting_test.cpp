@@ -118,14 +118,15 @@ TEST(Shots, StayAtChainsThatExist) {
                 path->vertices.back() +
                 path->ray.direction * (0.05f + std::min(path->ray.t_far, 3.0f) * pcg.one());
             const ChainEnd end{distant, y, path->ray.direction};
-            const std::optional<ChainSolution> at =
-                shoot(*world.scene, settings(), x, end, path->kind, w, stats);
+            const std::optional<ChainSolution> at = shoot(
+                *world.scene, settings(), x, end, path->kind, w, settings().max_halvings, stats);
             if (!at || !is_chain(*at, path->kind, path->vertices[0], path->vertices.back()))
                 ++missed;
             const Frame frame = Frame::around(w);
             const Vec3 beside = normalize(w + frame.x * 3e-4f - frame.y * 2e-4f);
             const std::optional<ChainSolution> back =
-                shoot(*world.scene, settings(), x, end, path->kind, beside, stats);
+                shoot(*world.scene, settings(), x, end, path->kind, beside, settings().max_halvings,
+                      stats);
             if (back && is_chain(*back, path->kind, path->vertices[0], path->vertices.back()))
                 ++returned;
         }
@@ -140,12 +141,13 @@ TEST(Sheets, LeadToNearlyAllLight) {
     for (const CasterCase& c : cases()) {
         const RenderScene world = make(c);
         const EmissionGuide guide = aim_at_casters(*world.scene, world.lights, world.casters);
-        const SheetWorld parts{*world.scene, world.lights,          world.casters,
-                               guide,        kLongestManifoldChain, nullptr};
+        const SheetWorld parts{
+            *world.scene, world.lights, world.casters, guide, kLongestManifoldChain, 1, nullptr};
         const std::optional<LightPoint> y =
             sample_light_point(world.lights, *world.scene, {0.5f, 0.5f, 0.5f});
         ASSERT_TRUE(y);
         constexpr uint32_t kTiles = 128;
+        constexpr float kWorth = 1.0f;
         const LightSheet sheet(parts, *y, kTiles, 0.0f);
         Pcg pcg(7);
         ManifoldStats stats;
@@ -160,12 +162,12 @@ TEST(Sheets, LeadToNearlyAllLight) {
             ++chains;
             const auto best_chance = [&](float u) {
                 std::vector<Lead> leads;
-                sheet.find_leads(x.p, Vec3(0.0f), u, leads);
+                sheet.find_leads(x.p, Vec3(0.0f), kWorth, u, leads);
                 float best = 0.0f;
                 for (const Lead& lead : leads) {
                     const std::optional<ChainSolution> found =
                         shoot(*world.scene, settings(), x, {false, y->p, Vec3(0.0f)}, *lead.kind,
-                              lead.w, stats);
+                              lead.w, settings().lead_halvings, stats);
                     if (found && is_chain(*found, path->kind.reversed(), path->vertices.back(),
                                           path->vertices[0]))
                         best = std::max(best, lead.chance);

@@ -5,7 +5,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty
 
 METHODS = (
-    ("AUTO", "Automatic", "Specular Manifold Sampling, unbiased"),
+    ("AUTO", "Automatic", "The best that there is: light sheets, today"),
     ("PT", "Path Tracing", "Path tracing alone, without manifold sampling"),
     ("SMS_UNBIASED", "SMS Unbiased", "Specular Manifold Sampling with a random number of trials"),
     (

@@ -6,7 +6,7 @@ from __future__ import annotations
 from . import compat
 from .desc import Constraint, LightTracing, Method, PixelFilter, RenderSettings
 
-AUTO_METHOD = Method.SMS_UNBIASED
+AUTO_METHOD = Method.SHEETS
 PREVIEW_SAMPLES = 16  # of the little renders of material and world previews
 
 # Field of RenderSettings = Specula's property -> (Cycles' property, "not set").

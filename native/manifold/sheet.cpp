@@ -35,9 +35,11 @@ public:
         Ray ray = ray_at(world_.guide, y_, place);
         // What a point on the far side of a lamp does not light, one on its near side may.
         const float cosine = dot(y_.n, ray.direction);
-        const Spectrum radiance = radiance_at(world_.lights, scene_, y_, ray.direction);
-        if (cosine >= 0.0f && is_black(radiance)) return;
-        emitted_ = max_component(radiance) * (y_.distant || y_.delta ? 1.0f : std::abs(cosine));
+        const Spectrum radiance =
+            radiance_at(world_.lights, scene_, y_, cosine >= 0.0f ? ray.direction : y_.n);
+        if (is_black(radiance)) return;
+        emitted_ = max_component(radiance) *
+                   (y_.distant || y_.delta ? 1.0f : std::max(kLeastCosine, cosine));
         ray.origin = leave_light(scene_, y_, ray.origin, ray.direction);
         const Frame frame = Frame::around(y_.distant ? y_.direction : ray.direction);
         across_ = {frame.x, frame.y};
@@ -135,6 +137,7 @@ private:
 
     static constexpr uint32_t kMostReceivers = 4;
     static constexpr float kLeastThroughput = 1.0f / 512;
+    static constexpr float kLeastCosine = 1.0f / 4;  // at the light, for the points around
 
     const SheetWorld& world_;
     const Scene& scene_;

@@ -8,6 +8,7 @@ namespace spc {
 namespace {
 
 constexpr uint32_t kMostSheets = 16, kMostOfLight = 8;
+constexpr uint32_t kFewestTiles = 64;  // of a sheet
 
 // Light points, and how far the points of their light lie for which they are the nearest.
 struct Site {
@@ -102,9 +103,10 @@ SheetPool::SheetPool(const Scene& scene, const LightSet& lights, const CasterSet
     }
     const SheetWorld world{
         scene, lights, casters, guide_, settings.longest_chain, threads, settings.cancelled};
+    const auto count = static_cast<uint32_t>(sites.size());
     for (const Site& site : sites)
         sheets_.push_back(std::make_unique<const LightSheet>(
-            world, site.y, tiles / static_cast<uint32_t>(sites.size()), site.reach));
+            world, site.y, std::max(kFewestTiles, tiles / count), site.reach));
 }
 
 uint64_t SheetPool::rays() const {

@@ -20,7 +20,7 @@ const LightSheet* nearest_sheet(const LightSheets& sheets, const LightPoint& y);
 
 class SheetPool {
 public:
-    // Builds them all, of some `tiles` parts together, on so many threads (0: all). So many for a
+    // Builds them all, of some `tiles` parts together, or of more if they are many, on so many threads (0: all). So many for a
     // light that no point of it is far from one of theirs, as the casters see it, up to a limit.
     // All that it is given must outlive the pool.
     SheetPool(const Scene& scene, const LightSet& lights, const CasterSet& casters,

@@ -194,7 +194,7 @@ METHODS = {
         _specula(
             "sheets-lt",
             "light sheets + LT",
-            ("best", "light"),
+            ("best", "light", "luxcore"),
             *(GREEN, "*"),
             method="SHEETS",
             light_tracing="ON",
@@ -231,7 +231,7 @@ METHODS = {
     )
 }
 
-QUICK = ("pt", "lt", "sms", "sms-lt", "biased-16", "cycles-pt", "cycles-mnee", "lux-light")
+QUICK = ("pt", "lt", "sms", "sheets-lt", "biased-16", "cycles-pt", "cycles-mnee", "lux-light")
 SMS, CYCLES = "sms", "cycles-pt"  # what each method is held against, beside the best of LuxCore
 
 

@@ -114,6 +114,7 @@ def test_every_panel_draws(light):
         "world": bpy.data.worlds.new("World"),
         "material": new_material(),
     }
+    bpy.context.scene.specula.method = "SMS_UNBIASED"  # which has settings of its own
     for panel in ui.PANELS:
         layout = draw(panel, Context(**members))
         assert layout.shown or layout.texts
@@ -124,7 +125,7 @@ def test_settings_that_are_left_to_cycles_say_what_holds():
     scene.specula.samples, scene.cycles.samples = 0, 77
     layout = draw(ui.SPECULA_PT_sampling, Context())
     assert "0: as Cycles, 77" in layout.texts
-    assert "SMS Unbiased" in layout.texts
+    assert "Light Sheets" in layout.texts
     assert layout.shown.index("samples") < layout.shown.index("method")
     scene.specula.samples = 5
     assert "0: as Cycles, 77" not in draw(ui.SPECULA_PT_sampling, Context()).texts
@@ -134,8 +135,9 @@ def test_advanced_settings_are_closed_and_only_there_where_they_matter():
     panel = ui.SPECULA_PT_advanced
     assert panel.bl_parent_id == "SPECULA_PT_sampling"
     assert panel.bl_options == {"DEFAULT_CLOSED"}
+    bpy.context.scene.specula.method = "SMS_BIASED"
     assert draw(panel, Context()).shown == ["constraint", "two_stage"]
-    for method in ("PT", "LT", "SHEETS"):
+    for method in ("AUTO", "PT", "LT", "SHEETS"):
         bpy.context.scene.specula.method = method
         assert not panel.poll.__func__(panel, Context())
 

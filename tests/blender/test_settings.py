@@ -84,7 +84,7 @@ def test_our_settings_win(scene):
 
 
 def test_method_and_constraint(scene):
-    assert export_settings(scene).method == Method.SMS_UNBIASED
+    assert export_settings(scene).method == Method.SHEETS
     scene.specula.method, scene.specula.constraint = "PT", "ANGLE_DIFFERENCE"
     settings = export_settings(scene)
     assert (settings.method, settings.constraint) == (Method.PT, Constraint.ANGLE_DIFFERENCE)
@@ -92,7 +92,7 @@ def test_method_and_constraint(scene):
 
 def test_light_tracing_is_automatic_and_stays_so_with_any_method(scene):
     settings = export_settings(scene)
-    assert (settings.method, settings.light_tracing) == (Method.SMS_UNBIASED, LightTracing.AUTO)
+    assert (settings.method, settings.light_tracing) == (Method.SHEETS, LightTracing.AUTO)
     for choice in LightTracing:
         scene.specula.light_tracing = choice.name
         assert export_settings(scene).light_tracing == choice
@@ -101,7 +101,7 @@ def test_light_tracing_is_automatic_and_stays_so_with_any_method(scene):
 
 
 def test_labels_are_those_of_the_interface(scene):
-    assert method_label(scene) == "Automatic (SMS Unbiased)"
+    assert method_label(scene) == "Automatic (Light Sheets)"
     scene.specula.method = "SMS_BIASED"
     assert method_label(scene) == "SMS Biased"
     scene.specula.method = "LT"

@@ -49,12 +49,12 @@ Picture render(const RenderScene& world, IntegratorSettings settings, const Meth
     std::optional<SheetPool> sheets;
     PassState state{{1, 1, 1}};
     if (method.sheets) {
-        constexpr uint32_t kSheetCount = 8, kTiles = 64;
+        constexpr uint32_t kTiles = 512;
+        constexpr float kSure = 0.2f;  // leaves many chains to chance
         settings.manifold.longest_chain = kLongestManifoldChain;
-        sheets.emplace(*world.scene, world.lights, world.casters, settings.manifold, seed,
-                       kSheetCount, kTiles);
-        for (uint32_t i = 0; i < kSheetCount; ++i) sheets->build(i);
-        state.sheets = sheets->first(kSheetCount);
+        sheets.emplace(*world.scene, world.lights, world.casters, settings.manifold, seed, kTiles,
+                       1);
+        state.sheets = {sheets->sheets(), kSure};
     }
     std::unique_ptr<const LightPilot> pilot;
     if (method.light_paths) {

@@ -505,12 +505,11 @@ bool repeats(const Lead& lead, const Lead& other) {
 
 void LightSheet::find_leads(const Vec3& x, const Vec3& shift, float worth, float u,
                             std::vector<Lead>& leads) const {
-    for (const Layer& layer : layers_) {
+    for (const Layer& layer : layers_)
         if (std::max(layer.density * worth, kLeastChance) > u)
             layer.tree->visit(
                 x, [&](uint32_t i) { add_lead(layer.entries[i], x, shift, worth, u, leads); });
-    }
-    std::stable_partition(leads.begin(), leads.end(), [](const Lead& lead) { return lead.inside; });
+    std::partition(leads.begin(), leads.end(), [](const Lead& lead) { return lead.inside; });
 }
 
 void LightSheet::add_lead(const Entry& entry, const Vec3& x, const Vec3& shift, float worth,

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "manifold/sheet_pool.h"
 
-#include <numeric>
-
 namespace spc {
 
 namespace {
@@ -38,15 +36,16 @@ std::vector<Site> sites_of(const std::vector<LightPoint>& points, const Emission
                            size_t most) {
     constexpr float kFar = 1.0f / 16;  // rad, as the casters see it
     std::vector<Site> sites;
-    if (points.empty() || most == 0) return sites;
-    const auto sum_to = [&](const LightPoint& y) {
-        return std::accumulate(
-            points.begin(), points.end(), 0.0f,
-            [&](float sum, const LightPoint& other) { return sum + distance_between(y, other); });
-    };
+    if (points.empty()) return sites;
     const LightPoint* next = &points.front();
-    for (const LightPoint& y : points)
-        if (sum_to(y) < sum_to(*next)) next = &y;
+    float least = kInfinity;
+    for (const LightPoint& y : points) {
+        float sum = 0.0f;
+        for (const LightPoint& other : points) sum += distance_between(y, other);
+        if (sum >= least) continue;
+        least = sum;
+        next = &y;
+    }
     std::vector<float> distance(points.size(), kInfinity);
     std::vector<size_t> nearest(points.size(), 0);
     for (;;) {
@@ -85,34 +84,31 @@ const LightSheet* nearest_sheet(const LightSheets& sheets, const LightPoint& y) 
     return nearest;
 }
 
-SheetPool::SheetPool(const Scene& scene, const LightSet& lights, const CasterSet& casters,
-                     const ManifoldSettings& settings, uint32_t seed, uint32_t tiles,
-                     uint32_t threads)
-    : guide_(aim_at_casters(scene, lights, casters)) {
+SheetPool build_sheets(const Scene& scene, const LightSet& lights, const CasterSet& casters,
+                       const ManifoldSettings& settings, uint32_t seed, uint32_t tiles,
+                       uint32_t threads) {
     std::vector<uint32_t> feeding;
     for (uint32_t i = 0; i < lights.count(); ++i)
         if (lights.caustic_selection.probability(i) > 0.0f) feeding.push_back(i);
     std::stable_sort(feeding.begin(), feeding.end(), [&](uint32_t a, uint32_t b) {
         return lights.caustic_selection.probability(a) > lights.caustic_selection.probability(b);
     });
+    const EmissionGuide guide = aim_at_casters(scene, lights, casters);
     std::vector<Site> sites;
     for (const uint32_t light : feeding) {
         const size_t most = std::min<size_t>(kMostOfLight, kMostSheets - sites.size());
-        const std::vector<Site> more = sites_of(points_of(scene, lights, light, seed), guide_, most);
+        if (most == 0) break;
+        const std::vector<Site> more = sites_of(points_of(scene, lights, light, seed), guide, most);
         sites.insert(sites.end(), more.begin(), more.end());
     }
     const SheetWorld world{
-        scene, lights, casters, guide_, settings.longest_chain, threads, settings.cancelled};
+        scene, lights, casters, guide, settings.longest_chain, threads, settings.cancelled};
     const auto count = static_cast<uint32_t>(sites.size());
+    SheetPool sheets;
     for (const Site& site : sites)
-        sheets_.push_back(std::make_unique<const LightSheet>(
+        sheets.push_back(std::make_unique<const LightSheet>(
             world, site.y, std::max(kFewestTiles, tiles / count), site.reach));
-}
-
-uint64_t SheetPool::rays() const {
-    uint64_t sum = 0;
-    for (const std::unique_ptr<const LightSheet>& sheet : sheets_) sum += sheet->rays();
-    return sum;
+    return sheets;
 }
 
 }  // namespace spc

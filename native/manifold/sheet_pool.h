@@ -7,6 +7,14 @@
 
 namespace spc {
 
+using SheetPool = std::vector<std::unique_ptr<const LightSheet>>;
+// Builds them all, on so many threads (0: all): so many for a light that no point of it is far from
+// one of theirs, as the casters see it, up to a limit. Together they have some `tiles` parts, but no
+// sheet has less than a few.
+SheetPool build_sheets(const Scene& scene, const LightSet& lights, const CasterSet& casters,
+                       const ManifoldSettings& settings, uint32_t seed, uint32_t tiles,
+                       uint32_t threads);
+
 struct LightSheets {
     std::span<const std::unique_ptr<const LightSheet>> all;
     // A chain that promises to add this much radiance to its pixel is looked for with certainty, a
@@ -17,21 +25,5 @@ struct LightSheets {
 // The sheet of the light whose point is nearest to y, or null: chains to y differ little from those
 // to its neighbours.
 const LightSheet* nearest_sheet(const LightSheets& sheets, const LightPoint& y);
-
-class SheetPool {
-public:
-    // Builds them all, of some `tiles` parts together, or of more if they are many, on so many threads (0: all). So many for a
-    // light that no point of it is far from one of theirs, as the casters see it, up to a limit.
-    // All that it is given must outlive the pool.
-    SheetPool(const Scene& scene, const LightSet& lights, const CasterSet& casters,
-              const ManifoldSettings& settings, uint32_t seed, uint32_t tiles, uint32_t threads);
-
-    std::span<const std::unique_ptr<const LightSheet>> sheets() const { return sheets_; }
-    uint64_t rays() const;  // that they took
-
-private:
-    const EmissionGuide guide_;
-    std::vector<std::unique_ptr<const LightSheet>> sheets_;
-};
 
 }  // namespace spc

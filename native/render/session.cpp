@@ -260,7 +260,8 @@ uint64_t Session::light_paths_that_pay(const LightPilot& pilot) const {
     constexpr double kLeast = 0.125, kMost = 8.0;  // for each pixel
     const auto& crop = world_.scene->camera.crop;
     const auto pixels = static_cast<double>(uint64_t{crop[2]} * crop[3]);
-    const auto [variance, work] = probe(2048, 1024);
+    constexpr uint32_t kPixels = 2048, kRare = 1024;
+    const auto [variance, work] = probe(kPixels, kRare);
     const double best =
         std::sqrt(pilot.squares * spread(filter_) * work / (pilot.rays * variance)) / pixels;
     return static_cast<uint64_t>(
@@ -300,22 +301,25 @@ void Session::prepare_sheets() {
     // As large as leaves their making a small part of the work.
     const auto& crop = world_.scene->camera.crop;
     const uint32_t tiles = std::clamp(crop[2] * crop[3] / kPixelsOfTile, kLeastTiles, kMostTiles);
-    sheet_pool_ =
-        std::make_unique<const SheetPool>(*world_.scene, world_.lights, world_.casters, manifold,
-                                          settings_.seed, tiles, active_workers_);
-    sheets_.all = sheet_pool_->sheets();
+    sheet_pool_ = build_sheets(*world_.scene, world_.lights, world_.casters, manifold,
+                               settings_.seed, tiles, active_workers_);
+    sheets_.all = sheet_pool_;
     RenderStats stats;
-    stats.path.manifold.rays = sheet_pool_->rays();
+    for (const auto& sheet : sheet_pool_) stats.path.manifold.rays += sheet->rays();
     const std::lock_guard lock(mutex_);
     stats_.add(stats);
 }
 
 // A chain that adds v, looked for with the chance v / s, adds s v to the variance and v / s shots to
 // the cost. With a, the sum of all v of a sample, variance V + s a and cost C + c a / s have the least
-// product where s = sqrt(V c / C). A shot costs about half as much as the rest of a sample.
+// product where s = sqrt(V c / C).
 void Session::weigh_chains() {
+    // Few: until the chains are weighed, all of them are looked for.
+    constexpr uint32_t kPixels = 512, kRare = 128;
+    constexpr double kShotOverSample = 0.5;
     if (!sheets_.all.empty())
-        sheets_.sure = static_cast<float>(std::sqrt(0.5 * probe(512, 128).variance));
+        sheets_.sure =
+            static_cast<float>(std::sqrt(kShotOverSample * probe(kPixels, kRare).variance));
 }
 
 // A part of the light paths of a pass.

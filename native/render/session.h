@@ -115,8 +115,8 @@ private:
     uint64_t light_paths_ = 0;  // for each sample of the picture
     std::atomic<uint64_t> light_jobs_done_{0};
     std::unique_ptr<const LightPilot> light_pilot_;
-    std::unique_ptr<const SheetPool> sheet_pool_;  // null if there are none
-    LightSheets sheets_;
+    SheetPool sheet_pool_;
+    LightSheets sheets_;  // of the pool
     std::latch prepared_{1};
     std::atomic<uint64_t> next_job_{0};
     std::atomic<bool> cancelled_{false}, out_of_time_{false}, failed_{false};

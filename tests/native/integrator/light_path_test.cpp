@@ -46,15 +46,15 @@ Picture render(const RenderScene& world, IntegratorSettings settings, const Meth
     constexpr uint32_t kPixels = kSide * kSide;
     if (method.manifold) settings.manifold = test::unbiased_manifold();
     settings.manifold.sheets = method.sheets;
-    std::optional<SheetPool> sheets;
+    SheetPool sheets;
     PassState state{{1, 1, 1}};
     if (method.sheets) {
         constexpr uint32_t kTiles = 512;
         constexpr float kSure = 0.2f;  // leaves many chains to chance
         settings.manifold.longest_chain = kLongestManifoldChain;
-        sheets.emplace(*world.scene, world.lights, world.casters, settings.manifold, seed, kTiles,
-                       1);
-        state.sheets = {sheets->sheets(), kSure};
+        sheets = build_sheets(*world.scene, world.lights, world.casters, settings.manifold, seed,
+                              kTiles, 1);
+        state.sheets = {sheets, kSure};
     }
     std::unique_ptr<const LightPilot> pilot;
     if (method.light_paths) {

@@ -67,21 +67,21 @@ void add_ball(SceneMaker& maker, const Graph& graph) {
 }
 std::vector<CasterCase> cases() {
     return {{"mirror ball", [](SceneMaker& m) { add_ball(m, test::mirror()); }, 0.02},
-            {"glass ball", [](SceneMaker& m) { add_ball(m, test::glass(1.5f)); }, 0.04},
+            {"glass ball", [](SceneMaker& m) { add_ball(m, test::glass(1.5f)); }, 0.01},
             {"two sheets of glass",
              [](SceneMaker& m) {
                  for (const float z : {0.5f, 0.9f})
                      m.add(test::square(0.8f), test::glass(1.3f), test::rotation_x(0.2f, {0, 0, z}),
                            CausticsRole::caster);
              },
-             0.02},
+             0.005},
             {"wavy mirror",
              [](SceneMaker& m) {
                  m.builder.add_image(test::plane_normals(128, 0.25, 0.03, 5));
                  m.add(test::square(0.8f), test::normal_mapped(test::mirror(), Vec2(1.0f, 1.0f)),
                        test::rotation_x(1.3f, {0.0f, 0.9f, 0.8f}), CausticsRole::caster);
              },
-             0.06}};
+             0.01}};
 }
 RenderScene make(const CasterCase& c) {
     SceneMaker maker;

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/parallel.h"
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+
+namespace spc {
+namespace {
+
+TEST(ParallelFor, ActsOnceOnEachIndex) {
+    for (const uint32_t threads : {0u, 1u, 3u, 64u})
+        for (const uint32_t count : {0u, 1u, 2u, 1000u}) {
+            std::vector<std::atomic<int>> acted(count);
+            parallel_for(threads, count, [&](uint32_t i) { ++acted[i]; });
+            for (const std::atomic<int>& times : acted) EXPECT_EQ(times, 1);
+        }
+}
+
+TEST(ParallelFor, ThrowsWhatARoundThrowsAndEndsEarly) {
+    constexpr uint32_t kCount = 1u << 20;
+    for (const uint32_t threads : {1u, 4u}) {
+        std::atomic<uint32_t> acted{0};
+        const auto run = [&] {
+            parallel_for(threads, kCount, [&](uint32_t i) {
+                ++acted;
+                if (i == 3) throw std::runtime_error("third");
+            });
+        };
+        EXPECT_THROW(run(), std::runtime_error);
+        EXPECT_GE(acted, 4u);
+        EXPECT_LT(acted, kCount);
+    }
+}
+
+}  // namespace
+}  // namespace spc

@@ -128,11 +128,11 @@ uint32_t most_scatterings(const BounceLimits& limits);
 bool manifold_owns(const Techniques& techniques, const CausticPath& path);
 bool light_tracing_owns(const Techniques& techniques, const CausticPath& path);
 
-// The balance heuristic takes estimates of equal density for equally good. The manifold's, which
-// choose one of many solutions and count trials, have this much of the worth of a sample that was
-// drawn with the same density.
+// The balance heuristic takes estimates of equal density for equally good. The manifold's have this
+// much of the worth of a sample that was drawn with the same density: walks choose one of many
+// solutions and count trials, sheets cost more than a light path and miss some chains.
 inline double manifold_worth(const ManifoldSettings& settings) {
-    return settings.sheets ? 1.0 : 1.0 / 32;
+    return settings.sheets ? 1.0 / 8 : 1.0 / 32;
 }
 
 // By area at y (distant light: solid angle at the light) and area at x; of the camera's paths for

@@ -265,7 +265,7 @@ private:
         return std::max({a.light, b.light, c.light}) * beam_size_ / std::max(area, 1e-20f);
     }
 
-    // Margins are wide where a sheet folds over or ends: there chains lie beyond its triangles.
+    // Where a sheet folds over or ends, chains lie beyond its triangles.
     void finish() {
         std::map<ChainKind, uint32_t> index;
         for (const Landing& landing : landings_) {
@@ -276,7 +276,7 @@ private:
         }
         for (Beam& beam : out_.beams) {
             beam.kind = index[landings_[beam.edges[0]].kind];
-            beam.margin = kMargin;
+            beam.margin = 0.0f;
             beam.density = density_of(beam);
             const auto any = [&](const auto& test) {
                 return std::any_of(beam.edges.begin(), beam.edges.end(),
@@ -290,7 +290,7 @@ private:
     }
 
     static constexpr float kFlat = 0.999f, kFlatDepth = 0.05f;
-    static constexpr float kMargin = 0.1f, kFoldMargin = 0.75f, kEndMargin = 1.0f;
+    static constexpr float kFoldMargin = 0.75f, kEndMargin = 1.0f;
 
     BeamSet& out_;
     float beam_size_;
@@ -319,23 +319,26 @@ std::optional<Vec3> locate(const std::array<const BeamEdge*, 3>& edges,
     return at;
 }
 
-Bounds bounds_of(const std::array<const BeamEdge*, 3>& edges, const Beam& beam, float margin,
-                 float reach) {
-    const Vec3 center = (edges[0]->landed + edges[1]->landed + edges[2]->landed) * (1.0f / 3);
+// All that is beside the beam by its margin at most, and nearly as deep.
+MovingPrism prism_of(const std::array<const BeamEdge*, 3>& edges, const Beam& beam, float margin) {
     const float scale = 1.0f + 3.0f * margin;
-    Bounds bounds;
-    for (const BeamEdge* edge : edges) {
-        const Vec3 p = center + (edge->landed - center) * scale;
-        // Farthest along each axis for any shift of that length.
-        Vec3 half;
-        for (int k = 0; k < 3; ++k)
-            half[k] = std::abs(edge->d[k]) * beam.depth +
-                      reach * length(Vec3(edge->landed_moved[0][k], edge->landed_moved[1][k],
-                                          edge->landed_moved[2][k]));
-        bounds.extend(p - half);
-        bounds.extend(p + half);
+    const auto widen = [&](const auto& of) {
+        const Vec3 center = (of(0) + of(1) + of(2)) * (1.0f / 3);
+        std::array<Vec3, 3> wide;
+        for (size_t i = 0; i < 3; ++i) wide[i] = center + (of(i) - center) * scale;
+        return wide;
+    };
+    const std::array<Vec3, 3> landed = widen([&](size_t i) { return edges[i]->landed; });
+    MovingPrism prism;
+    for (size_t i = 0; i < 3; ++i) {
+        prism.corners[i].p = landed[i];
+        prism.corners[i].half = edges[i]->d * beam.depth;
     }
-    return bounds;
+    for (size_t j = 0; j < 3; ++j) {
+        const std::array<Vec3, 3> moved = widen([&](size_t i) { return edges[i]->landed_moved[j]; });
+        for (size_t i = 0; i < 3; ++i) prism.corners[i].motion[j] = moved[i];
+    }
+    return prism;
 }
 
 std::array<const BeamEdge*, 3> edges_of(const BeamSet& set, const Beam& beam) {
@@ -450,7 +453,7 @@ void LightSheet::build_layers(float reach) {
     std::vector<Entry> entries;
     for (uint32_t i = 0; i < all_.beams.size(); ++i) {
         entries.push_back({i, true});
-        entries.push_back({i, false});
+        if (all_.beams[i].margin > 0.0f) entries.push_back({i, false});
     }
     std::stable_sort(entries.begin(), entries.end(),
                      [&](const Entry& a, const Entry& b) { return density_of(a) > density_of(b); });
@@ -459,14 +462,13 @@ void LightSheet::build_layers(float reach) {
         const float largest = density_of(*begin);
         while (end != entries.end() && (end < begin + least || density_of(*end) > 0.5f * largest))
             ++end;
-        Layer layer{largest, {begin, end}, nullptr};
-        std::vector<Bounds> boxes;
-        for (const auto& [i, inside] : layer.entries) {
-            const Beam& beam = all_.beams[i];
-            boxes.push_back(
-                bounds_of(edges_of(all_, beam), beam, inside ? 0.0f : beam.margin, reach));
-        }
-        layer.tree = std::make_unique<const BoxTree>(std::move(boxes));
+        Layer layer{largest, {begin, end}, PrismTree(0, {}, reach)};
+        const auto shape = [&](uint32_t i) {
+            const auto& [index, inside] = layer.entries[i];
+            const Beam& beam = all_.beams[index];
+            return prism_of(edges_of(all_, beam), beam, inside ? 0.0f : beam.margin);
+        };
+        layer.tree = PrismTree(static_cast<uint32_t>(layer.entries.size()), shape, reach);
         layers_.push_back(std::move(layer));
     }
 }
@@ -507,8 +509,9 @@ void LightSheet::find_leads(const Vec3& x, const Vec3& shift, float worth, float
                             std::vector<Lead>& leads) const {
     for (const Layer& layer : layers_)
         if (std::max(layer.density * worth, kLeastChance) > u)
-            layer.tree->visit(
-                x, [&](uint32_t i) { add_lead(layer.entries[i], x, shift, worth, u, leads); });
+            layer.tree.visit(x, shift, [&](uint32_t i) {
+                add_lead(layer.entries[i], x, shift, worth, u, leads);
+            });
     std::partition(leads.begin(), leads.end(), [](const Lead& lead) { return lead.inside; });
 }
 

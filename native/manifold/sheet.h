@@ -9,8 +9,8 @@
 #pragma once
 
 #include "manifold/emission.h"
+#include "manifold/prism_tree.h"
 #include "manifold/shooting.h"
-#include "scene/box_tree.h"
 
 #include <atomic>
 #include <map>
@@ -93,12 +93,12 @@ private:
         uint32_t beam;
         bool inside;
     };
-    // Entries of similar density: weak ones spread over large boxes, in which most queries need not
-    // look.
+    // Entries of similar density: weak ones spread over large volumes, in which most queries need
+    // not look.
     struct Layer {
         float density;  // the largest
         std::vector<Entry> entries;
-        std::unique_ptr<const BoxTree> tree;
+        PrismTree tree;
     };
     void append(const BeamSet& part, std::map<ChainKind, uint32_t>& kinds);
     void build_layers(float reach);

@@ -294,7 +294,7 @@ bool Session::render_tile(uint32_t pass, uint32_t tile, RenderStats& stats) {
 }
 
 void Session::prepare_sheets() {
-    constexpr uint32_t kPixelsOfTile = 128, kLeastTiles = 64, kMostTiles = 2048;
+    constexpr uint32_t kPixelsOfTile = 128, kLeastTiles = 64, kMostTiles = 1024;
     const ManifoldSettings& manifold = settings_.integrator.manifold;
     if (!manifold.sheets || world_.casters.empty() || world_.lights.caustic_selection.empty())
         return;

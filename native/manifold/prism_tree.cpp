@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "manifold/prism_tree.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace spc {
+
+namespace {
+
+constexpr uint32_t kLeaf = 4;
+
+// Where a prism is and how it moves: what lies near and moves alike agrees in all of them.
+struct Place {
+    Vec3 center;
+    std::array<Vec3, 3> motion;
+    float size;  // its longest edge
+
+    static constexpr int kCoordinates = 12;
+    float coordinate(int i, float reach) const {  // m
+        return i < 3 ? center[i] : reach * motion[static_cast<size_t>(i / 3 - 1)][i % 3];
+    }
+};
+
+std::array<Vec3, 3> edges_of(const MovingPrism& prism) {
+    const auto& [a, b, c] = prism.corners;
+    return {b.p - a.p, c.p - b.p, a.p - c.p};
+}
+
+Place place_of(const MovingPrism& prism) {
+    constexpr float kThird = 1.0f / 3;
+    Place place{Vec3(0.0f), {Vec3(0.0f), Vec3(0.0f), Vec3(0.0f)}, 0.0f};
+    for (const MovingPrism::Corner& corner : prism.corners) {
+        place.center += corner.p * kThird;
+        for (size_t j = 0; j < 3; ++j) place.motion[j] += corner.motion[j] * kThird;
+    }
+    for (const Vec3& edge : edges_of(prism)) place.size = std::max(place.size, length(edge));
+    return place;
+}
+
+// Normals of planes that fit closely: the narrowest way first, which decides most queries.
+std::array<Vec3, 3> normals_around(const MovingPrism& prism) {
+    const std::array<Vec3, 3> edges = edges_of(prism);
+    const Vec3 longest = *std::max_element(
+        edges.begin(), edges.end(),
+        [](const Vec3& a, const Vec3& b) { return length_squared(a) < length_squared(b); });
+    const Vec3& along = prism.corners[0].half;
+    const Vec3 across = cross(longest, along);
+    const std::array<Vec3, 3> normals{across, cross(across, along), cross(edges[0], edges[1])};
+    std::array<Vec3, 3> result{Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)};
+    for (size_t i = 0; i < 3; ++i) {
+        const float size = length(normals[i]);
+        if (size > 0.0f && std::isfinite(size)) result[i] = normals[i] * (1.0f / size);
+    }
+    return result;
+}
+
+}  // namespace
+
+void PrismTree::Slab::extend(const MovingPrism& prism, float reach) {
+    for (const MovingPrism::Corner& corner : prism.corners) {
+        const Vec3 off = Vec3(dot(normal, corner.motion[0]), dot(normal, corner.motion[1]),
+                              dot(normal, corner.motion[2])) -
+                         motion;
+        const float center = dot(normal, corner.p),
+                    half = std::abs(dot(normal, corner.half)) + reach * length(off);
+        lower = std::min(lower, center - half);
+        upper = std::max(upper, center + half);
+    }
+}
+
+class PrismTree::Builder {
+public:
+    Builder(PrismTree& tree, const Shape& shape, float reach)
+        : nodes_(tree.nodes_), order_(tree.order_), shape_(shape), reach_(reach) {
+        for (const uint32_t i : order_) places_.push_back(place_of(shape(i)));
+    }
+
+    void build(uint32_t begin, uint32_t end) {
+        std::array<float, Place::kCoordinates> least, most;
+        least.fill(kInfinity);
+        most.fill(-kInfinity);
+        uint32_t largest = order_[begin];
+        for (uint32_t i = begin; i < end; ++i) {
+            const Place& place = places_[order_[i]];
+            if (place.size > places_[largest].size) largest = order_[i];
+            for (int c = 0; c < Place::kCoordinates; ++c) {
+                const float at = place.coordinate(c, reach_);
+                least[static_cast<size_t>(c)] = std::min(least[static_cast<size_t>(c)], at);
+                most[static_cast<size_t>(c)] = std::max(most[static_cast<size_t>(c)], at);
+            }
+        }
+        const size_t node = nodes_.size();
+        nodes_.push_back({slabs_around(begin, end, largest), 0, begin, end - begin});
+        if (end - begin > kLeaf) {
+            nodes_[node].count = 0;
+            int widest = 0;
+            const auto width = [&](int c) {
+                return most[static_cast<size_t>(c)] - least[static_cast<size_t>(c)];
+            };
+            for (int c = 1; c < Place::kCoordinates; ++c)
+                if (width(c) > width(widest)) widest = c;
+            const uint32_t middle = begin + (end - begin) / 2;
+            std::nth_element(order_.begin() + begin, order_.begin() + middle, order_.begin() + end,
+                             [&](uint32_t i, uint32_t k) {
+                                 return places_[i].coordinate(widest, reach_) <
+                                        places_[k].coordinate(widest, reach_);
+                             });
+            build(begin, middle);
+            build(middle, end);
+        }
+        nodes_[node].past = static_cast<uint32_t>(nodes_.size());
+    }
+
+private:
+    // The largest prism gives the directions.
+    std::array<Slab, 3> slabs_around(uint32_t begin, uint32_t end, uint32_t largest) const {
+        const std::array<Vec3, 3> normals = normals_around(shape_(largest));
+        std::array<Vec3, 3> motion{Vec3(0.0f), Vec3(0.0f), Vec3(0.0f)};
+        const float share = 1.0f / static_cast<float>(end - begin);
+        for (uint32_t i = begin; i < end; ++i)
+            for (size_t j = 0; j < 3; ++j) motion[j] += places_[order_[i]].motion[j] * share;
+        std::array<Slab, 3> slabs;
+        for (size_t k = 0; k < 3; ++k) {
+            const Vec3& n = normals[k];
+            slabs[k] = {n, Vec3(dot(n, motion[0]), dot(n, motion[1]), dot(n, motion[2])), kInfinity,
+                        -kInfinity};
+        }
+        for (uint32_t i = begin; i < end; ++i) {
+            const MovingPrism prism = shape_(order_[i]);
+            for (Slab& slab : slabs) slab.extend(prism, reach_);
+        }
+        return slabs;
+    }
+
+    std::vector<Node>& nodes_;
+    std::vector<uint32_t>& order_;
+    const Shape& shape_;
+    const float reach_;
+    std::vector<Place> places_;
+};
+
+PrismTree::PrismTree(uint32_t count, const Shape& shape, float reach) : order_(count) {
+    std::iota(order_.begin(), order_.end(), 0u);
+    if (count > 0) Builder(*this, shape, reach).build(0, count);
+}
+
+}  // namespace spc

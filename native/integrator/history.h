@@ -38,6 +38,7 @@ struct PathHistory {
         pdf_direct = sample.pdf_omega;
         glints = false;
         caustic.x = surface.p;
+        caustic.p_error = surface.p_error;
         caustic.sides = {surface.ng, has_smooth_transmission(surface.closures)};
         caustic.pdf_omega = sample.pdf_omega;
         caustic.receiver = may_receive;

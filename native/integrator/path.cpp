@@ -82,8 +82,9 @@ struct PathTracer {
             return 1.0f;
         const std::optional<CausticDensities> p = caustic_densities(techniques, path, end);
         if (!p || p->manifold + p->light_tracing == 0.0) return 1.0f;
-        return static_cast<float>(p->path_tracing /
-                                  (p->path_tracing + p->manifold + p->light_tracing));
+        const bool missed = p->missed_are_shared() &&
+                            sheets_miss(techniques, pass.sheets, path, end, stats.manifold);
+        return static_cast<float>(p->path_tracing_weight(missed));
     }
 
     // A lamp without shadow shines through everything: rays, which do not, leave it to those who

@@ -14,6 +14,42 @@ ReceiverSides sides_of(const Receiver& receiver) {
     return {receiver.ng, has_smooth_transmission(*receiver.closures)};
 }
 
+struct FoundChain {
+    ChainSolution solution;
+    float chance;  // to be found
+};
+using FoundChains = std::vector<FoundChain>;
+
+FoundChain* find(const ManifoldSettings& settings, FoundChains& found,
+                 const ChainSolution& solution) {
+    for (FoundChain& one : found)
+        if (same_solution(settings, one.solution, solution)) return &one;
+    return nullptr;
+}
+
+// Adds the chains between x and y to which leads of the sheet come.
+void shoot_leads(const Scene& scene, const ManifoldSettings& settings, const LightSheet& sheet,
+                 const RayStart& x, const LightPoint& y, float worth, float u, FoundChains& found,
+                 ManifoldStats& stats) {
+    static thread_local std::vector<Lead> leads;
+    leads.clear();
+    sheet.find_leads(x.p, shift_between(sheet.light_point(), y), worth, u, leads);
+    std::vector<const Lead*> arrived;
+    for (const Lead& lead : leads) {
+        const auto repeated = [&](const Lead* other) { return repeats(lead, *other); };
+        if (std::any_of(arrived.begin(), arrived.end(), repeated)) continue;
+        ++stats.leads;
+        const std::optional<ChainSolution> solution =
+            shoot(scene, settings, x, end_of(y), *lead.kind, lead.w, settings.lead_halvings, stats);
+        if (!solution) continue;
+        arrived.push_back(&lead);
+        if (FoundChain* known = find(settings, found, *solution))
+            known->chance = std::max(known->chance, lead.chance);
+        else
+            found.push_back({*solution, lead.chance});
+    }
+}
+
 // One estimate: a receiver and a light point, and chains between them.
 class Estimate {
 public:
@@ -69,17 +105,19 @@ public:
                                         : std::numeric_limits<float>::max();
         FoundChains found;
         const float u = pcg.one();
-        if (sheet != nullptr) shoot_leads(*sheet, worth, u, found);
+        if (sheet != nullptr)
+            shoot_leads(scene_, settings_, *sheet, start(), y_, worth, u, found, stats_);
         Spectrum sum(0.0f);
         for (const FoundChain& one : found)
             sum += contribution(one.solution.chain) * (1.0f / one.chance);
         stats_.roots += found.size();
         if (pcg.one() >= search_chance) return sum;
         const std::optional<ChainSolution> missed = random_chain(pcg);
-        if (!missed || find(found, *missed) != nullptr) return sum;
-        if (sheet != nullptr) shoot_leads(*sheet, worth, 0.0f, found);
-        if (find(found, *missed) != nullptr) return sum;
-        const Spectrum value = contribution(missed->chain);
+        if (!missed || find(settings_, found, *missed) != nullptr) return sum;
+        if (sheet != nullptr)
+            shoot_leads(scene_, settings_, *sheet, start(), y_, worth, 0.0f, found, stats_);
+        if (find(settings_, found, *missed) != nullptr) return sum;
+        const Spectrum value = contribution(missed->chain, true);
         if (is_black(value)) return sum;
         const uint32_t trials = count_trials([&] {
             const std::optional<ChainSolution> again = random_chain(pcg);
@@ -92,39 +130,6 @@ public:
     }
 
 private:
-    struct FoundChain {
-        ChainSolution solution;
-        float chance;  // to be found
-    };
-    using FoundChains = std::vector<FoundChain>;
-
-    FoundChain* find(FoundChains& found, const ChainSolution& solution) const {
-        for (FoundChain& one : found)
-            if (same_solution(settings_, one.solution, solution)) return &one;
-        return nullptr;
-    }
-
-    void shoot_leads(const LightSheet& sheet, float worth, float u, FoundChains& found) {
-        static thread_local std::vector<Lead> leads;
-        leads.clear();
-        sheet.find_leads(receiver_.p, shift_between(sheet.light_point(), y_), worth, u, leads);
-        std::vector<const Lead*> arrived;
-        for (const Lead& lead : leads) {
-            const auto repeated = [&](const Lead* other) { return repeats(lead, *other); };
-            if (std::any_of(arrived.begin(), arrived.end(), repeated)) continue;
-            ++stats_.leads;
-            const std::optional<ChainSolution> solution =
-                shoot(scene_, settings_, start(), end_of(y_), *lead.kind, lead.w,
-                      settings_.lead_halvings, stats_);
-            if (!solution) continue;
-            arrived.push_back(&lead);
-            if (FoundChain* known = find(found, *solution))
-                known->chance = std::max(known->chance, lead.chance);
-            else
-                found.push_back({*solution, lead.chance});
-        }
-    }
-
     static Chain chain_of(const ChainRoot& root) {
         Chain chain;
         chain.count = 1;
@@ -149,7 +154,7 @@ private:
     }
 
     // What one solution contributes; zero if something stands in its way.
-    Spectrum contribution(const Chain& chain) {
+    Spectrum contribution(const Chain& chain, bool missed = false) {
         const Vec3 wi = normalize(chain.vertices[0].patch.p - receiver_.p);
         const ClosureEval at_x = eval(*receiver_.closures, receiver_.ng, receiver_.wo, wi);
         if (is_black(at_x.f_cos)) return Spectrum(0.0f);
@@ -168,9 +173,10 @@ private:
         const std::optional<CausticDensities> densities =
             caustic_densities(techniques_, path, light_end(y_, away));
         if (!densities || !(densities->geometry > 0.0)) return Spectrum(0.0f);
-        const Spectrum through = passes(chain);
-        return at_x.f_cos * throughput * radiance * through *
-               static_cast<float>(manifold_worth(settings_) * densities->scale());
+        const double scale = missed && densities->missed_are_shared()
+                                 ? densities->missed_scale()
+                                 : manifold_worth(settings_) * densities->scale();
+        return at_x.f_cos * throughput * radiance * passes(chain) * static_cast<float>(scale);
     }
 
     // Fraction of light that passes along all segments of a chain.
@@ -252,6 +258,7 @@ CausticPath caustic_path(const Scene& scene, const Receiver& receiver, const Clo
                          const Vec3& wi) {
     CausticPath path;
     path.x = receiver.p;
+    path.p_error = receiver.p_error;
     path.sides = sides_of(receiver);
     path.pdf_omega = at_x.pdf_omega;
     path.receiver = true;
@@ -282,6 +289,30 @@ Spectrum manifold_radiance(const Techniques& techniques, const Receiver& receive
     const Caster& caster = casters.casters[choice.index];
     return techniques.manifold.biased ? estimate.biased(caster, pcg)
                                       : estimate.unbiased(caster, pcg);
+}
+
+bool sheets_miss(const Techniques& techniques, const LightSheets& sheets, const CausticPath& path,
+                 const LightEnd& end, ManifoldStats& stats) {
+    LightPoint y{};
+    y.light = end.light;
+    y.distant = end.end.distant;
+    y.p = end.end.p;
+    y.direction = end.end.direction;
+    const LightSheet* sheet = nearest_sheet(sheets, y);
+    if (sheet == nullptr) return true;
+    ChainKind kind;
+    for (uint32_t i = 0; i < path.count; ++i)
+        kind.append({path.vertices[i].hit.instance, path.vertices[i].interaction});
+    const RayStart x{path.x, path.sides.ng, path.p_error};
+    const Vec3 w = normalize(surface_position(techniques.scene, path.vertices[0].hit) - path.x);
+    const ManifoldSettings& settings = techniques.manifold;
+    const std::optional<ChainSolution> own =
+        shoot(techniques.scene, settings, x, end.end, kind, w, settings.max_halvings, stats);
+    if (!own) return true;
+    FoundChains found;
+    shoot_leads(techniques.scene, settings, *sheet, x, y, std::numeric_limits<float>::max(), 0.0f,
+                found, stats);
+    return find(settings, found, *own) == nullptr;
 }
 
 }  // namespace spc

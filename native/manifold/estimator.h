@@ -39,4 +39,8 @@ CausticPath caustic_path(const Scene& scene, const Receiver& receiver, const Clo
 Spectrum manifold_radiance(const Techniques& techniques, const Receiver& receiver,
                            const LightSheets& sheets, const Sampler& sampler, ManifoldStats& stats);
 
+// Whether no lead of the sheets comes to the path's chain.
+bool sheets_miss(const Techniques& techniques, const LightSheets& sheets, const CausticPath& path,
+                 const LightEnd& end, ManifoldStats& stats);
+
 }  // namespace spc

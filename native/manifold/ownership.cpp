@@ -141,7 +141,9 @@ std::optional<CausticDensities> caustic_densities(const Techniques& techniques,
     const bool by_manifold = manifold_owns(techniques, path);
     if (by_manifold) {
         p.manifold = manifold_worth(techniques.manifold) * static_cast<double>(end.pdf);
-        if (!techniques.manifold.sheets) {
+        if (techniques.manifold.sheets) {
+            p.missed = CausticDensities::kMissedWorth * static_cast<double>(end.pdf);
+        } else {
             const uint32_t caster = techniques.casters.of_instance[path.vertices[0].hit.instance];
             p.manifold *= static_cast<double>(
                 caster_probability(techniques.casters, caster, path.x, path.sides, end.end));

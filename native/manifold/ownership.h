@@ -84,6 +84,7 @@ struct CameraApproach {
 // From a smooth scattering at the receiver x through the chain: without the light's end.
 struct CausticPath {
     Vec3 x{0.0f};
+    float p_error = 0.0f;    // of x, see RayStart
     ReceiverSides sides{};   // by the side of the path that arrived
     float pdf_omega = 0.0f;  // of the scattering at x towards the chain
     bool receiver = false;   // x has the role, the closure and the bounces left
@@ -147,7 +148,24 @@ struct CausticDensities {
     // What light tracing multiplies the path's light with: its geometry over the densities, of which
     // the estimator's own one divides it and the sum weighs. Finite on a fold. The manifold takes
     // manifold_worth() of it, which it has not been divided by.
-    double scale() const { return geometry / (path_tracing + manifold + light_tracing); }
+    double scale() const { return geometry / sum(); }
+    double sum() const { return path_tracing + manifold + light_tracing; }
+
+    // Chains that sheets miss are found by walks that may take thousands of trials to find one again:
+    // path tracing takes most of what both are left with. It has to look whether sheets miss one, so
+    // that is only done where it makes a difference.
+    bool missed_are_shared() const { return missed > 0.0 && manifold > path_tracing; }
+    double missed = 0.0;  // as `manifold`, of walks beside sheets
+    // What the walks multiply the light of a chain with that sheets miss.
+    double missed_scale() const {
+        return geometry * kMissedWorth * shared_by_camera() / (path_tracing + missed);
+    }
+    double path_tracing_weight(bool is_missed) const {
+        return is_missed ? shared_by_camera() * path_tracing / (path_tracing + missed)
+                         : path_tracing / sum();
+    }
+    double shared_by_camera() const { return (path_tracing + manifold) / sum(); }
+    static constexpr double kMissedWorth = 1.0 / 4096;
 };
 // Throughput of the chain's vertices as the camera's path comes to them; fills in the chances of
 // their lobes.

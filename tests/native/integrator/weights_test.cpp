@@ -391,6 +391,22 @@ TEST(CausticWeights, SumToOneOverTheirOwnRecords) {
     }
 }
 
+// What path tracing, walks and light paths have of a chain that sheets miss.
+TEST(CausticWeights, OfMissedChainsSumToOne) {
+    constexpr double kPointPdf = 3.0;  // of the light point
+    CausticDensities p;
+    p.geometry = 0.7;
+    p.path_tracing = 0.01;
+    p.manifold = 0.4;
+    p.light_tracing = 0.2;
+    p.missed = CausticDensities::kMissedWorth * kPointPdf;
+    ASSERT_TRUE(p.missed_are_shared());
+    const double walks = p.missed_scale() / p.geometry * kPointPdf;
+    EXPECT_NEAR(p.path_tracing_weight(true) + walks + p.light_tracing / sum_of(p), 1.0, 1e-12);
+    EXPECT_GT(p.path_tracing_weight(true), p.path_tracing_weight(false));
+    EXPECT_GT(walks, 0.0);
+}
+
 // A record that differs by a hundredth shows.
 TEST(CausticWeights, ComparisonNoticesAWrongRecord) {
     for (const auto& [kind, found] : deviations(200000, 1.01f))

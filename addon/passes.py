@@ -28,6 +28,12 @@ PASSES = (
     RenderPass(
         "Caustics", Pass.CAUSTICS, "RGB", "COLOR", lambda layer: layer.specula.use_pass_caustics
     ),
+    RenderPass(
+        "Walk Success", Pass.WALK_SUCCESS, "X", "VALUE", lambda layer: layer.specula.use_pass_walks
+    ),
+    RenderPass(
+        "Walk Trials", Pass.WALK_TRIALS, "X", "VALUE", lambda layer: layer.specula.use_pass_walks
+    ),
 )
 
 

@@ -154,6 +154,12 @@ class SpeculaViewLayerSettings(bpy.types.PropertyGroup):
         "as a pass of its own",
         default=False,
     )
+    use_pass_walks: BoolProperty(
+        name="Walks",
+        description="Deliver the share of the walks on caustics' casters that converged, "
+        "and how many trials an estimate took, as passes Walk Success and Walk Trials",
+        default=False,
+    )
 
 
 GROUPS = {

@@ -223,6 +223,7 @@ class SPECULA_PT_passes(SpeculaPanel, bpy.types.Panel):
         column.prop(layer, "use_pass_position")
         column.prop(layer, "use_pass_normal")
         column.prop(layer.specula, "use_pass_caustics")
+        column.prop(layer.specula, "use_pass_walks")
 
 
 class SPECULA_PT_object_caustics(SpeculaPanel, bpy.types.Panel):

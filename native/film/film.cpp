@@ -19,13 +19,16 @@ void accumulate(PixelSums& pixel, const FilmSample& sample) {
     }
     if (pixel.count == 0) pixel.depth = sample.depth;  // means of distances lie where no surface is
     pixel.alpha += sample.alpha;
+    pixel.walks.add(sample.walks);
     ++pixel.count;
 }
 
 uint32_t pass_channels(Pass pass) {
     switch (pass) {
         case Pass::combined: return 4;
-        case Pass::depth: return 1;
+        case Pass::depth:
+        case Pass::walk_success:
+        case Pass::walk_trials: return 1;
         case Pass::position:
         case Pass::normal:
         case Pass::caustics:
@@ -36,6 +39,11 @@ uint32_t pass_channels(Pass pass) {
 }
 
 namespace {
+
+float ratio(uint64_t part, uint64_t whole) {
+    return whole > 0 ? static_cast<float>(static_cast<double>(part) / static_cast<double>(whole))
+                     : 0.0f;
+}
 
 void write_pixel(Pass pass, const PixelSums& pixel, float* out) {
     const double n = pixel.count;
@@ -59,6 +67,10 @@ void write_pixel(Pass pass, const PixelSums& pixel, float* out) {
                 const double spread = std::max(pixel.radiance_squared[c] / n - m * m, 0.0);
                 out[c] = pixel.count > 1 ? static_cast<float>(spread / (n - 1.0)) : 0.0f;
             }
+            break;
+        case Pass::walk_success: out[0] = ratio(pixel.walks.converged, pixel.walks.walks); break;
+        case Pass::walk_trials:
+            out[0] = ratio(pixel.walks.trials, pixel.walks.trial_estimates);
             break;
         case Pass::count: break;
     }

@@ -12,11 +12,25 @@
 
 namespace spc {
 
+// Newton walks and Bernoulli trials that the manifold made for a sample or a pixel.
+struct WalkCounts {
+    uint64_t walks = 0, converged = 0;
+    uint64_t trial_estimates = 0, trials = 0;
+
+    void add(const WalkCounts& other) {
+        walks += other.walks;
+        converged += other.converged;
+        trial_estimates += other.trial_estimates;
+        trials += other.trials;
+    }
+};
+
 struct PixelSums {
     std::array<double, 3> radiance{}, radiance_squared{};
     std::array<float, 3> caustics{}, normal{}, position{};
     float alpha = 0.0f;
     float depth = 1e10f;
+    WalkCounts walks;
     uint32_t count = 0;
 };
 
@@ -24,11 +38,22 @@ struct FilmSample {
     Spectrum radiance, caustics;
     Vec3 position, normal;
     float alpha, depth;
+    WalkCounts walks;
 };
 void accumulate(PixelSums& pixel, const FilmSample& sample);
 
 // The passes of specula.h, with the same numbers.
-enum class Pass : uint32_t { combined, depth, position, normal, caustics, variance, count };
+enum class Pass : uint32_t {
+    combined,
+    depth,
+    position,
+    normal,
+    caustics,
+    variance,
+    walk_success,
+    walk_trials,
+    count
+};
 uint32_t pass_channels(Pass pass);
 
 // What light paths add at a point of the film: radiance times pixels^2.

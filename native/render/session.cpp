@@ -382,6 +382,7 @@ FilmSample Session::take_sample(uint32_t x, uint32_t y, uint32_t index, const Pa
     const Vec2 film = Vec2(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f) + offset;
     const Ray ray = camera.ray(film.x, film.y, lens);
     const PixelKernel pixel{&filter_, film, offset};
+    const ManifoldStats before = stats.path.manifold;
     PathSample path =
         path_radiance(world_, settings_.integrator, state, ray, lens, sampler, stats.path, &pixel);
     ++stats.samples;
@@ -391,8 +392,15 @@ FilmSample Session::take_sample(uint32_t x, uint32_t y, uint32_t index, const Pa
         path = PathSample{};
     }
     stats.manifold_energy += static_cast<double>(luminance(path.caustics));
-    return {path.radiance, path.caustics, path.position,
-            path.normal,   path.alpha,    path.hit ? camera.depth(path.position) : 1e10f};
+    const ManifoldStats& after = stats.path.manifold;
+    return {path.radiance,
+            path.caustics,
+            path.position,
+            path.normal,
+            path.alpha,
+            path.hit ? camera.depth(path.position) : 1e10f,
+            {after.walks - before.walks, after.converged - before.converged,
+             after.trial_estimates - before.trial_estimates, after.trials - before.trials}};
 }
 
 RenderProgress Session::wait(std::chrono::milliseconds patience) {

@@ -105,18 +105,18 @@ def test_film_exposure_scales_colour_and_not_alpha(glowing_quad, tmp_path):
 def test_passes(glowing_quad, tmp_path):
     layer = bpy.context.view_layer
     layer.use_pass_z = layer.use_pass_position = layer.use_pass_normal = True
-    layer.specula.use_pass_caustics = True
+    layer.specula.use_pass_caustics = layer.specula.use_pass_walks = True
     layers, _ = render_layers(tmp_path)
-    assert set(layers) == {
-        f"ViewLayer.{name}" for name in ("Combined", "Depth", "Position", "Normal", "Caustics")
-    }
+    names = ("Combined", "Depth", "Position", "Normal", "Caustics", "Walk Success", "Walk Trials")
+    assert set(layers) == {f"ViewLayer.{name}" for name in names}
     np.testing.assert_allclose(layers["ViewLayer.Depth"], 5.0, rtol=1e-4)
     np.testing.assert_allclose(layers["ViewLayer.Normal"][8, 16], (0, 0, 1), atol=1e-5)
     position = layers["ViewLayer.Position"]
     np.testing.assert_allclose(position[:, :, 2], 0.0, atol=1e-4)
     assert position[8, 0, 0] < -1 < 1 < position[8, 31, 0]  # x grows to the right
     assert position[0, 16, 1] < 0 < position[15, 16, 1]  # and y upwards
-    assert not layers["ViewLayer.Caustics"].any()
+    for name in names[4:]:
+        assert not layers[f"ViewLayer.{name}"].any(), name  # nothing casts caustics
 
 
 def test_passes_are_only_there_if_asked_for(glowing_quad, tmp_path):
@@ -238,6 +238,21 @@ def test_light_tracing_reaches_the_core(
     assert (int(stamp["specula.render.splats"]) > 0) == light_paths
     assert layers["ViewLayer.Caustics"].any() == (walks or light_paths)
     assert ("Light paths:" in "".join(capfd.readouterr())) == light_paths
+
+
+def test_walks_show_in_passes(mirrored_light, tmp_path):
+    mirrored_light.specula.method = "SMS_UNBIASED"
+    mirrored_light.specula.light_tracing = "OFF"
+    layer = bpy.context.view_layer
+    layer.specula.use_pass_walks = True
+    layers, stamp = render_layers(tmp_path)
+    success, trials = layers["ViewLayer.Walk Success"], layers["ViewLayer.Walk Trials"]
+    lit = layers["ViewLayer.Caustics"].max(axis=2) > 0
+    assert lit.any() and not lit.all()
+    assert success.min() >= 0.0 and success.max() <= 1.0
+    # Light that was found took a walk that converged, and a trial at least.
+    assert (success[lit] > 0.0).all() and (trials[lit] >= 1.0).all()
+    assert trials.max() <= int(stamp["specula.render.max_trials"])
 
 
 def test_statistics_do_not_outlive_their_file(glowing_quad):

@@ -445,7 +445,10 @@ typedef enum spc_pass {
     SPC_PASS_CAUSTICS = 4, /* 3: the manifold's and light tracing's share of Combined */
     SPC_PASS_VARIANCE = 5, /* 3: variance of the mean of Combined's RGB; light paths splat on several
                             * pixels, so that errors of neighbours are correlated */
-    SPC_PASS_COUNT = 6
+    /* What manifold sampling had to do for a pixel [Zeltner20]; 0 where it did nothing. */
+    SPC_PASS_WALK_SUCCESS = 6, /* 1: share of the Newton walks that converged, trials included */
+    SPC_PASS_WALK_TRIALS = 7,  /* 1: Bernoulli trials of an estimate that made some, mean */
+    SPC_PASS_COUNT = 8
 } spc_pass;
 
 /* Floats per pixel, 0 for an unknown pass. */

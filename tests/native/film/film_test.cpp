@@ -21,6 +21,8 @@ FilmSample random_sample(test::Uniforms& uniforms) {
     sample.normal = vector();
     sample.alpha = uniforms();
     sample.depth = uniforms() * 10.0f;
+    const auto count = [&] { return static_cast<uint64_t>(uniforms() * 3.0f); };
+    sample.walks = {count() + count(), count(), count(), count() * 10};
     return sample;
 }
 
@@ -62,7 +64,9 @@ TEST(Film, PassesAreWhatTheSamplesSay) {
                              position = read(film, Pass::position),
                              normal = read(film, Pass::normal),
                              caustics = read(film, Pass::caustics),
-                             variance = read(film, Pass::variance);
+                             variance = read(film, Pass::variance),
+                             success = read(film, Pass::walk_success),
+                             trials = read(film, Pass::walk_trials);
     ASSERT_EQ(combined.size(), samples.size() * 4);
     ASSERT_EQ(depth.size(), samples.size());
     for (size_t at = 0; at < samples.size(); ++at) {
@@ -75,6 +79,16 @@ TEST(Film, PassesAreWhatTheSamplesSay) {
         };
         EXPECT_NEAR(combined[4 * at + 3], mean([](const FilmSample& f) { return f.alpha; }), 1e-6);
         EXPECT_EQ(depth[at], s.empty() ? 0.0f : s[0].depth);
+        const auto share = [&](uint64_t WalkCounts::*part, uint64_t WalkCounts::*whole) {
+            double parts = 0.0, wholes = 0.0;
+            for (const FilmSample& f : s) {
+                parts += double(f.walks.*part);
+                wholes += double(f.walks.*whole);
+            }
+            return wholes > 0.0 ? float(parts / wholes) : 0.0f;
+        };
+        EXPECT_EQ(success[at], share(&WalkCounts::converged, &WalkCounts::walks));
+        EXPECT_EQ(trials[at], share(&WalkCounts::trials, &WalkCounts::trial_estimates));
         for (int c = 0; c < 3; ++c) {
             const size_t i = 3 * at + size_t(c);
             const double m = mean([&](const FilmSample& f) { return f.radiance[c]; });

@@ -21,6 +21,7 @@ COMMANDS = {
         "bench",
         "[NAME] ARGS: error against time, or the benchmark tests/bench/NAME.py",
     ),
+    "stability": ("studies", "stability", "every method in the scenes in which methods fail"),
     "package": ("package", "main", "zip the addon as artists install it"),
     "blender": ("host", "blender", "ARGS: Debian's Blender with the addon enabled from the tree"),
     "bpy": ("host", "bpy", "[--version V] SCRIPT ARGS: a script in today's Blender, addon enabled"),

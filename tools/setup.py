@@ -48,6 +48,7 @@ COMMAND_NEEDS = {
     "test bpy": ["build", "bpy"],
     "test images": ["build", "blender", "bpy", "python tests"],
     "bench": ["build", "blender", "bpy"],
+    "stability": ["build", "python tests"],
     "bench kernels": ["build", "kernels"],
     "format": ["quality"],
     "lint": ["build", "native tests", "kernels", "quality"],

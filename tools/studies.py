@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`./dev bench`: programs in tests/bench/ that measure."""
+"""`./dev bench` and `./dev stability`: programs in tests/ that measure."""
 
 from __future__ import annotations
 
@@ -7,9 +7,10 @@ import os
 from typing import NoReturn
 
 from tools import host, setup, venvs
-from tools.common import PYTHON, ROOT, DevError
+from tools.common import BUILD, PYTHON, ROOT, DevError
 
 BENCHES = ROOT / "tests" / "bench"
+STABILITY = ROOT / "tests" / "stability" / "stability.py"
 DEFAULT_BENCH = "error"
 # They need the environment with Matplotlib, FLIP and EXR files.
 WITH_FIGURES = ("error", "reference", "scaling")
@@ -31,3 +32,13 @@ def bench(argv: list[str]) -> NoReturn:
     if name not in NATIVE:
         env["SPECULA_LIBRARY_DIR"] = str(host.library_folder())
     os.execve(python, [str(python), str(BENCHES / f"{name}.py"), *arguments], env)
+
+
+def stability(argv: list[str]) -> NoReturn:
+    """Becomes the program of `./dev stability ARGS...`."""
+    setup.ensure("stability")
+    env = dict(os.environ)
+    addons = host.scripts_folder(BUILD / "python") / "addons"  # where it imports specula from
+    env["PYTHONPATH"] = os.pathsep.join([str(ROOT), str(addons)])
+    env["SPECULA_LIBRARY_DIR"] = str(host.library_folder())
+    os.execve(PYTHON, [str(PYTHON), str(STABILITY), *argv], env)

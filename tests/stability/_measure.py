@@ -16,7 +16,7 @@ from specula.upload import upload
 from tests.stability._cases import BRUTE_FORCE, LIGHT_PATHS, Case
 from tests.stability._scenes import SIDE
 
-BLOCKS = 4  # along each side of the picture
+BLOCKS = 2  # along each side of the picture
 BRIGHTEST = 1e-3  # share of the pixels of a picture with one sample each
 FALSE_ALARMS = 1e-2  # chance that any comparison of a whole table fails though all is well
 POLL_MILLISECONDS = 100
@@ -39,12 +39,14 @@ def settings(method, light_tracing="OFF", **more) -> dict:
         "light_tracing": desc.LightTracing[light_tracing],
         "pixel_filter": desc.PixelFilter.BOX,
         "filter_width": 1.0,
+        # Caustics without the light that they throw on: so have it closed forms and light paths.
+        "max_diffuse_bounces": 1,
         **more,
     }
 
 
 TRUTHS = {
-    BRUTE_FORCE: Method(BRUTE_FORCE, settings("PT"), 1024),
+    BRUTE_FORCE: Method(BRUTE_FORCE, settings("PT"), 4096),
     LIGHT_PATHS: Method(LIGHT_PATHS, settings("LT"), 128),
 }
 METHODS = (

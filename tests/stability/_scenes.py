@@ -180,7 +180,7 @@ class Maker:
         self.scene.images.append(image)
         return len(self.scene.images) - 1
 
-    def bulb(self, p=(0.4, 0.3, 2.0), radius: float = 0.15, power: float = 100.0) -> Maker:
+    def bulb(self, p=(0.4, 0.3, 2.0), radius: float = 0.3, power: float = 100.0) -> Maker:
         self.scene.lights.append(
             desc.LightDesc(
                 f"bulb {len(self.scene.lights)}",

@@ -51,6 +51,15 @@ def over(*casters, light=lambda maker: maker.bulb()) -> desc.SceneDesc:
     return maker.scene
 
 
+def unseen(shape, material, light) -> desc.SceneDesc:
+    """A ball that the camera does not see: light paths have no caustics in mirrors or glass."""
+    maker = Maker().add(
+        shape, material, BALL, visibility=desc.Visibility.ALL & ~desc.Visibility.CAMERA
+    )
+    light(maker)
+    return maker.scene
+
+
 BALL = placed((0.0, 0.0, 0.7))
 
 
@@ -310,14 +319,14 @@ CASES = (
     Case(
         "sun without size",
         "path tracing is blind",
-        lambda: over((sphere(0.4), mirror(), BALL), light=lambda maker: maker.sun(0.0)),
+        lambda: unseen(sphere(0.4), mirror(), lambda maker: maker.sun(0.0)),
         LIGHT_PATHS,
         1,
     ),
     Case(
         "point light",
         "path tracing is blind",
-        lambda: over((sphere(0.4), glass(), BALL), light=lambda maker: maker.bulb(radius=0.0)),
+        lambda: unseen(sphere(0.4), glass(), lambda maker: maker.bulb(radius=0.0)),
         LIGHT_PATHS,
     ),
     Case("0.1 mm", "scale", of_another_size(1e-4), interactions=1),

@@ -144,6 +144,9 @@ struct CausticDensities {
         0.0;  // p_bsdf(w) |dw_x/dA_y| times the chances of all lobes; 0 for delta lights
     double manifold = 0.0;       // p_L(y) times the chance of the caster and manifold_worth()
     double light_tracing = 0.0;  // paths p_L(y) p_e(w_y) |dw_y/dA_x| times the chances of all lobes
+    // p_L(y) times kMissedWorth: of walks beside sheets, for chains that sheets miss.
+    double missed = 0.0;
+    static constexpr double kMissedWorth = 1.0 / 4096;
 
     // What light tracing multiplies the path's light with: its geometry over the densities, of which
     // the estimator's own one divides it and the sum weighs. Finite on a fold. The manifold takes
@@ -155,7 +158,6 @@ struct CausticDensities {
     // path tracing takes most of what both are left with. It has to look whether sheets miss one, so
     // that is only done where it makes a difference.
     bool missed_are_shared() const { return missed > 0.0 && manifold > path_tracing; }
-    double missed = 0.0;  // as `manifold`, of walks beside sheets
     // What the walks multiply the light of a chain with that sheets miss.
     double missed_scale() const {
         return geometry * kMissedWorth * shared_by_camera() / (path_tracing + missed);
@@ -165,7 +167,6 @@ struct CausticDensities {
                          : path_tracing / sum();
     }
     double shared_by_camera() const { return (path_tracing + manifold) / sum(); }
-    static constexpr double kMissedWorth = 1.0 / 4096;
 };
 // Throughput of the chain's vertices as the camera's path comes to them; fills in the chances of
 // their lobes.

@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the stability suite notices."""
+
+import numpy as np
+import pytest
+
+from tests.stability import _report
+from tests.stability._cases import CASES
+from tests.stability._measure import BLOCKS, METHODS, Pictures, compare
+
+COMPARISONS = len(CASES) * len(METHODS)
+ERROR = 0.002  # of the blocks, relative
+
+
+def pictures(factor: float, seed: int, one_block: float = 1.0, nan_samples: int = 0) -> Pictures:
+    """Noisy by ERROR about 1, times `factor`; one block also times `one_block`."""
+    expected = np.full(BLOCKS**2 + 1, factor)
+    expected[0] *= one_block
+    error = np.append(np.full(BLOCKS**2, ERROR), ERROR / BLOCKS)
+    noise = np.random.default_rng(seed).normal(size=error.size)
+    return Pictures(expected + error * noise, error**2, 1.0, 0.0, {"nan_samples": nan_samples})
+
+
+def verdict(method, found: Pictures) -> str:
+    comparison = compare(found, pictures(1.0, 1), COMPARISONS)
+    return _report.Result(CASES[2], method, found, comparison).verdict
+
+
+@pytest.mark.parametrize("seed", range(2, 12))
+def test_noise_passes(seed):
+    assert verdict(METHODS[0], pictures(1.0, seed)) == _report.PASSES
+
+
+@pytest.mark.parametrize("wrong", [{"factor": 1.02}, {"factor": 0.98}, {"one_block": 0.96}])
+def test_wrong_light_fails(wrong):
+    found = pictures(**({"factor": 1.0, "seed": 2} | wrong))
+    assert verdict(METHODS[0], found) == _report.FAILS
+    excused = next(method for method in METHODS if method.excuse)
+    assert verdict(excused, found) == _report.KNOWN
+
+
+def test_nothing_excuses_nan():
+    excused = next(method for method in METHODS if method.excuse)
+    assert verdict(excused, pictures(1.0, 2, nan_samples=1)) == _report.FAILS

@@ -248,4 +248,6 @@ def test_engine_is_what_files_name():
         "Position",
         "Normal",
         "Caustics",
+        "Walk Success",
+        "Walk Trials",
     ]

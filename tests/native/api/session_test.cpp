@@ -149,7 +149,7 @@ TEST(RenderMisuse, Sessions) {
                            {"floats"});
         EXPECT_EQ(spc_film_read(session.get(), pass, buffer, count), SPC_OK);
     }
-    for (const uint32_t unknown : {6u, 0xffffffffu}) {
+    for (const uint32_t unknown : {uint32_t{SPC_PASS_COUNT}, 0xffffffffu}) {
         EXPECT_EQ(spc_pass_channels(unknown), 0u);
         expect_refused(spc_film_read(session.get(), unknown, buffer, 0), SPC_INVALID_ARGUMENT,
                        {"pass"});

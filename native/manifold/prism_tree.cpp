@@ -9,12 +9,16 @@ namespace spc {
 namespace {
 
 constexpr uint32_t kLeaf = 4;
+// A node of more prisms holds the balls around them: it is so much larger than they are that their
+// shapes make no difference to it.
+constexpr uint32_t kManyPrisms = 64;
 
 // Where a prism is and how it moves: what lies near and moves alike agrees in all of them.
 struct Place {
     Vec3 center;
     std::array<Vec3, 3> motion;
-    float size;  // its longest edge
+    float size;    // its longest edge
+    float radius;  // of a ball that moves with the place and always holds the prism
 
     static constexpr int kCoordinates = 12;
     float coordinate(int i, float reach) const {  // m
@@ -27,15 +31,27 @@ std::array<Vec3, 3> edges_of(const MovingPrism& prism) {
     return {b.p - a.p, c.p - b.p, a.p - c.p};
 }
 
-Place place_of(const MovingPrism& prism) {
+Place place_of(const MovingPrism& prism, float reach) {
     constexpr float kThird = 1.0f / 3;
-    Place place{Vec3(0.0f), {Vec3(0.0f), Vec3(0.0f), Vec3(0.0f)}, 0.0f};
+    Place place{Vec3(0.0f), {Vec3(0.0f), Vec3(0.0f), Vec3(0.0f)}, 0.0f, 0.0f};
     for (const MovingPrism::Corner& corner : prism.corners) {
         place.center += corner.p * kThird;
         for (size_t j = 0; j < 3; ++j) place.motion[j] += corner.motion[j] * kThird;
     }
     for (const Vec3& edge : edges_of(prism)) place.size = std::max(place.size, length(edge));
+    for (const MovingPrism::Corner& corner : prism.corners) {
+        float squares = 0.0f;  // the norm bounds how far a shift of length 1 leads from the place's
+        for (size_t j = 0; j < 3; ++j)
+            squares += length_squared(corner.motion[j] - place.motion[j]);
+        place.radius = std::max(place.radius, length(corner.p - place.center) +
+                                                  length(corner.half) + reach * std::sqrt(squares));
+    }
     return place;
+}
+
+// The component along `normal` of each of them.
+Vec3 along(const Vec3& normal, const std::array<Vec3, 3>& motion) {
+    return Vec3(dot(normal, motion[0]), dot(normal, motion[1]), dot(normal, motion[2]));
 }
 
 // Normals of planes that fit closely: the narrowest way first, which decides most queries.
@@ -57,23 +73,19 @@ std::array<Vec3, 3> normals_around(const MovingPrism& prism) {
 
 }  // namespace
 
-void PrismTree::Slab::extend(const MovingPrism& prism, float reach) {
-    for (const MovingPrism::Corner& corner : prism.corners) {
-        const Vec3 off = Vec3(dot(normal, corner.motion[0]), dot(normal, corner.motion[1]),
-                              dot(normal, corner.motion[2])) -
-                         motion;
-        const float center = dot(normal, corner.p),
-                    half = std::abs(dot(normal, corner.half)) + reach * length(off);
-        lower = std::min(lower, center - half);
-        upper = std::max(upper, center + half);
-    }
+void PrismTree::Slab::extend(const Vec3& p, const std::array<Vec3, 3>& moved, float half,
+                             float reach) {
+    const Vec3 off = along(normal, moved) - motion;
+    const float center = dot(normal, p), far = half + reach * length(off);
+    lower = std::min(lower, center - far);
+    upper = std::max(upper, center + far);
 }
 
 class PrismTree::Builder {
 public:
-    Builder(PrismTree& tree, const Shape& shape, float reach)
-        : nodes_(tree.nodes_), order_(tree.order_), shape_(shape), reach_(reach) {
-        for (const uint32_t i : order_) places_.push_back(place_of(shape(i)));
+    Builder(PrismTree& tree, const Shape& shape, float reach, std::vector<uint32_t>& order)
+        : nodes_(tree.nodes_), order_(order), shape_(shape), reach_(reach) {
+        for (const uint32_t i : order_) places_.push_back(place_of(shape(i), reach));
     }
 
     void build(uint32_t begin, uint32_t end) {
@@ -121,16 +133,23 @@ private:
         for (uint32_t i = begin; i < end; ++i)
             for (size_t j = 0; j < 3; ++j) motion[j] += places_[order_[i]].motion[j] * share;
         std::array<Slab, 3> slabs;
-        for (size_t k = 0; k < 3; ++k) {
-            const Vec3& n = normals[k];
-            slabs[k] = {n, Vec3(dot(n, motion[0]), dot(n, motion[1]), dot(n, motion[2])), kInfinity,
-                        -kInfinity};
-        }
-        for (uint32_t i = begin; i < end; ++i) {
-            const MovingPrism prism = shape_(order_[i]);
-            for (Slab& slab : slabs) slab.extend(prism, reach_);
-        }
+        for (size_t k = 0; k < 3; ++k)
+            slabs[k] = {normals[k], along(normals[k], motion), kInfinity, -kInfinity};
+        for (uint32_t i = begin; i < end; ++i)
+            end - begin > kManyPrisms ? hold_ball(order_[i], slabs) : hold_prism(order_[i], slabs);
         return slabs;
+    }
+
+    void hold_ball(uint32_t i, std::array<Slab, 3>& slabs) const {
+        const Place& place = places_[i];
+        for (Slab& slab : slabs) slab.extend(place.center, place.motion, place.radius, reach_);
+    }
+
+    void hold_prism(uint32_t i, std::array<Slab, 3>& slabs) const {
+        const MovingPrism prism = shape_(i);
+        for (Slab& slab : slabs)
+            for (const auto& [p, half, motion] : prism.corners)
+                slab.extend(p, motion, std::abs(dot(slab.normal, half)), reach_);
     }
 
     std::vector<Node>& nodes_;
@@ -140,9 +159,10 @@ private:
     std::vector<Place> places_;
 };
 
-PrismTree::PrismTree(uint32_t count, const Shape& shape, float reach) : order_(count) {
-    std::iota(order_.begin(), order_.end(), 0u);
-    if (count > 0) Builder(*this, shape, reach).build(0, count);
+PrismTree::PrismTree(uint32_t count, const Shape& shape, float reach, std::vector<uint32_t>& order) {
+    order.resize(count);
+    std::iota(order.begin(), order.end(), 0u);
+    if (count > 0) Builder(*this, shape, reach, order).build(0, count);
 }
 
 }  // namespace spc

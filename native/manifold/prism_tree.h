@@ -27,10 +27,12 @@ struct MovingPrism {
 class PrismTree {
 public:
     using Shape = std::function<MovingPrism(uint32_t)>;
-    // `reach`: the longest shift.
-    PrismTree(uint32_t count, const Shape& shape, float reach);
+    PrismTree() = default;  // holds nothing
+    // `reach`: the longest shift. `order` receives the indices of the prisms as they lie in the tree:
+    // what belongs to them is found fastest if it is put in this order.
+    PrismTree(uint32_t count, const Shape& shape, float reach, std::vector<uint32_t>& order);
 
-    // Calls `act` with the index of each prism that holds p, and of some that do not.
+    // Calls `act` with the place in that order of each prism that holds p, and of some that do not.
     template <class Act>
     void visit(const Vec3& p, const Vec3& shift, const Act& act) const {
         for (size_t i = 0; i < nodes_.size();) {
@@ -39,7 +41,7 @@ public:
                 i = node.past;
                 continue;
             }
-            for (uint32_t k = 0; k < node.count; ++k) act(order_[node.first + k]);
+            for (uint32_t k = 0; k < node.count; ++k) act(node.first + k);
             ++i;
         }
     }
@@ -53,13 +55,14 @@ private:
         float at(const Vec3& p, const Vec3& shift) const {
             return dot(normal, p) - dot(motion, shift);
         }
-        void extend(const MovingPrism& prism, float reach);
+        // What moves so and reaches `half` to both sides of p.
+        void extend(const Vec3& p, const std::array<Vec3, 3>& moved, float half, float reach);
     };
     // In the order of a walk that goes down first.
     struct Node {
         std::array<Slab, 3> slabs;
         uint32_t past;          // the next one outside it
-        uint32_t first, count;  // prisms, in `order_`; none but in leaves
+        uint32_t first, count;  // prisms; none but in leaves
 
         bool holds(const Vec3& p, const Vec3& shift) const {
             for (const Slab& slab : slabs) {
@@ -72,7 +75,6 @@ private:
     class Builder;
 
     std::vector<Node> nodes_;
-    std::vector<uint32_t> order_;
 };
 
 }  // namespace spc

@@ -3,6 +3,8 @@
 
 #include "core/parallel.h"
 
+#include <utility>
+
 namespace spc {
 
 namespace {
@@ -439,38 +441,42 @@ LightSheet::LightSheet(const SheetWorld& world, const LightPoint& y, uint32_t ti
     : y_(y) {
     std::map<ChainKind, uint32_t> kinds;
     for (const TracedTile& tile : trace_tiles(world, y, tiles)) append(tile.beams, kinds);
-    build_layers(reach);
+    build_layers(reach, world.threads);
 }
 
-float LightSheet::density_of(const Entry& entry) const {
+float LightSheet::Entry::density() const {
     // Where few leads arrive, mostly at chains that others lead to as well.
     constexpr float kBeside = 1.0f / 16;
-    return all_.beams[entry.beam].density * (entry.inside ? 1.0f : kBeside);
+    return beam.density * (inside ? 1.0f : kBeside);
 }
 
-void LightSheet::build_layers(float reach) {
+void LightSheet::build_layers(float reach, uint32_t threads) {
     constexpr size_t kMostLayers = 24;
     std::vector<Entry> entries;
-    for (uint32_t i = 0; i < all_.beams.size(); ++i) {
-        entries.push_back({i, true});
-        if (all_.beams[i].margin > 0.0f) entries.push_back({i, false});
+    for (const Beam& beam : std::exchange(all_.beams, {})) {
+        entries.push_back({beam, true});
+        if (beam.margin > 0.0f) entries.push_back({beam, false});
     }
     std::stable_sort(entries.begin(), entries.end(),
-                     [&](const Entry& a, const Entry& b) { return density_of(a) > density_of(b); });
+                     [](const Entry& a, const Entry& b) { return a.density() > b.density(); });
     const auto least = static_cast<long>(entries.size() / kMostLayers + 1);
     for (auto begin = entries.begin(), end = begin; begin != entries.end(); begin = end) {
-        const float largest = density_of(*begin);
-        while (end != entries.end() && (end < begin + least || density_of(*end) > 0.5f * largest))
+        const float largest = begin->density();
+        while (end != entries.end() && (end < begin + least || end->density() > 0.5f * largest))
             ++end;
-        Layer layer{largest, {begin, end}, PrismTree(0, {}, reach)};
+        layers_.push_back({largest, {begin, end}, {}});
+    }
+    parallel_for(threads, static_cast<uint32_t>(layers_.size()), [&](uint32_t k) {
+        Layer& layer = layers_[k];
+        const std::vector<Entry> unordered = std::move(layer.entries);
         const auto shape = [&](uint32_t i) {
-            const auto& [index, inside] = layer.entries[i];
-            const Beam& beam = all_.beams[index];
+            const auto& [beam, inside] = unordered[i];
             return prism_of(edges_of(all_, beam), beam, inside ? 0.0f : beam.margin);
         };
-        layer.tree = PrismTree(static_cast<uint32_t>(layer.entries.size()), shape, reach);
-        layers_.push_back(std::move(layer));
-    }
+        std::vector<uint32_t> order;
+        layer.tree = PrismTree(static_cast<uint32_t>(unordered.size()), shape, reach, order);
+        for (const uint32_t i : order) layer.entries.push_back(unordered[i]);
+    });
 }
 
 void LightSheet::append(const BeamSet& part, std::map<ChainKind, uint32_t>& kinds) {
@@ -517,8 +523,8 @@ void LightSheet::find_leads(const Vec3& x, const Vec3& shift, float worth, float
 
 void LightSheet::add_lead(const Entry& entry, const Vec3& x, const Vec3& shift, float worth,
                           float u, std::vector<Lead>& leads) const {
-    const Beam& beam = all_.beams[entry.beam];
-    const float chance = std::clamp(density_of(entry) * worth, kLeastChance, 1.0f);
+    const Beam& beam = entry.beam;
+    const float chance = std::clamp(entry.density() * worth, kLeastChance, 1.0f);
     if (!(chance > u)) return;
     const std::array<const BeamEdge*, 3> edges = edges_of(all_, beam);
     const auto by_shift = [&](const std::array<Vec3, 3>& moved) {

@@ -90,19 +90,19 @@ public:
 private:
     // Where to look at a beam: for what lies inside it, or beside it within its margin.
     struct Entry {
-        uint32_t beam;
+        Beam beam;
         bool inside;
+        float density() const;
     };
     // Entries of similar density: weak ones spread over large volumes, in which most queries need
     // not look.
     struct Layer {
-        float density;  // the largest
-        std::vector<Entry> entries;
+        float density;               // the largest
+        std::vector<Entry> entries;  // in the tree's order
         PrismTree tree;
     };
     void append(const BeamSet& part, std::map<ChainKind, uint32_t>& kinds);
-    void build_layers(float reach);
-    float density_of(const Entry& entry) const;
+    void build_layers(float reach, uint32_t threads);
     void add_lead(const Entry& entry, const Vec3& x, const Vec3& shift, float worth, float u,
                   std::vector<Lead>& leads) const;
 

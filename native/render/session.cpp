@@ -294,15 +294,22 @@ bool Session::render_tile(uint32_t pass, uint32_t tile, RenderStats& stats) {
 }
 
 void Session::prepare_sheets() {
-    constexpr uint32_t kPixelsOfTile = 128, kLeastTiles = 64, kMostTiles = 1024;
+    constexpr double kPixelsOfTile = 128.0, kSamplesOfTile = 4096.0, kSecondsOfTile = 0.04;
+    constexpr double kLeastTiles = 64.0, kMostTiles = 1024.0;
     const ManifoldSettings& manifold = settings_.integrator.manifold;
     if (!manifold.sheets || world_.casters.empty() || world_.lights.caustic_selection.empty())
         return;
     // As large as leaves their making a small part of the work.
     const auto& crop = world_.scene->camera.crop;
-    const uint32_t tiles = std::clamp(crop[2] * crop[3] / kPixelsOfTile, kLeastTiles, kMostTiles);
+    const auto pixels = static_cast<double>(uint64_t{crop[2]} * crop[3]);
+    double tiles = std::min(pixels / kPixelsOfTile, pixels * settings_.samples / kSamplesOfTile);
+    if (settings_.time_limit > 0.0f) {
+        const double seconds = static_cast<double>(settings_.time_limit) * active_workers_;
+        tiles = std::min(tiles, seconds / kSecondsOfTile);
+    }
+    tiles = std::clamp(tiles, kLeastTiles, kMostTiles);
     sheet_pool_ = build_sheets(*world_.scene, world_.lights, world_.casters, manifold,
-                               settings_.seed, tiles, active_workers_);
+                               settings_.seed, static_cast<uint32_t>(tiles), active_workers_);
     sheets_.all = sheet_pool_;
     RenderStats stats;
     for (const auto& sheet : sheet_pool_) stats.path.manifold.rays += sheet->rays();

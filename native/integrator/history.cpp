@@ -16,10 +16,19 @@ bool LightHistory::append_delta(const Surface& surface, const ClosureSample& sam
     return true;
 }
 
+Vec3 LightHistory::direction_back(const ChainEnd& end, const Vec3& p) const {
+    float unused;
+    if (scatterings == 0 && count == 0) return end.from(p, unused);
+    return normalize((scatterings > 0 ? last : vertices[count - 1].p) - p);
+}
+
 std::optional<LightHistory::Arrival> LightHistory::arrive(const Scene& scene, const ChainEnd& end,
+                                                          uint32_t light_visibility,
                                                           const Surface& surface) const {
-    const Vec3 wi = normalize((scatterings > 0 ? last : vertices[count - 1].p) - surface.p);
-    const ClosureEval at = eval(surface.closures, surface.ng, surface.wo, wi);
+    const Vec3 wi = direction_back(end, surface.p);
+    const bool straight = scatterings == 0 && count == 0;
+    const ClosureEval at = eval(surface.closures, surface.ng, surface.wo, wi,
+                                straight ? kinds_seeing(light_visibility) : kAllKinds);
     if (is_black(at.f_cos)) return std::nullopt;
     if (scatterings > 0) {
         if (!(at.pdf_omega > 0.0f)) return std::nullopt;
@@ -32,6 +41,7 @@ std::optional<LightHistory::Arrival> LightHistory::arrive(const Scene& scene, co
     arrival.path.sides = {surface.ng, has_smooth_transmission(surface.closures)};
     arrival.path.pdf_omega = at.pdf_omega;
     arrival.path.receiver = true;
+    arrival.path.rough_caster = scene.instances[surface.hit.instance].rough_caster;
     arrival.path.through_caster = through_caster || passed_caster;
     arrival.path.film_per_area = 1.0f;
     arrival.throughput = at.f_cos * trace_back(scene, end, arrival.path);

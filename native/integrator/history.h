@@ -8,6 +8,20 @@
 
 namespace spc {
 
+constexpr uint32_t ray_kind_after(BounceKind kind) {
+    return kind == BounceKind::diffuse  ? kVisibleDiffuse
+           : kind == BounceKind::glossy ? kVisibleGlossy
+                                        : kVisibleTransmission;
+}
+
+// The kinds of scattering by whose rays a light of this visibility would be found.
+inline uint32_t kinds_seeing(uint32_t visibility) {
+    uint32_t kinds = 0;
+    for (const BounceKind kind : {BounceKind::diffuse, BounceKind::glossy, BounceKind::transmission})
+        if ((visibility & ray_kind_after(kind)) != 0) kinds |= kind_bit(kind);
+    return kinds;
+}
+
 // The stretch of path since the last vertex that next event estimation or the manifold could have
 // connected.
 struct PathHistory {
@@ -42,6 +56,7 @@ struct PathHistory {
         caustic.sides = {surface.ng, has_smooth_transmission(surface.closures)};
         caustic.pdf_omega = sample.pdf_omega;
         caustic.receiver = may_receive;
+        caustic.rough_caster = scene.instances[surface.hit.instance].rough_caster;
         caustic.through_caster = passed_caster = false;
         caustic.before = before;
         caustic.scatterings = approach.scatterings;
@@ -70,7 +85,8 @@ struct PathHistory {
     void append_transparent(const Instance& instance) { passed_caster |= instance.caster; }
 };
 
-// A light path so far: its chain, then smooth scatterings from the receiver on.
+// A light path so far: its chain, which may be empty, then smooth scatterings from the receiver, or
+// from a rough caster, on.
 struct LightHistory {
     struct Vertex {
         Vec3 p;
@@ -81,7 +97,7 @@ struct LightHistory {
     bool passed_caster = false;   // straight through a part of one since the last vertex
     bool through_caster = false;  // or between earlier ones
 
-    uint32_t scatterings = 0;  // the receiver's and later ones
+    uint32_t scatterings = 0;  // the first one's and later ones
     // From then on: the path as the camera's has it, film_per_area but for what comes next, and its
     // throughput.
     CausticPath path{};
@@ -95,17 +111,20 @@ struct LightHistory {
     }
     // The whole path from a surface that the camera sees, or a path from there: `surface` is what
     // it sees. film_per_area is short of the factor that it has at that surface. Empty where no
-    // light goes on that way.
+    // light goes on that way. `light_visibility`: light that comes straight to a surface shows itself
+    // to those closures alone whose rays see it.
     struct Arrival {
         CausticPath path;
         Spectrum throughput;  // of the camera's path from this surface on, over its densities before x
     };
     std::optional<Arrival> arrive(const Scene& scene, const ChainEnd& end,
-                                  const Surface& surface) const;
+                                  uint32_t light_visibility, const Surface& surface) const;
     // The path goes on where `arrival` sees the surface from, with a density of `pdf` (1/sr).
     void append_smooth(const Surface& surface, const Arrival& arrival, float pdf);
 
 private:
+    // To where the path was before it came to p.
+    Vec3 direction_back(const ChainEnd& end, const Vec3& p) const;
     // Adds the chain to a path that begins at the receiver; returns its throughput.
     Spectrum trace_back(const Scene& scene, const ChainEnd& end, CausticPath& path) const;
 };

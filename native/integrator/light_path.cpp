@@ -32,6 +32,7 @@ public:
         if (!y || (light_visibility(world_.lights, y->light) & kVisibleShadow) == 0)
             return std::nullopt;
         y_ = *y;
+        visibility_ = light_visibility(world_.lights, y_.light);
         const EmittedRay emitted =
             emit(*settings_.light_tracing.guide, y_, sampler_[Domain::light_direction].two());
         away_ = emitted.direction;
@@ -40,7 +41,7 @@ public:
         if (is_black(radiance_)) return std::nullopt;
         ray_ = {leave_light(scene_, y_, emitted.origin, away_), away_, 0.0f, kInfinity};
         while (advance()) {}
-        if (history_.scatterings > 0) stats_.rays_behind += stats_.rays - rays_before_;
+        if (is_thinned()) stats_.rays_behind += stats_.rays - rays_before_;
         return EmissionSample{y_.light, {emitted.place, 0.0f}};
     }
 
@@ -54,13 +55,13 @@ private:
         ray_.t_near = past(hit->t);
         if (hit->light != kNone) return true;  // lamps are looked through
         const Instance& instance = scene_.instances[hit->surface.instance];
-        const bool may_end = history_.scatterings > 0 || instance.receiver;
-        if (history_.count > 0 && may_end && (instance.visibility & kVisibleCamera) != 0)
-            connect(hit->surface);
+        const bool may_end = history_.scatterings > 0 || (history_.count > 0 && instance.receiver);
+        if (may_end && (instance.visibility & kVisibleCamera) != 0) connect(hit->surface);
         if ((instance.visibility & kVisibleScattered) == 0)
             return true;  // nothing but the camera sees it
-        const bool may_scatter = history_.count > 0 && may_end &&
-                                 history_.scatterings < most_scatterings(settings_.limits);
+        const bool may_throw_on = history_.count == 0 && instance.rough_caster;
+        const bool may_scatter =
+            (may_end || may_throw_on) && history_.scatterings < most_scatterings(settings_.limits);
         if (!may_scatter && !instance.caster && !scene_.any_transparency) return false;
 
         Surface surface;
@@ -85,14 +86,16 @@ private:
 
     bool turn(const Surface& surface, const ClosureSample& next) {
         const uint32_t kind = next.refracted ? kVisibleTransmission : kVisibleGlossy;
-        if (history_.count == 0 && (light_visibility(world_.lights, y_.light) & kind) == 0)
-            return false;
+        if (history_.count == 0 && (visibility_ & kind) == 0) return false;
         return history_.append_delta(surface, next, world_.casters);
     }
 
     bool scatter(const Surface& surface, const ClosureSample& next, const Sampler& here) {
-        if (history_.scatterings == 0) rays_before_ = stats_.rays;
-        if (history_.scatterings == 0 &&
+        const bool first = history_.scatterings == 0;
+        if (first) rays_before_ = stats_.rays;
+        if (first && history_.count == 0)
+            end_.pdf_direct = pdf_direct(world_.lights, scene_, surface.p, y_);
+        if (first && history_.count > 0 &&
             here[Domain::light_goes_on].one() >= settings_.light_tracing.goes_on)
             return false;
         throughput_ *= next.weight;
@@ -103,11 +106,14 @@ private:
         Surface from_camera;
         evaluate_surface(scene_, surface.hit, next.wi, from_camera);
         const std::optional<LightHistory::Arrival> arrival =
-            history_.arrive(scene_, end_.end, from_camera);
+            history_.arrive(scene_, end_.end, visibility_, from_camera);
         if (!arrival) return false;
         history_.append_smooth(from_camera, *arrival, next.pdf_omega);
         return light_tracing_owns(techniques_of(world_, settings_), history_.path);
     }
+
+    // Whether but a share of the paths comes so far: LightTracing::goes_on.
+    bool is_thinned() const { return history_.scatterings > 0 && history_.count > 0; }
 
     // Splats what reaches the camera from a surface beyond the chain.
     void connect(const SurfaceHit& hit) {
@@ -117,7 +123,8 @@ private:
         if (!view || !is_near_crop(view->film)) return;
         Surface surface;
         evaluate_surface(scene_, hit, normalize(view->origin - p), surface);
-        std::optional<LightHistory::Arrival> arrival = history_.arrive(scene_, end_.end, surface);
+        std::optional<LightHistory::Arrival> arrival =
+            history_.arrive(scene_, end_.end, visibility_, surface);
         if (!arrival) return;
         CausticPath& path = arrival->path;
         path.film_per_area *= view->film_per_area * std::abs(dot(surface.ng, surface.wo));
@@ -134,7 +141,7 @@ private:
         }
         ++stats_.splats;
         const double square = static_cast<double>(dot(value, value) * (1.0f / 3.0f));
-        (history_.scatterings > 0 ? stats_.squares_behind : stats_.squares) += square;
+        (is_thinned() ? stats_.squares_behind : stats_.squares) += square;
         splats_.push_back({view->film, value});
     }
 
@@ -164,6 +171,7 @@ private:
     LightPathStats& stats_;
 
     LightPoint y_{};
+    uint32_t visibility_ = 0;  // of its light
     Spectrum radiance_{0.0f};  // at y along the first segment
     Vec3 away_{0.0f};          // direction of that segment
     LightEnd end_{};
@@ -288,7 +296,7 @@ std::unique_ptr<const LightPilot> learn_emission(const RenderScene& world,
                                                  uint32_t seed, uint32_t threads,
                                                  const std::atomic<bool>& cancelled,
                                                  LightPathStats& stats) {
-    if (world.casters.empty() || world.lights.caustic_selection.empty() ||
+    if (world.casters.aims().empty() || world.lights.caustic_selection.empty() ||
         !world.scene->same_for_scattered_rays)
         return nullptr;
     auto result = std::make_unique<LightPilot>(

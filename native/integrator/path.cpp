@@ -7,20 +7,6 @@ namespace spc {
 
 namespace {
 
-constexpr uint32_t ray_kind_after(BounceKind kind) {
-    return kind == BounceKind::diffuse  ? kVisibleDiffuse
-           : kind == BounceKind::glossy ? kVisibleGlossy
-                                        : kVisibleTransmission;
-}
-
-// The kinds of scattering by whose rays a light of this visibility would be found.
-uint32_t kinds_seeing(uint32_t visibility) {
-    uint32_t kinds = 0;
-    for (const BounceKind kind : {BounceKind::diffuse, BounceKind::glossy, BounceKind::transmission})
-        if ((visibility & ray_kind_after(kind)) != 0) kinds |= kind_bit(kind);
-    return kinds;
-}
-
 // The share of an estimate of density `own` in light that another one finds with `other`: by the
 // balance heuristic, or, where densities are means over a footprint, by the power heuristic
 // [Veach97], which leaves more to the better one.
@@ -63,15 +49,35 @@ struct PathTracer {
     // ---- light that the path runs into. Each is weighed against the estimator that could have
     // connected to it.
 
-    // `end.pdf`: 0 where light points are never drawn there.
-    float weight_of(float pdf_direct, const LightEnd& end) const {
+    // `end.pdf`: 0 where light points are never drawn there; `end.pdf_direct`: likewise.
+    float weight_of(const LightEnd& end) const {
         switch (history.stage) {
             case PathHistory::Stage::unconnected: return 1.0f;
-            case PathHistory::Stage::scattered:
-                return shared(history.pdf_direct, pdf_direct, history.glints);
+            case PathHistory::Stage::scattered: {
+                const std::optional<CausticDensities> p =
+                    shared_with_light_paths(history.caustic, end);
+                return p ? static_cast<float>(p->path_tracing / p->sum())
+                         : shared(history.pdf_direct, end.pdf_direct, history.glints);
+            }
             case PathHistory::Stage::chain: return weight_of_chain(end);
         }
         return 1.0f;
+    }
+
+    // Of light that a rough caster at path.x throws on; empty where light paths do not find it.
+    std::optional<CausticDensities> shared_with_light_paths(const CausticPath& path,
+                                                            const LightEnd& end) const {
+        if (!path.rough_caster || !(end.pdf > 0.0f) || !(end.cosine > 0.0f)) return std::nullopt;
+        const Techniques techniques = techniques_of(world, settings);
+        if (!light_tracing_owns(techniques, path)) return std::nullopt;
+        const std::optional<CausticDensities> p = caustic_densities(techniques, path, end);
+        return p && p->light_tracing > 0.0 ? p : std::nullopt;
+    }
+
+    // Whether weight_of() asks for the density of light points.
+    bool light_points_count() const {
+        return history.stage == PathHistory::Stage::chain ||
+               (history.stage == PathHistory::Stage::scattered && history.caustic.rough_caster);
     }
 
     float weight_of_chain(const LightEnd& end) const {
@@ -89,14 +95,14 @@ struct PathTracer {
 
     // A lamp without shadow shines through everything: rays, which do not, leave it to those who
     // connect to it, if there is one.
-    float weight_of_lamp(float pdf_direct, const LightEnd& end) const {
-        const float weight = weight_of(pdf_direct, end);
+    float weight_of_lamp(const LightEnd& end) const {
+        const float weight = weight_of(end);
         const bool casts_shadow = (light_visibility(world.lights, end.light) & kVisibleShadow) != 0;
         return casts_shadow || weight == 1.0f ? weight : 0.0f;
     }
 
-    LightEnd end_afar(uint32_t light, float pdf) const {
-        return {{true, Vec3(0.0f), ray.direction}, light, false, 1.0f, pdf};
+    LightEnd end_afar(uint32_t light, float pdf, float pdf_direct) const {
+        return {{true, Vec3(0.0f), ray.direction}, light, false, 1.0f, pdf, pdf_direct};
     }
 
     // The world and every sun with a disc, in the direction of a ray that leaves the scene.
@@ -107,9 +113,9 @@ struct PathTracer {
             const Spectrum radiance =
                 lamp_radiance(world.lights.lamps[sun], Vec3(0.0f), ray.direction * -1.0f);
             if (is_black(radiance)) continue;
-            sum += radiance * weight_of_lamp(pdf_direct_sun(world.lights, sun, ray.direction),
-                                             end_afar(sun, pdf_light_point_sun(world.lights, sun,
-                                                                               ray.direction)));
+            sum += radiance * weight_of_lamp(end_afar(
+                                  sun, pdf_light_point_sun(world.lights, sun, ray.direction),
+                                  pdf_direct_sun(world.lights, sun, ray.direction)));
         }
         return sum;
     }
@@ -120,12 +126,11 @@ struct PathTracer {
         const Spectrum radiance = world_radiance(world.lights, scene(), ray.direction);
         if (is_black(radiance)) return radiance;
         const bool scattered = history.stage == PathHistory::Stage::scattered;
-        const bool chain = history.stage == PathHistory::Stage::chain;
         return radiance *
-               weight_of(
-                   scattered ? pdf_direct_world(world.lights, ray.direction) : 0.0f,
-                   end_afar(world.lights.of_world(),
-                            chain ? pdf_light_point_world(world.lights, ray.direction) : 0.0f));
+               weight_of(end_afar(
+                   world.lights.of_world(),
+                   light_points_count() ? pdf_light_point_world(world.lights, ray.direction) : 0.0f,
+                   scattered ? pdf_direct_world(world.lights, ray.direction) : 0.0f));
     }
 
     Spectrum emission_of_lamp(const Hit& hit) const {
@@ -136,17 +141,14 @@ struct PathTracer {
         float pdf_direct = 0.0f, pdf_point = 0.0f, cos_y = 0.0f;
         if (history.stage == PathHistory::Stage::scattered)
             pdf_direct = pdf_direct_lamp(world.lights, history.caustic.x, ray.direction, hit);
-        if (history.stage == PathHistory::Stage::chain) {
-            const auto* area = std::get_if<AreaLamp>(&world.lights.lamps[hit.light]);
-            const Vec3 n = area != nullptr ? area->normal
-                                           : normalize(p - scene().lights[hit.light].position());
-            cos_y = -dot(n, ray.direction);
+        if (light_points_count()) {
+            cos_y = -dot(lamp_normal(world.lights.lamps[hit.light], p), ray.direction);
             // The manifold sees lamps from outside alone.
             if (cos_y > 0.0f) pdf_point = pdf_light_point_lamp(world.lights, hit);
         }
         return radiance *
-               weight_of_lamp(pdf_direct,
-                              {{false, p, Vec3(0.0f)}, hit.light, false, cos_y, pdf_point});
+               weight_of_lamp(
+                   {{false, p, Vec3(0.0f)}, hit.light, false, cos_y, pdf_point, pdf_direct});
     }
 
     Spectrum emission_of_surface(const Hit& hit, const Surface& surface) const {
@@ -155,21 +157,22 @@ struct PathTracer {
         if (history.stage == PathHistory::Stage::scattered)
             pdf_direct =
                 pdf_direct_surface(world.lights, scene(), history.caustic.x, ray.direction, hit);
-        if (history.stage == PathHistory::Stage::chain)
-            pdf_point = pdf_light_point_surface(world.lights, hit.surface);
+        if (light_points_count()) pdf_point = pdf_light_point_surface(world.lights, hit.surface);
         const uint32_t emitter = world.lights.emissive_of_instance[hit.surface.instance];
         const LightEnd end{{false, surface.p, Vec3(0.0f)},
                            emitter == kNone ? kNone : world.lights.of_emitter(emitter),
                            false,
                            std::abs(dot(surface.ng, ray.direction)),
-                           pdf_point};
-        return surface.closures.emission * weight_of(pdf_direct, end);
+                           pdf_point,
+                           pdf_direct};
+        return surface.closures.emission * weight_of(end);
     }
 
     // ---- light that a vertex connects to
 
     // Next event estimation over all lights.
-    Spectrum direct_radiance(const Surface& surface, const Sampler& sampler) {
+    Spectrum direct_radiance(const Surface& surface, const CameraApproach& approach,
+                             const Sampler& sampler) {
         if (!has_smooth_closure(surface.closures)) return Spectrum(0.0f);
         const std::optional<DirectSample> light =
             sample_direct(world.lights, scene(), surface.p, sampler[Domain::light].three());
@@ -178,11 +181,26 @@ struct PathTracer {
         const ClosureEval f =
             eval(surface.closures, surface.ng, surface.wo, light->wi, kinds_seeing(visibility));
         if (is_black(f.f_cos)) return Spectrum(0.0f);
-        // f L / p_light, times its balance weight where scattered rays find the light, too
+        // f L / p_light, times its balance weight where other rays find the light, too
         const Spectrum alone = f.f_cos * light->radiance * (1.0f / light->density);
         if ((visibility & kVisibleShadow) == 0) return alone;
-        const float weight = light->delta ? 1.0f : shared(light->density, f.pdf_omega, false);
-        return alone * weight * unblocked(surface, *light);
+        return alone * weight_of_direct(surface, approach, *light, f) * unblocked(surface, *light);
+    }
+
+    float weight_of_direct(const Surface& surface, const CameraApproach& approach,
+                           const DirectSample& light, const ClosureEval& f) const {
+        const bool throws_on =
+            approach.scatterings > 0 && scene().instances[surface.hit.instance].rough_caster;
+        if (throws_on) {
+            const LightPoint y = light_point_of(world.lights, scene(), surface.p, light);
+            LightEnd end = light_end(y, light.wi * -1.0f);
+            end.pdf_direct = light.density;
+            CausticPath path = caustic_path(scene(), receiver_at(surface, approach), f, light.wi);
+            path.rough_caster = true;
+            if (const std::optional<CausticDensities> p = shared_with_light_paths(path, end))
+                return static_cast<float>(p->direct / p->sum());
+        }
+        return light.delta ? 1.0f : shared(light.density, f.pdf_omega, false);
     }
 
     // The same for closures with glints, averaged over the pixel. To look for them costs more than
@@ -263,6 +281,13 @@ struct PathTracer {
         return {view->film_per_area * std::abs(dot(surface.ng, surface.wo)), 0};
     }
 
+    Receiver receiver_at(const Surface& surface, const CameraApproach& approach) const {
+        return {surface.p,   surface.p_error,   surface.ng,
+                surface.wo,  &surface.closures, bounces.transparent_left(settings.limits),
+                surface.hit, approach,          bounces,
+                0.0f};
+    }
+
     // Throughput included.
     Spectrum caustic_radiance(const Surface& surface, const CameraApproach& approach,
                               const Sampler& sampler) {
@@ -272,14 +297,12 @@ struct PathTracer {
             return Spectrum(0.0f);
         ManifoldStats& counts = stats.manifold;
         const ManifoldStats before = counts;
-        const Spectrum caustic =
-            throughput * (1.0f / chance) *
-            manifold_radiance(
-                techniques_of(world, settings),
-                {surface.p, surface.p_error, surface.ng, surface.wo, &surface.closures,
-                 bounces.transparent_left(settings.limits), surface.hit, approach, bounces,
-                 max_component(throughput) * smooth_albedo(surface.closures) / (kPi * chance)},
-                pass.sheets, sampler, counts);
+        Receiver receiver = receiver_at(surface, approach);
+        receiver.importance =
+            max_component(throughput) * smooth_albedo(surface.closures) / (kPi * chance);
+        const Spectrum caustic = throughput * (1.0f / chance) *
+                                 manifold_radiance(techniques_of(world, settings), receiver,
+                                                   pass.sheets, sampler, counts);
         const double squares =
             static_cast<double>((sqr(caustic.x) + sqr(caustic.y) + sqr(caustic.z)) * (1.0f / 3.0f));
         const double work =
@@ -401,10 +424,10 @@ PathSample path_radiance(const RenderScene& world, const IntegratorSettings& set
 
         path.look_for_glints(*hit, surface, pixel);
         const Sampler here = sampler.vertex(vertex);
-        out.radiance += path.throughput * path.direct_radiance(surface, here);
+        const CameraApproach approach = path.approach_to(surface);
+        out.radiance += path.throughput * path.direct_radiance(surface, approach, here);
         if (path.glints) out.radiance += path.throughput * path.glint_radiance(surface, here);
         const bool receives = path.may_receive(surface);
-        const CameraApproach approach = path.approach_to(surface);
         if (receives && settings.manifold.enabled) {
             const Spectrum caustic = path.caustic_radiance(surface, approach, here);
             out.radiance += caustic;

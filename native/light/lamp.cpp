@@ -291,6 +291,11 @@ Spectrum delta_strength(const Lamp& lamp, const Vec3& away) {
 LampPoint sample_lamp_point(const Lamp& lamp, const Vec2& u) {
     return std::visit([&](const auto& l) { return point_one(l, u); }, lamp);
 }
+Vec3 lamp_normal(const Lamp& lamp, const Vec3& q) {
+    if (const auto* area = std::get_if<AreaLamp>(&lamp)) return area->normal;
+    return normalize(q - std::get<SphereLamp>(lamp).center);
+}
+
 float lamp_point_pdf(const Lamp& lamp) {
     if (const auto* sphere = std::get_if<SphereLamp>(&lamp))
         return kUniformSpherePdf / sqr(sphere->radius);

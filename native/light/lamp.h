@@ -85,6 +85,8 @@ struct LampPoint {
     float pdf;             // 1/m^2, a sun 1/sr; 1 for a delta
 };
 LampPoint sample_lamp_point(const Lamp& lamp, const Vec2& u);
+// Unit normal on the shining side at the point q of an area or sphere lamp.
+Vec3 lamp_normal(const Lamp& lamp, const Vec3& q);
 float lamp_point_pdf(const Lamp& lamp);  // of every point of it; 0 for a delta
 
 // Whether a sun of some extent stands in this direction.

@@ -44,7 +44,7 @@ std::optional<DirectSample> sample_emitter_from(const LightSet& lights, const Sc
     if (is_black(radiance)) return std::nullopt;
     const float margin = position_error(scene, q.hit.instance, q.hit.triangle) / cos;
     return DirectSample{
-        wi, d, radiance, q.pdf_area * d2 / cos, false, lights.of_emitter(emitter), margin};
+        wi, d, radiance, q.pdf_area * d2 / cos, false, lights.of_emitter(emitter), margin, q.hit};
 }
 
 }  // namespace
@@ -224,6 +224,41 @@ float pdf_light_point_world(const LightSet& lights, const Vec3& wi) {
 float pdf_light_point_sun(const LightSet& lights, uint32_t light, const Vec3& wi) {
     return chance(lights.caustic_selection, light) * lamp_point_pdf(lights.lamps[light]) *
            (in_disc(std::get<DiscSun>(lights.lamps[light]), wi) ? 1.0f : 0.0f);
+}
+
+float pdf_direct(const LightSet& lights, const Scene& scene, const Vec3& p, const LightPoint& y) {
+    const bool lamp = y.light < lights.lamps.size();
+    if (y.delta) return chance(lights.selection, y.light);
+    if (y.distant)
+        return lamp ? pdf_direct_sun(lights, y.light, y.direction)
+                    : pdf_direct_world(lights, y.direction);
+    const Vec3 to = y.p - p;
+    const float distance = length(to);
+    const Vec3 wi = to * (1.0f / distance);
+    if (!lamp) return pdf_direct_surface(lights, scene, p, wi, {distance, kNone, y.surface});
+    return chance(lights.selection, y.light) * lamp_pdf(lights.lamps[y.light], p, wi, distance);
+}
+
+LightPoint light_point_of(const LightSet& lights, const Scene& scene, const Vec3& p,
+                          const DirectSample& sample) {
+    const bool distant = std::isinf(sample.distance), lamp = sample.light < lights.lamps.size();
+    LightPoint y{sample.light, distant,   sample.delta,   Vec3(0.0f),
+                 Vec3(0.0f),   sample.wi, sample.surface, 0.0f};
+    if (!distant) y.p = p + sample.wi * sample.distance;
+    if (!lamp && distant) {
+        y.pdf = pdf_light_point_world(lights, sample.wi);
+    } else if (!lamp) {
+        y.n = front_normal(scene, y.surface.instance, y.surface.triangle);
+        y.pdf = pdf_light_point_surface(lights, y.surface);
+    } else if (sample.delta) {
+        y.pdf = chance(lights.caustic_selection, y.light);
+    } else if (distant) {
+        y.pdf = pdf_light_point_sun(lights, y.light, sample.wi);
+    } else {
+        y.n = lamp_normal(lights.lamps[y.light], y.p);
+        y.pdf = pdf_light_point_lamp(lights, {sample.distance, y.light, y.surface});
+    }
+    return y;
 }
 
 }  // namespace spc

@@ -66,7 +66,8 @@ struct DirectSample {
     float density;  // 1/sr; of a delta light the probability of its selection
     bool delta;
     uint32_t light;
-    float margin = 0.0f;  // of a mesh: as ChainEnd has it
+    float margin = 0.0f;                 // of a mesh: as ChainEnd has it
+    SurfaceHit surface{kNone, 0, 0, 0};  // of a mesh
 };
 std::optional<DirectSample> sample_direct(const LightSet& lights, const Scene& scene, const Vec3& p,
                                           const Vec3& u);
@@ -116,5 +117,11 @@ float pdf_light_point_lamp(const LightSet& lights, const Hit& hit);
 float pdf_light_point_surface(const LightSet& lights, const SurfaceHit& hit);
 float pdf_light_point_world(const LightSet& lights, const Vec3& wi);
 float pdf_light_point_sun(const LightSet& lights, uint32_t light, const Vec3& wi);
+
+// Density with which sample_direct from p finds y, as DirectSample has it; y.pdf is not read.
+float pdf_direct(const LightSet& lights, const Scene& scene, const Vec3& p, const LightPoint& y);
+// Where a direct sample from p arrives from, with the density by which sample_light_point finds it.
+LightPoint light_point_of(const LightSet& lights, const Scene& scene, const Vec3& p,
+                          const DirectSample& sample);
 
 }  // namespace spc

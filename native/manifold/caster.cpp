@@ -14,14 +14,14 @@ void bound(const Scene& scene, Caster& caster) {
     caster.radius = length(caster.half_extent);
 }
 
-void tabulate_triangles(const Scene& scene, Caster& caster) {
+template <class Takes>
+void tabulate_triangles(const Scene& scene, Caster& caster, const Takes& takes) {
     const Mesh& mesh = scene.meshes[scene.instances[caster.instance].mesh];
     std::vector<float> area(mesh.triangles.size(), 0.0f);
     for (uint32_t t = 0; t < area.size(); ++t) {
         const Material& material = scene.materials[scene.material_index(caster.instance, t)];
-        const SpecularInterface& specular = material.specular;
-        if (!specular.reflects && !specular.refracts) continue;
-        caster.mapped_normal = caster.mapped_normal || specular.mapped_normal;
+        if (!takes(material)) continue;
+        caster.mapped_normal = caster.mapped_normal || material.specular.mapped_normal;
         const std::array<Vec3, 3> p = scene.triangle_world(caster.instance, t);
         area[t] = 0.5f * length(cross(p[1] - p[0], p[2] - p[0]));
     }
@@ -104,17 +104,39 @@ float probability_from(float b, const BoundSum& sum) {
     return (1.0f - kEvenShare) * b / sum.total + kEvenShare / static_cast<float>(sum.possible);
 }
 
+// Of those triangles whose material `takes` says so.
+template <class Takes>
+Caster caster_of(const Scene& scene, uint32_t instance, const Takes& takes) {
+    Caster caster{};
+    caster.instance = instance;
+    bound(scene, caster);
+    tabulate_triangles(scene, caster, takes);
+    return caster;
+}
+
 }  // namespace
 
+std::vector<const Caster*> CasterSet::aims() const {
+    std::vector<const Caster*> all;
+    for (const std::vector<Caster>* some : {&casters, &rough})
+        for (const Caster& caster : *some) all.push_back(&caster);
+    return all;
+}
+
 CasterSet build_casters(const Scene& scene) {
+    const auto is_specular = [](const Material& material) {
+        return material.specular.reflects || material.specular.refracts;
+    };
+    const auto is_narrow = [](const Material& material) { return !material.narrow_lobe.empty(); };
     CasterSet set;
     set.of_instance.assign(scene.instances.size(), kNone);
     for (uint32_t i = 0; i < scene.instances.size(); ++i) {
+        if (scene.instances[i].rough_caster) {
+            Caster rough = caster_of(scene, i, is_narrow);
+            if (!rough.triangles.empty()) set.rough.push_back(std::move(rough));
+        }
         if (!scene.instances[i].caster) continue;
-        Caster caster{};
-        caster.instance = i;
-        bound(scene, caster);
-        tabulate_triangles(scene, caster);
+        Caster caster = caster_of(scene, i, is_specular);
         if (caster.triangles.empty()) continue;
         if (caster.mapped_normal) measure_slopes(scene, caster);
         set.of_instance[i] = static_cast<uint32_t>(set.casters.size());

@@ -24,7 +24,11 @@ struct Caster {
 struct CasterSet {
     std::vector<Caster> casters;
     std::vector<uint32_t> of_instance;  // index into `casters`, or kNone
+    // With narrow lobes: nothing to walk on, but light paths aim at them, too. An instance may be
+    // both.
+    std::vector<Caster> rough;
     bool empty() const { return casters.empty(); }
+    std::vector<const Caster*> aims() const;
 };
 CasterSet build_casters(const Scene& scene);
 

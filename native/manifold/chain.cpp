@@ -196,13 +196,13 @@ bool pass_vertex(const ChainVertex& vertex, double distance, RayDual& ray) {
 std::optional<ChainDerivative> chain_derivative(const Vec3& x, std::span<const ChainVertex> chain,
                                                 const ChainEnd& end) {
     Vec3d from(x);
-    RayDual ray;
+    float unused;
+    RayDual ray =
+        ray_dual_from(chain.empty() ? end.from(x, unused) : normalize(chain.front().patch.p - x));
     for (const ChainVertex& vertex : chain) {
         const Vec3d along = Vec3d(vertex.patch.p) - from;
         const double distance = length(along);
-        const Vec3d d = along / distance;
-        if (&vertex == chain.data()) ray = ray_dual_from(Vec3(d));
-        ray.d = d;
+        ray.d = along / distance;
         if (!pass_vertex(vertex, distance, ray)) return std::nullopt;
         from = Vec3d(vertex.patch.p);
     }

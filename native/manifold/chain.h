@@ -79,7 +79,8 @@ struct ChainDerivative {
     // shading normals bend the light as no real surface would, and scale it at each vertex.
     double etendue;
 };
-// By ray differentials from x through all vertices in turn [Jakob12, in another form]. Empty for a
+// By ray differentials from x through all vertices in turn [Jakob12, in another form]; there may be
+// none. Empty for a
 // refraction that cannot be (total internal reflection) or a vertex seen edge-on.
 std::optional<ChainDerivative> chain_derivative(const Vec3& x, std::span<const ChainVertex> chain,
                                                 const ChainEnd& end);

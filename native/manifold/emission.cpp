@@ -119,11 +119,12 @@ float finest_cell(const EmissionGuide& guide, uint32_t light, bool distant) {
     return kSpacing / std::sqrt(guide.lights[light].narrowest);
 }
 
-void enclose_casters(const Scene& scene, const CasterSet& casters, EmissionGuide& guide) {
+void enclose_casters(const Scene& scene, std::span<const Caster* const> casters,
+                     EmissionGuide& guide) {
     Bounds bounds;
-    for (const Caster& caster : casters.casters) {
-        bounds.extend(caster.center - caster.half_extent);
-        bounds.extend(caster.center + caster.half_extent);
+    for (const Caster* caster : casters) {
+        bounds.extend(caster->center - caster->half_extent);
+        bounds.extend(caster->center + caster->half_extent);
     }
     constexpr float kMargin = 1.001f;  // for points on the sphere itself, and flat casters
     const LightSphere sphere = sphere_of(bounds);
@@ -141,9 +142,10 @@ void face_casters(const LightSphere& light, const EmissionGuide& guide, LightEmi
 
 }  // namespace
 
-EmissionGuide aim_at_casters(const Scene& scene, const LightSet& lights, const CasterSet& casters,
+EmissionGuide aim_at_casters(const Scene& scene, const LightSet& lights, const CasterSet& set,
                              std::span<const EmissionSample> learned) {
     EmissionGuide guide;
+    const std::vector<const Caster*> casters = set.aims();
     if (casters.empty() || lights.caustic_selection.empty()) return guide;
     enclose_casters(scene, casters, guide);
     const auto count = lights.count();
@@ -170,7 +172,7 @@ EmissionGuide aim_at_casters(const Scene& scene, const LightSet& lights, const C
         for (uint32_t i = 0; i < aims; ++i) {
             const std::optional<LightPoint> y =
                 sample_point_of_light(lights, scene, light, {pcg.one(), pcg.one()});
-            const Caster& caster = casters.casters[pcg.bits() % casters.casters.size()];
+            const Caster& caster = *casters[pcg.bits() % casters.size()];
             const Vec3 p = surface_position(scene, sample_on(caster, pcg));
             if (!y) continue;
             if (const std::optional<Place> place =

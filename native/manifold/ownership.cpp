@@ -87,14 +87,17 @@ bool light_tracing_owns(const Techniques& techniques, const CausticPath& path) {
     const BounceCounts whichever{
         .total = n, .diffuse = n, .glossy = n, .transmission = n, .transparent = 0};
     const bool all_seen = techniques.manifold.reflections && techniques.manifold.refractions;
-    return techniques.light_tracing.guide != nullptr && path.receiver && path.film_per_area > 0.0f &&
+    const bool by_casters =
+        path.count > 0 ? path.receiver && allowed(techniques.manifold, path.vertices[0].interaction)
+                       : path.rough_caster && path.scatterings > 0;
+    return techniques.light_tracing.guide != nullptr && by_casters && path.film_per_area > 0.0f &&
            std::isfinite(path.film_per_area) && (path.scatterings == 0 || all_seen) &&
-           path.count > 0 && allowed(techniques.manifold, path.vertices[0].interaction) &&
            within_limits(techniques.limits, whichever, path);
 }
 
 Spectrum chain_throughput(const Scene& scene, CausticPath& path, const ChainEnd& end) {
     Spectrum throughput(1.0f);
+    if (path.count == 0) return throughput;
     Surface surface;
     Vec3 from = path.x, p = surface_position(scene, path.vertices[0].hit);
     for (uint32_t i = 0; i < path.count; ++i) {
@@ -149,20 +152,26 @@ std::optional<CausticDensities> caustic_densities(const Techniques& techniques,
                 caster_probability(techniques.casters, caster, path.x, path.sides, end.end));
         }
     }
+    if (path.count == 0)
+        p.direct = static_cast<double>(end.pdf_direct) * (end.delta ? 1.0 : p.geometry);
     // Rays do not look through what a lamp without shadow shines through: they leave such a light
     // to those who connect to it.
     const bool by_rays = !is_seen_through(techniques.lights, end.light);
     if (!end.delta && (by_rays || !by_manifold))
         p.path_tracing = static_cast<double>(path.pdf_omega) * probability * p.geometry;
     if (by_rays && light_tracing_owns(techniques, path)) {
-        const Vec3 last = chain.back().patch.p;
+        float unused;
+        const Vec3 wi = chain.empty() ? end.end.from(path.x, unused)
+                                      : normalize(chain.front().patch.p - path.x);
+        const Vec3 last = chain.empty() ? path.x : chain.back().patch.p;
         const float emitted =
             emission_pdf(*techniques.light_tracing.guide, end.light, end.end, last);
-        const double cos_x =
-            std::abs(static_cast<double>(dot(path.sides.ng, normalize(chain[0].patch.p - path.x))));
+        const double cos_x = std::abs(static_cast<double>(dot(path.sides.ng, wi)));
         const LightTracing& paths = techniques.light_tracing;
+        // All of those that a rough caster scatters go on.
+        const bool thinned = path.scatterings > 0 && path.count > 0;
         if (emitted > 0.0f)
-            p.light_tracing = paths.paths * (path.scatterings > 0 ? paths.goes_on : 1.0) /
+            p.light_tracing = paths.paths * (thinned ? paths.goes_on : 1.0) /
                               static_cast<double>(path.film_per_area) *
                               static_cast<double>(end.pdf) * static_cast<double>(emitted) *
                               probability_from_light(scene, path, chain, end.end) *

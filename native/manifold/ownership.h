@@ -81,13 +81,15 @@ struct CameraApproach {
     uint32_t scatterings = 0;
 };
 
-// From a smooth scattering at the receiver x through the chain: without the light's end.
+// From a smooth scattering at the receiver x through the chain: without the light's end. With no
+// vertices it is light that comes straight to x, which a rough caster throws on.
 struct CausticPath {
     Vec3 x{0.0f};
-    float p_error = 0.0f;    // of x, see RayStart
-    ReceiverSides sides{};   // by the side of the path that arrived
-    float pdf_omega = 0.0f;  // of the scattering at x towards the chain
-    bool receiver = false;   // x has the role, the closure and the bounces left
+    float p_error = 0.0f;       // of x, see RayStart
+    ReceiverSides sides{};      // by the side of the path that arrived
+    float pdf_omega = 0.0f;     // of the scattering at x towards the chain
+    bool receiver = false;      // x has the role, the closure and the bounces left
+    bool rough_caster = false;  // x lies on one
     // Straight through a transparent part of any caster, between x and the first vertex or between
     // vertices.
     bool through_caster = false;
@@ -114,6 +116,8 @@ struct LightEnd {
     bool delta;
     float cosine;  // at y; 1 for distant lights and points
     float pdf;     // LightPoint::pdf, the choice of the light included
+    // For a path without vertices: of next event estimation at x, as DirectSample::density has it.
+    float pdf_direct = 0.0f;
 };
 LightEnd light_end(const LightPoint& y, const Vec3& away);
 
@@ -142,6 +146,7 @@ struct CausticDensities {
     double geometry = 0.0;  // |dw_x/dA_y|, the cosine at y included
     double path_tracing =
         0.0;  // p_bsdf(w) |dw_x/dA_y| times the chances of all lobes; 0 for delta lights
+    double direct = 0.0;         // of next event estimation, for a path without vertices
     double manifold = 0.0;       // p_L(y) times the chance of the caster and manifold_worth()
     double light_tracing = 0.0;  // paths p_L(y) p_e(w_y) |dw_y/dA_x| times the chances of all lobes
     // p_L(y) times kMissedWorth: of walks beside sheets, for chains that sheets miss.
@@ -152,7 +157,7 @@ struct CausticDensities {
     // the estimator's own one divides it and the sum weighs. Finite on a fold. The manifold takes
     // manifold_worth() of it, which it has not been divided by.
     double scale() const { return geometry / sum(); }
-    double sum() const { return path_tracing + manifold + light_tracing; }
+    double sum() const { return path_tracing + direct + manifold + light_tracing; }
 
     // Chains that sheets miss are found by walks that may take thousands of trials to find one again:
     // path tracing takes most of what both are left with. It has to look whether sheets miss one, so

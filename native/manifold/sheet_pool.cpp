@@ -87,6 +87,7 @@ const LightSheet* nearest_sheet(const LightSheets& sheets, const LightPoint& y) 
 SheetPool build_sheets(const Scene& scene, const LightSet& lights, const CasterSet& casters,
                        const ManifoldSettings& settings, uint32_t seed, uint32_t tiles,
                        uint32_t threads) {
+    if (casters.empty() || lights.caustic_selection.empty()) return {};
     std::vector<uint32_t> feeding;
     for (uint32_t i = 0; i < lights.count(); ++i)
         if (lights.caustic_selection.probability(i) > 0.0f) feeding.push_back(i);

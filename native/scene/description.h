@@ -58,6 +58,7 @@ struct Instance {
         uv_layers;  // [slot][layer of the material] -> layer of the mesh, or kNone
     std::vector<Vec3> world_positions;  // of every vertex if the mesh has this instance alone, else empty
     bool caster = false, receiver = false;
+    bool rough_caster = false;  // throws blurred caustics, which light paths find
     bool emits = false;
 };
 

@@ -98,19 +98,27 @@ void assign_caustics_roles(Scene& scene) {
         const bool may_cast = asked && seen;
         const bool may_receive = role == CausticsRole::automatic ||
                                  role == CausticsRole::receiver || role == CausticsRole::both;
-        std::string why, why_not = seen ? "" : "hidden from diffuse, glossy or transmission rays";
+        std::string why, why_rough,
+            why_not = seen ? "" : "hidden from diffuse, glossy or transmission rays";
         for (const uint32_t index : instance.materials) {
             const Material& material = scene.materials[index];
             const bool specular = material.specular.reflects || material.specular.refracts;
             instance.caster = instance.caster || (may_cast && specular);
+            instance.rough_caster =
+                instance.rough_caster || (may_cast && !material.narrow_lobe.empty());
             instance.receiver = instance.receiver || (may_receive && material.has_smooth);
             if (specular && why.empty()) why = material.specular.why;
             if (!specular && why_not.empty()) why_not = material.specular.why_not;
+            if (why_rough.empty()) why_rough = material.narrow_lobe;
         }
         if (instance.caster)
             scene.report.push_back(
                 fmt::format("{}: caster, single-bounce manifold ({})", instance.name, why));
-        else if (role == CausticsRole::caster || role == CausticsRole::both)
+        if (instance.rough_caster)
+            scene.report.push_back(
+                fmt::format("{}: rough caster, light paths ({})", instance.name, why_rough));
+        if (!instance.caster && !instance.rough_caster &&
+            (role == CausticsRole::caster || role == CausticsRole::both))
             scene.report.push_back(
                 fmt::format("{}: marked as caster, but path traced: {}", instance.name, why_not));
     }
@@ -118,7 +126,9 @@ void assign_caustics_roles(Scene& scene) {
 
 // A light path does not know yet by which kind of ray the camera's path would come to a surface.
 void check_light_tracing(Scene& scene) {
-    const auto casts = [](const Instance& instance) { return instance.caster; };
+    const auto casts = [](const Instance& instance) {
+        return instance.caster || instance.rough_caster;
+    };
     if (std::none_of(scene.instances.begin(), scene.instances.end(), casts)) return;
     for (const Instance& instance : scene.instances) {
         const uint32_t seen = instance.visibility & kVisibleScattered;

@@ -2,6 +2,8 @@
 #include "core/error.h"
 #include "shading/compiler.h"
 
+#include <fmt/format.h>
+
 namespace spc {
 namespace {
 
@@ -112,6 +114,18 @@ void Compiler::check_closure_count() const {
                     std::to_string(count) + " closures; at most " + std::to_string(kMaxClosures));
 }
 
+// Light that such a lobe scatters stays together. A coat's is weak beside what it covers.
+std::string Compiler::narrow_lobe(const ClosureTerm& term) const {
+    constexpr float kWidestAlpha = 0.16f;  // roughness 0.4
+    if (term.op == ClosureOp::lambert || term.op == ClosureOp::transparent ||
+        term.op == ClosureOp::coated)
+        return "";
+    if (!expr.is_constant(term.alpha())) return term.label + ", roughness varies";
+    const float alpha = expr.scalar(term.alpha());
+    if (alpha <= kDeltaAlpha || alpha > kWidestAlpha) return "";
+    return fmt::format("{}, roughness {:.4g}", term.label, std::sqrt(alpha));
+}
+
 // What the rest of the core wants to know without running the program.
 void Compiler::describe(Material& material) {
     const auto black = [&](ExprId id) { return expr.is_constant(id, 0.0f); };
@@ -119,6 +133,7 @@ void Compiler::describe(Material& material) {
         return expr.is_constant(alpha) && expr.scalar(alpha) <= kDeltaAlpha;
     };
     for (const ClosureTerm& term : terms_) {
+        if (material.narrow_lobe.empty()) material.narrow_lobe = narrow_lobe(term);
         switch (term.op) {
             case ClosureOp::lambert: material.has_smooth = true; break;
             case ClosureOp::coated:

@@ -52,6 +52,7 @@ private:
     ExprId output(uint32_t node, int index);
     ExprId convert(ExprId value, SocketType from, SocketType to);
     void check_closure_count() const;
+    std::string narrow_lobe(const ClosureTerm& term) const;
     void describe(Material& material);
     std::vector<std::string> keep_used_layers(Program& program, SlopeMap& slopes) const;
 

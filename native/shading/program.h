@@ -82,7 +82,10 @@ struct Material {
     Spectrum mean_emission{
         0.0f};  // for light selection: constant emission, or with the textures' means
     bool may_be_transparent = false;  // some Transparent closure or alpha < 1 may exist
-    bool has_smooth = false;     // some closure that is not a delta may exist (a possible receiver)
+    bool has_smooth = false;  // some closure that is not a delta may exist (a possible receiver)
+    // Why it throws blurred caustics: a strong lobe that is narrow without being a delta. Empty if it
+    // has none.
+    std::string narrow_lobe;
     bool is_background = false;  // surface is a Background shader
     bool constant_background =
         false;                     // of the same radiance in every direction, by the graph itself

@@ -245,7 +245,8 @@ std::optional<CausticDensities> by_light(const Bench& bench, const IntegratorSet
         const Vec3 towards = normalize(target - surface.p);
         Surface from_camera;
         evaluate_surface(scene, surface.hit, towards, from_camera);
-        std::optional<LightHistory::Arrival> arrival = history.arrive(scene, end.end, from_camera);
+        std::optional<LightHistory::Arrival> arrival =
+            history.arrive(scene, end.end, kVisibleAll, from_camera);
         if (!arrival) return std::nullopt;
         if (i == 0) {
             arrival->path.film_per_area *= wrong *

@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Small pictures of a floor that casters throw light at, by path tracing, manifold and light paths.
+#pragma once
+
+#include "integrator/light_path.h"
+#include "support/casters.h"
+#include "support/radiance.h"
+
+#include <gtest/gtest.h>
+
+namespace spc::test {
+
+inline constexpr double kFamily = 1e-3;  // chance that right estimators differ somewhere in a test
+inline constexpr uint32_t kSide = 8;     // pixels
+inline constexpr uint32_t kHalf = kSide / 2;
+
+// One diffuse scattering is enough: what comes after only adds noise.
+inline IntegratorSettings few_bounces() {
+    IntegratorSettings settings;
+    settings.limits = {16, 1, 16, 16, 16};
+    return settings;
+}
+
+// Of the four quarters of the picture, then of the whole.
+struct Picture {
+    std::array<MeanEstimate, 5> mean;
+    MeanEstimate splats;  // the share of light paths in the whole
+};
+
+inline double average(const Spectrum& c) { return (double(c.x) + double(c.y) + double(c.z)) / 3.0; }
+
+// Which techniques find caustics beside path tracing.
+struct Method {
+    const char* name;
+    bool manifold, light_paths, sheets = false;
+    uint32_t tiles = 512;  // 0: there is no sheet, and all chains are missed
+};
+inline constexpr Method kPathTracing{"path tracing", false, false},
+    kManifold{"manifold", true, false}, kLightPaths{"light paths", false, true},
+    kAll{"manifold and light paths", true, true},
+    kSheets{"light sheets and light paths", true, true, true},
+    kMissed{"walks beside no sheets", true, true, true, 0};
+
+// `rounds` samples of each pixel under a box filter; all rounds independent of each other.
+inline Picture render(const RenderScene& world, IntegratorSettings settings, const Method& method,
+                      uint32_t rounds, uint32_t seed) {
+    constexpr uint32_t kPixels = kSide * kSide;
+    if (method.manifold) settings.manifold = unbiased_manifold();
+    settings.manifold.sheets = method.sheets;
+    SheetPool sheets;
+    PassState state{{1, 1, 1}};
+    if (method.sheets) {
+        constexpr float kSure = 0.2f;  // leaves many chains to chance
+        settings.manifold.longest_chain = kLongestManifoldChain;
+        if (method.tiles > 0)
+            sheets = build_sheets(*world.scene, world.lights, world.casters, settings.manifold,
+                                  seed, method.tiles, 1);
+        state.sheets = {sheets, kSure};
+    }
+    std::unique_ptr<const LightPilot> pilot;
+    if (method.light_paths) {
+        settings.light_tracing.paths = kPixels;
+        LightPathStats stats;
+        const std::atomic<bool> cancelled{false};
+        pilot = learn_emission(world, settings, 0.0f, seed, 1, cancelled, stats);
+        EXPECT_TRUE(pilot) << "no light path finds the picture";
+        settings.light_tracing.guide = &pilot->guide;
+    }
+    Picture picture;
+    PathStats path_stats;
+    LightPathStats light_stats;
+    std::vector<Splat> splats;
+    const auto quarter = [](uint32_t x, uint32_t y) {
+        return (y < kHalf ? 0u : 2u) + (x < kHalf ? 0u : 1u);
+    };
+    for (uint32_t round = 0; round < rounds; ++round) {
+        std::array<double, 5> sum{};
+        double splatted = 0.0;
+        const auto add = [&](uint32_t x, uint32_t y, double value) {
+            sum[quarter(x, y)] += value / (kPixels / 4);
+            sum[4] += value / kPixels;
+        };
+        for (uint32_t y = 0; y < kSide; ++y)
+            for (uint32_t x = 0; x < kSide; ++x) {
+                const Sampler sampler(seed, (round * kSide + y) * kSide + x, 0);
+                const Vec2 u = sampler[Domain::film].two();
+                const Ray ray = world.scene->camera.ray(float(x) + u.x, float(y) + u.y, Vec2(0.5f));
+                add(x, y,
+                    average(
+                        path_radiance(world, settings, state, ray, Vec2(0.5f), sampler, path_stats)
+                            .radiance));
+            }
+        for (uint32_t i = 0; pilot && i < kPixels; ++i) {
+            splats.clear();
+            trace_light_path(world, settings, 0.0f, seed + round, i, splats, light_stats);
+            for (const Splat& splat : splats) {
+                add(uint32_t(splat.film.x), uint32_t(splat.film.y), average(splat.value));
+                splatted += average(splat.value) / kPixels;
+            }
+        }
+        for (size_t i = 0; i < sum.size(); ++i) picture.mean[i].add(sum[i]);
+        picture.splats.add(splatted);
+    }
+    EXPECT_EQ(light_stats.nan_splats, 0u);
+    return picture;
+}
+
+inline void expect_same(const Picture& a, const Picture& b, const std::string& what,
+                        int comparisons) {
+    for (size_t i = 0; i < a.mean.size(); ++i)
+        EXPECT_TRUE(same_mean(a.mean[i], b.mean[i], sidak(kFamily, 5 * comparisons)))
+            << what << ", part " << i;
+}
+
+// Looks down at the floor around the origin from the south.
+inline void set_camera(SceneMaker& maker, const Vec3& from = {0.0f, -3.0f, 2.0f},
+                       float half = 0.25f) {
+    Camera camera;
+    camera.to_world = rotation_x(std::atan2(-from.y, from.z), from);
+    camera.width = camera.height = kSide;
+    camera.crop = {0, 0, kSide, kSide};
+    camera.viewplane = {-half, half, -half, half};
+    maker.builder.set_camera(camera);
+}
+
+inline void add_floor(SceneMaker& maker, CausticsRole role = CausticsRole::receiver) {
+    maker.add(square(4.0f), diffuse(0.8f), {}, role);
+}
+
+// Of lights that are seen in casters alone: nothing but caustics is left to compare.
+inline constexpr uint32_t kNotDirectly = kVisibleGlossy | kVisibleTransmission | kVisibleShadow;
+
+inline LightDesc lamp(LightType type, float power) {
+    LightDesc light;
+    light.name = "lamp";
+    light.type = type;
+    light.to_world = translation(Vec3(0.4f, -0.2f, 1.9f));
+    light.power = Spectrum(power);
+    light.visibility = kNotDirectly;
+    return light;
+}
+inline void add(SceneMaker& maker, const Mesh& mesh, const Graph& graph, const Transform& transform,
+                uint32_t visibility, CausticsRole role) {
+    Instance instance;
+    instance.name = mesh.name + " of " + graph.name;
+    instance.mesh = maker.builder.add_mesh(mesh);
+    instance.object_to_world = transform;
+    instance.materials = {maker.builder.add_material(graph)};
+    instance.visibility = visibility;
+    instance.role = role;
+    maker.builder.add_instance(instance);
+}
+inline void add_bulb(SceneMaker& maker, const Vec3& p = {0.8f, -0.8f, 0.7f}, float radius = 0.3f,
+                     uint32_t visibility = kNotDirectly) {
+    LightDesc light = lamp(LightType::point, 100.0f);
+    light.visibility = visibility;
+    light.to_world = translation(p);
+    light.radius = radius;
+    maker.builder.add_light(light);
+}
+
+// Objects that hide from some of the scattered rays would keep light paths away.
+inline void add_glowing(SceneMaker& maker, const Mesh& mesh, const Vec3& p) {
+    add(maker, mesh, emission(20.0f), translation(p), kVisibleAll & ~kVisibleCamera,
+        CausticsRole::automatic);
+}
+// The camera looks through: what lamps it would see in casters is noise here.
+inline void add_caster(SceneMaker& maker, const Mesh& mesh, const Graph& graph,
+                       const Transform& transform) {
+    add(maker, mesh, graph, transform, kVisibleAll & ~uint32_t{kVisibleCamera},
+        CausticsRole::caster);
+}
+
+// Two faces, `thickness` apart, that look away from each other.
+inline Mesh slab(float half, float thickness) {
+    Mesh mesh = flat(square(half));
+    mesh.uv_layers.clear();
+    for (uint32_t i = 0; i < 4; ++i)
+        mesh.positions.push_back(mesh.positions[i] - Vec3(0, 0, thickness));
+    mesh.triangles.push_back({4, 6, 5});
+    mesh.triangles.push_back({4, 7, 6});
+    return mesh;
+}
+
+inline void add_ball(SceneMaker& maker, const Graph& graph) {
+    add_caster(maker, sphere(24, 0.4), graph, translation(Vec3(-0.1f, 0.1f, 0.7f)));
+}
+inline void add_panel(SceneMaker& maker, const Graph& graph) {
+    add_caster(maker, square(0.6f), graph, rotation_x(1.3f, Vec3(0.0f, 0.9f, 0.6f)));
+}
+
+}  // namespace spc::test

@@ -59,6 +59,7 @@ struct Instance {
     std::vector<Vec3> world_positions;  // of every vertex if the mesh has this instance alone, else empty
     bool caster = false, receiver = false;
     bool emits = false;
+    bool absorbs = false;  // some material has a medium behind it, which all rays meet
 };
 
 enum class LightType : uint8_t { point, spot, sun, area };

@@ -30,7 +30,7 @@ def default_material() -> MaterialDesc:
 
 
 def export_material(material, images: Images, log: ExportLog) -> tuple[MaterialDesc, MaterialNeeds]:
-    """The node graph that shades `material`'s surface, and what it reads from a mesh."""
+    """The node graph of `material`'s surface and volume, and what it reads from a mesh."""
     if not compat.uses_nodes(material):
         color = (*material.diffuse_color[:3], 1.0)
         return plain_material(material.name, "bsdf_diffuse", "BSDF", color), MaterialNeeds()
@@ -48,6 +48,7 @@ class Converter:
         self.images = images
         self.log = log
         self.needs = MaterialNeeds()
+        self._in_volume = False  # the walk is behind the output's Volume
         self._nodes: list[NodeDesc] = []
         self._links: list[LinkDesc] = []
         self._indices: dict[tuple, int] = {}
@@ -58,11 +59,23 @@ class Converter:
         output = tree.get_output_node("CYCLES")
         if output:
             self._input(0, output, "Surface", path=())
-            for unsupported in ("Volume", "Displacement"):
-                socket = compat.find_input(output, unsupported)
-                if socket and socket.is_linked:
-                    self.warn(output, f"{unsupported} is not supported and has no effect")
+            of_material = output.bl_idname == "ShaderNodeOutputMaterial"
+            if of_material:
+                self._volume(output)
+            unsupported = compat.find_input(output, "Displacement" if of_material else "Volume")
+            if unsupported and unsupported.is_linked:
+                self.warn(output, f"{unsupported.name} is not supported and has no effect")
         return MaterialDesc(name, self._nodes, self._links), self.needs
+
+    def _volume(self, output) -> None:
+        """What fills the mesh. As in Cycles its surface is invisible if only that is given."""
+        if not output.inputs["Volume"].is_linked:
+            return
+        if not output.inputs["Surface"].is_linked:
+            self._nodes.append(NodeDesc("Surface", "bsdf_transparent", inputs={"Color": ONE}))
+            self._links.append(LinkDesc(len(self._nodes) - 1, "BSDF", 0, "Surface"))
+        self._in_volume = True
+        self._input(0, output, "Volume", path=())
 
     # ---------------------------------------------------- for `adjust` functions in nodes.py
 
@@ -106,6 +119,9 @@ class Converter:
             self._read_coordinates(self._nodes[index], index, name)
             return index, name
         what = f"node type {node.bl_label}" if row is None else f"output {source.socket.name}"
+        if reader.type == "SHADER" and self._in_volume:
+            self.warn(node, f"{what} is not supported in a volume and has no effect")
+            return None
         if reader.type == "SHADER":
             self.warn(node, f"{what} is not supported, shown in magenta")
             return self._magenta(node), "Emission"

@@ -130,6 +130,13 @@ NODES = {
         },
         adjust=_scalar_tint,
     ),
+    "ShaderNodeVolumeAbsorption": NodeKind("volume_absorption", ("Color", "Density"), ("Volume",)),
+    "ShaderNodeVolumePrincipled": NodeKind(
+        "volume_principled",
+        ("Color", "Density", "Absorption Color"),
+        ("Volume",),
+        neutral_inputs={"Emission Strength": 0.0, "Blackbody Intensity": 0.0},
+    ),
     "ShaderNodeTexImage": NodeKind(
         "image_texture",
         ("Vector",),

@@ -40,6 +40,8 @@ public:
         radiance_ = radiance_at(world_.lights, scene_, y_, away_);
         if (is_black(radiance_)) return std::nullopt;
         ray_ = {leave_light(scene_, y_, emitted.origin, away_), away_, 0.0f, kInfinity};
+        media_ = media_at(scene_, ray_.origin, stats_.rays);
+        if (y_.distant) passed_ = media_.transmittance(kInfinity);
         while (advance()) {}
         if (is_thinned()) stats_.rays_behind += stats_.rays - rays_before_;
         return EmissionSample{y_.light, {emitted.place, 0.0f}};
@@ -52,6 +54,7 @@ private:
         const std::optional<Hit> hit =
             scene_.accel->intersect(ray_, kVisibleScattered | kVisibleCamera);
         if (!hit) return false;
+        passed_ *= media_.transmittance(hit->t - ray_.t_near);
         ray_.t_near = past(hit->t);
         if (hit->light != kNone) return true;  // lamps are looked through
         const Instance& instance = scene_.instances[hit->surface.instance];
@@ -70,6 +73,7 @@ private:
         const std::optional<ClosureSample> next =
             sample(surface.closures, surface.ng, surface.wo, here[Domain::closure].three());
         if (!next) return false;
+        if (dot(surface.ng, next->wi) < 0.0f) media_.cross(scene_, surface.hit, next->wi);
         if (next->kind == BounceKind::transparent) return look_through(instance, *next);
         const bool goes_on =
             next->delta ? turn(surface, *next) : may_scatter && scatter(surface, *next, here);
@@ -157,9 +161,11 @@ private:
     // Fraction of the light that passes from the surface to the camera.
     Spectrum seen(const Surface& surface, const CameraView& view) {
         uint32_t transparent_left = settings_.limits.transparent - transparent_;
+        Media media = media_;
+        if (dot(surface.ng, ray_.direction) > 0.0f) media.cross(scene_, surface.hit, surface.wo);
         return transmittance(scene_, {surface.p, surface.ng, surface.p_error},
                              {false, view.origin, Vec3(0.0f), view.t_near}, kVisibleCamera,
-                             transparent_left, stats_.rays);
+                             transparent_left, media, stats_.rays);
     }
 
     const RenderScene& world_;
@@ -176,7 +182,8 @@ private:
     Vec3 away_{0.0f};          // direction of that segment
     LightEnd end_{};
     Ray ray_;
-    Spectrum passed_{1.0f};  // through transparent surfaces
+    Media media_;            // that the ray is in
+    Spectrum passed_{1.0f};  // through transparent surfaces and media
     uint32_t transparent_ = 0;
     uint32_t segment_ = 0;
     LightHistory history_{};

@@ -22,6 +22,7 @@ struct PathTracer {
     PathStats& stats;
     Vec2 lens;
     Ray ray;
+    Media media;  // that the ray is in
     Spectrum throughput{1.0f};
     PathHistory history{};
     BounceCounts bounces{};
@@ -35,7 +36,9 @@ struct PathTracer {
 
     std::optional<Hit> intersect() {
         ++stats.rays;
-        return scene().accel->intersect(ray, ray_kind);
+        const std::optional<Hit> hit = scene().accel->intersect(ray, ray_kind);
+        throughput *= media.transmittance(hit ? hit->t - ray.t_near : kInfinity);
+        return hit;
     }
 
     // What the path finds at a surface, as far as it is allowed to see it.
@@ -260,8 +263,10 @@ struct PathTracer {
         const ChainEnd end{distant, distant ? Vec3(0.0f) : surface.p + light.wi * light.distance,
                            light.wi, light.margin};
         uint32_t transparent_left = bounces.transparent_left(settings.limits);
+        Media along = media;
+        if (dot(surface.ng, light.wi) < 0.0f) along.cross(scene(), surface.hit, light.wi);
         return transmittance(scene(), {surface.p, surface.ng, surface.p_error}, end, kVisibleShadow,
-                             transparent_left, stats.rays);
+                             transparent_left, along, stats.rays);
     }
 
     bool may_receive(const Surface& surface) const {
@@ -297,12 +302,23 @@ struct PathTracer {
             return Spectrum(0.0f);
         ManifoldStats& counts = stats.manifold;
         const ManifoldStats before = counts;
+<<<<<<< HEAD
         Receiver receiver = receiver_at(surface, approach);
         receiver.importance =
             max_component(throughput) * smooth_albedo(surface.closures) / (kPi * chance);
         const Spectrum caustic = throughput * (1.0f / chance) *
                                  manifold_radiance(techniques_of(world, settings), receiver,
                                                    pass.sheets, sampler, counts);
+=======
+        const Spectrum caustic =
+            throughput * (1.0f / chance) *
+            manifold_radiance(
+                techniques_of(world, settings),
+                {surface.p, surface.p_error, surface.ng, surface.wo, &surface.closures,
+                 bounces.transparent_left(settings.limits), &media, surface.hit, approach, bounces,
+                 max_component(throughput) * smooth_albedo(surface.closures) / (kPi * chance)},
+                pass.sheets, sampler, counts);
+>>>>>>> wt-absorb
         const double squares =
             static_cast<double>((sqr(caustic.x) + sqr(caustic.y) + sqr(caustic.z)) * (1.0f / 3.0f));
         const double work =
@@ -320,6 +336,7 @@ struct PathTracer {
         if (bounces.transparent_left(settings.limits) == 0) return false;
         bounces.add(BounceKind::transparent);
         history.append_transparent(scene().instances[hit.surface.instance]);
+        media.cross(scene(), hit.surface, ray.direction);
         ray.t_near = past(hit.t);
         return true;
     }
@@ -349,6 +366,7 @@ struct PathTracer {
             history.caustic.vertices[history.caustic.count - 1].probability =
                 lobe_probability(surface, next);
         ray_kind = ray_kind_after(next.kind);
+        if (dot(surface.ng, next.wi) < 0.0f) media.cross(scene(), surface.hit, next.wi);
         ray = {offset_origin({surface.p, surface.ng, surface.p_error}, next.wi), next.wi, 0.0f,
                kInfinity};
         return true;
@@ -393,7 +411,9 @@ RenderScene prepare(std::unique_ptr<Scene> scene, uint32_t threads) {
 PathSample path_radiance(const RenderScene& world, const IntegratorSettings& settings,
                          const PassState& pass, const Ray& camera_ray, const Vec2& lens,
                          const Sampler& sampler, PathStats& stats, const PixelKernel* pixel) {
-    PathTracer path{world, settings, pass, stats, lens, camera_ray};
+    const Vec3 start = camera_ray.origin + camera_ray.direction * camera_ray.t_near;
+    PathTracer path{
+        world, settings, pass, stats, lens, camera_ray, media_at(*world.scene, start, stats.rays)};
     if (pixel != nullptr && !world.glints.fields.empty())
         path.differential =
             camera_differential(world.scene->camera, *pixel, lens, camera_ray.direction);

@@ -188,6 +188,9 @@ private:
         const uint32_t last = chain.count - 1;
         if ((light_visibility(lights_, y_.light) & kind_at(last)) == 0) return Spectrum(0.0f);
         uint32_t transparent_left = receiver_.transparent_left;
+        Media media = *receiver_.media;
+        const Vec3 first = chain.vertices[0].patch.p - receiver_.p;
+        if (dot(receiver_.ng, first) < 0.0f) media.cross(scene_, receiver_.hit, first);
         Spectrum through(1.0f);
         RayStart from = start();
         uint32_t kind = kVisibleDiffuse;
@@ -195,14 +198,16 @@ private:
             const CasterPatch& patch = chain.vertices[i].patch;
             // Chains that look through a caster are path tracing's: CausticPath::through_caster.
             through *= transmittance(scene_, from, vertex_end(from.p, patch), kind,
-                                     transparent_left, stats_.rays, Opaque::casters_too);
+                                     transparent_left, media, stats_.rays, Opaque::casters_too);
             if (is_black(through)) return through;
+            if (chain.vertices[i].interaction == Interaction::refraction)
+                media.cross(scene_, chain.hits[i], patch.p - from.p);
             from = {patch.p, patch.ng, patch.p_error};
             kind = kind_at(i);
         }
         if (!casts_shadow()) return through;
         return through * transmittance(scene_, from, end_of_light(from.p), kind, transparent_left,
-                                       stats_.rays);
+                                       media, stats_.rays);
     }
 
     // An emissive mesh does not block its own light.

@@ -22,6 +22,7 @@ struct Receiver {
     Vec3 wo;
     const ClosureList* closures;
     uint32_t transparent_left;  // surfaces that the rest of the path may be looked through
+    const Media* media;         // on the side of wo
     SurfaceHit hit;
     CameraApproach approach;
     BounceCounts before;  // see CausticPath

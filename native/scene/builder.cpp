@@ -268,6 +268,7 @@ std::unique_ptr<Scene> SceneBuilder::freeze(uint32_t threads) {
     report_images(*scene_);
     resolve_uv_layers(*scene_);
     note_materials(*scene_);
+    find_media(*scene_);
     assign_caustics_roles(*scene_);
     check_light_tracing(*scene_);
     bake_single_users(*scene_);

@@ -40,6 +40,7 @@ private:
 void report_images(Scene& scene);
 void resolve_uv_layers(Scene& scene);  // layer names -> indices, fallback tangents
 void note_materials(Scene& scene);     // what instances and scene have to know of their materials
+void find_media(Scene& scene);         // which instances absorb
 void assign_caustics_roles(Scene& scene);
 void check_light_tracing(Scene& scene);  // after the roles
 void bake_single_users(Scene& scene);    // world-space vertices for meshes with one instance

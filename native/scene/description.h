@@ -60,6 +60,7 @@ struct Instance {
     bool caster = false, receiver = false;
     bool rough_caster = false;  // throws blurred caustics, which light paths find
     bool emits = false;
+    bool absorbs = false;  // some material has a medium behind it, which all rays meet
 };
 
 enum class LightType : uint8_t { point, spot, sun, area };

@@ -88,6 +88,24 @@ void note_materials(Scene& scene) {
         }
 }
 
+// A path knows its media by what it has crossed: an instance that some of its rays do not meet would
+// leave it in the dark about whether it is inside.
+void find_media(Scene& scene) {
+    for (uint32_t i = 0; i < scene.instances.size(); ++i) {
+        Instance& instance = scene.instances[i];
+        const auto absorbs = [&](uint32_t material) {
+            return !is_black(scene.materials[material].absorption);
+        };
+        if (std::none_of(instance.materials.begin(), instance.materials.end(), absorbs)) continue;
+        instance.absorbs = (instance.visibility & kVisibleAll) == kVisibleAll;
+        if (instance.absorbs)
+            scene.absorbing.extend(scene.bounds_of(i));
+        else
+            scene.report.push_back(fmt::format(
+                "{}: hidden from some kinds of rays, so its volume has no effect", instance.name));
+    }
+}
+
 void assign_caustics_roles(Scene& scene) {
     for (Instance& instance : scene.instances) {
         const CausticsRole role = instance.role;

@@ -20,6 +20,7 @@ struct Scene {
     Camera camera;
     Environment environment;
     bool any_transparency = false;  // some material lets shadow rays through
+    Bounds absorbing;               // around the instances that absorb, world
     bool same_for_scattered_rays =
         true;                         // diffuse, glossy and transmission rays see the same objects
     float bounds_radius = 0.0f;       // half the diagonal of the box around all geometry and lamps

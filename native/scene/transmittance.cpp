@@ -4,7 +4,7 @@
 namespace spc {
 
 Spectrum transmittance(const Scene& scene, const RayStart& from, const ChainEnd& end, uint32_t kind,
-                       uint32_t& transparent_left, uint64_t& rays, Opaque opaque) {
+                       uint32_t& transparent_left, Media& media, uint64_t& rays, Opaque opaque) {
     constexpr float kFarMargin =
         1e-4f;  // relative: the surface at the far end does not block itself
     float distance;
@@ -13,20 +13,26 @@ Spectrum transmittance(const Scene& scene, const RayStart& from, const ChainEnd&
     const Vec3 origin = offset_origin(from, direction);
     direction = end.from(origin, distance);
     Ray ray{origin, direction, 0.0f, distance * (1.0f - kFarMargin) - end.margin};
-    Spectrum through(1.0f);
-    for (;;) {
+    const float reach = distance - end.margin;
+    if (!scene.any_transparency) {
         ++rays;
-        if (!scene.any_transparency)
-            return Spectrum(scene.accel->occluded(ray, kind) ? 0.0f : 1.0f);
+        return scene.accel->occluded(ray, kind) ? Spectrum(0.0f) : media.transmittance(reach);
+    }
+    Spectrum through(1.0f);
+    for (float passed = 0.0f;;) {
+        ++rays;
         const std::optional<Hit> hit = scene.accel->intersect(ray, kind);
-        if (!hit) return through;
+        if (!hit) return through * media.transmittance(reach - passed);
         if (hit->light == kNone) {
             if (transparent_left == 0) return Spectrum(0.0f);
             if (opaque == Opaque::casters_too && scene.instances[hit->surface.instance].caster)
                 return Spectrum(0.0f);
             --transparent_left;
-            through *= surface_transparency(scene, hit->surface, direction * -1.0f);
+            through *= surface_transparency(scene, hit->surface, direction * -1.0f) *
+                       media.transmittance(hit->t - passed);
             if (is_black(through)) return through;
+            media.cross(scene, hit->surface, direction);
+            passed = hit->t;
         }
         ray.t_near = past(hit->t);
     }

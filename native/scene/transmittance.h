@@ -2,7 +2,7 @@
 // What lies between a surface and the light, or the next vertex, that a path connects it to.
 #pragma once
 
-#include "scene/surface.h"
+#include "scene/media.h"
 
 namespace spc {
 
@@ -32,10 +32,11 @@ enum class Opaque : uint8_t {
 };
 
 // Fraction of light that passes from the surface point `from` to `end` (both excluded) through
-// transparent surfaces, as a ray of `kind` sees them. Takes those surfaces off `transparent_left`;
-// one more blocks. Counts the rays that it casts in `rays`.
+// transparent surfaces, as a ray of `kind` sees them, and the media between them. Takes those
+// surfaces off `transparent_left`; one more blocks. `media`: those behind `from`, then, if any light
+// passes, those before `end`. Counts the rays that it casts in `rays`.
 Spectrum transmittance(const Scene& scene, const RayStart& from, const ChainEnd& end, uint32_t kind,
-                       uint32_t& transparent_left, uint64_t& rays,
+                       uint32_t& transparent_left, Media& media, uint64_t& rays,
                        Opaque opaque = Opaque::by_material);
 
 }  // namespace spc

@@ -21,7 +21,7 @@ Compiler::Compiler(const Graph& graph, std::span<const Image> images)
       glints_(graph.glints),
       images_(images),
       outputs_(graph_.nodes.size()),
-      shader_weights_(graph_.nodes.size(), kNoExpr),
+      absorption_(emission),
       is_world_(has_background(graph_)) {
     for (size_t i = 0; i < outputs_.size(); ++i)
         outputs_[i].assign(graph_.nodes[i].kind->outputs.size(), kNoExpr);
@@ -147,6 +147,39 @@ void Compiler::describe(Material& material) {
     material.constant_background = is_world_ && expr.is_constant(emission);
     material.emits = !black(emission);
     if (material.emits) material.mean_emission = Spectrum(expr.mean_value(emission, images_));
+    material.absorption = medium();
+}
+
+// Of a homogeneous medium.
+Spectrum Compiler::medium() {
+    if (is_world_) {
+        if (!expr.is_constant(absorption_, 0.0f))
+            warn(graph_.output, "the volume of a world has no effect");
+        return Spectrum(0.0f);
+    }
+    if (!expr.is_constant(absorption_))
+        warn(graph_.output, "the volume's absorption varies; its mean is used");
+    return Spectrum(expr.mean_value(absorption_, images_));
+}
+
+// What the shaders of a part add up to: from the output down, so that a shader's weight is complete
+// before it hands it on.
+void Compiler::gather(ShaderPart part) {
+    part_ = part;
+    shader_weights_.assign(graph_.nodes.size(), kNoExpr);
+    add_weight(graph_.output, expr.constant(1.0f));
+    for (uint32_t index : graph_.order) {
+        const NodeKind& kind = *graph_.nodes[index].kind;
+        if (kind.shade == nullptr || shader_weights_[index] == kNoExpr) continue;
+        if (expr.is_constant(shader_weights_[index], 0.0f)) continue;
+        NodeContext context(*this, index);
+        if (kind.part == part || kind.part == ShaderPart::both)
+            kind.shade(context, shader_weights_[index]);
+        else
+            warn(index, std::string(kind.label) +
+                            (part == ShaderPart::volume ? " in a volume" : " on a surface") +
+                            " has no effect");
+    }
 }
 
 Material Compiler::run() {
@@ -158,15 +191,8 @@ Material Compiler::run() {
             if (node.kind->value != nullptr && node.used_outputs[i])
                 output(*index, static_cast<int>(i));
     }
-    // Shaders from the output down, so that a shader's weight is complete before it hands it on.
-    add_weight(graph_.output, expr.constant(1.0f));
-    for (uint32_t index : graph_.order) {
-        const ResolvedNode& node = graph_.nodes[index];
-        if (node.kind->surface == nullptr || shader_weights_[index] == kNoExpr) continue;
-        if (expr.is_constant(shader_weights_[index], 0.0f)) continue;
-        NodeContext context(*this, index);
-        node.kind->surface(context, shader_weights_[index]);
-    }
+    gather(ShaderPart::surface);
+    gather(ShaderPart::volume);
     check_closure_count();
 
     Material material;

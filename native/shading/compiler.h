@@ -35,6 +35,7 @@ public:
     const ResolvedNode& node(uint32_t index) const { return graph_.nodes[index]; }
     const std::string& material_name() const { return graph_.name; }
     bool is_world() const { return is_world_; }
+    ShaderPart part() const { return part_; }  // whose shaders are asked
     std::span<const Image> images() const { return images_; }
     uint32_t uv_layer(const std::string& name);
     void warn(uint32_t node, const std::string& text);
@@ -45,15 +46,21 @@ public:
         emission = expr.add(emission, expr.scale(color, weight));
     }
 
+    void add_absorption(ExprId coefficient, ExprId weight) {
+        absorption_ = expr.add(absorption_, expr.scale(coefficient, weight));
+    }
+
     ExprBuilder expr;
     ExprId emission;  // of a surface or of the world
 
 private:
     ExprId output(uint32_t node, int index);
     ExprId convert(ExprId value, SocketType from, SocketType to);
+    void gather(ShaderPart part);
     void check_closure_count() const;
     std::string narrow_lobe(const ClosureTerm& term) const;
     void describe(Material& material);
+    Spectrum medium();
     std::vector<std::string> keep_used_layers(Program& program, SlopeMap& slopes) const;
 
     ResolvedGraph graph_;
@@ -64,7 +71,9 @@ private:
     std::vector<ClosureTerm> terms_;
     std::vector<std::string> uv_layers_;
     std::vector<std::string> warnings_;
+    ExprId absorption_;  // 1/m
     bool is_world_ = false;
+    ShaderPart part_ = ShaderPart::surface;
 };
 
 // A node as its row's functions see it. Inputs and options go by their place in the row.

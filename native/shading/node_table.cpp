@@ -29,7 +29,7 @@ constexpr OutputSocket kShader[] = {{"Shader", shader}};
 constexpr NodeOption kReflectionModels[] = {{"distribution", "GGX|BECKMANN|MULTI_GGX"}};
 constexpr NodeOption kRefractionModels[] = {{"distribution", "GGX|BECKMANN"}};
 
-constexpr InputSocket kOutputIn[] = {shader_input("Surface")};
+constexpr InputSocket kOutputIn[] = {shader_input("Surface"), shader_input("Volume")};
 constexpr InputSocket kDiffuseIn[] = {grey_input(0.8f), scalar_input("Roughness", 0.0f),
                                       kNormalInput};
 constexpr InputSocket kGlossyIn[] = {grey_input(0.8f), scalar_input("Roughness", 0.5f),
@@ -58,6 +58,10 @@ constexpr InputSocket kPrincipledIn[] = {grey_input(0.8f, "Base Color"),
                                          grey_input(1.0f, "Emission Color"),
                                          scalar_input("Emission Strength", 0.0f)};
 constexpr NodeOption kPrincipledModels[] = {{"distribution", "GGX|MULTI_GGX"}};
+constexpr InputSocket kAbsorptionIn[] = {grey_input(0.8f), scalar_input("Density", 1.0f)};
+constexpr InputSocket kPrincipledVolumeIn[] = {grey_input(0.5f), scalar_input("Density", 1.0f),
+                                               grey_input(0.0f, "Absorption Color")};
+constexpr OutputSocket kVolume[] = {{"Volume", shader}};
 
 constexpr InputSocket kImageIn[] = {{"Vector", {}, vector, Unlinked::uv}};
 constexpr OutputSocket kImageOut[] = {{"Color", color}, {"Alpha", scalar}};
@@ -83,9 +87,9 @@ constexpr InputSocket kRgbIn[] = {grey_input(0.5f)};
 constexpr InputSocket kValueIn[] = {scalar_input("Value", 0.5f)};
 constexpr OutputSocket kValueOut[] = {{"Value", scalar}};
 
-// kind, label, inputs, outputs, options, reads an image, value, surface
+// kind, label, inputs, outputs, options, reads an image, value, shade, part
 constexpr NodeKind kTable[] = {
-    {"output", "Output", kOutputIn, {}, {}, false, nullptr, nodes::output},
+    {"output", "Output", kOutputIn, {}, {}, false, nullptr, nodes::output, ShaderPart::both},
     {"bsdf_diffuse", "Diffuse BSDF", kDiffuseIn, kBsdf, {}, false, nullptr, nodes::diffuse},
     {"bsdf_glossy", "Glossy BSDF", kGlossyIn, kBsdf, kReflectionModels, false, nullptr,
      nodes::glossy},
@@ -97,8 +101,26 @@ constexpr NodeKind kTable[] = {
      nodes::principled},
     {"emission", "Emission", kEmissionIn, kEmissionOut, {}, false, nullptr, nodes::emission},
     {"background", "Background", kBackgroundIn, kBackgroundOut, {}, false, nullptr, nodes::background},
-    {"mix_shader", "Mix Shader", kMixIn, kShader, {}, false, nullptr, nodes::mix_shader},
-    {"add_shader", "Add Shader", kAddIn, kShader, {}, false, nullptr, nodes::add_shader},
+    {"volume_absorption",
+     "Volume Absorption",
+     kAbsorptionIn,
+     kVolume,
+     {},
+     false,
+     nullptr,
+     nodes::volume_absorption,
+     ShaderPart::volume},
+    {"volume_principled",
+     "Principled Volume",
+     kPrincipledVolumeIn,
+     kVolume,
+     {},
+     false,
+     nullptr,
+     nodes::volume_principled,
+     ShaderPart::volume},
+    {"mix_shader", "Mix Shader", kMixIn, kShader, {}, false, nullptr, nodes::mix_shader, ShaderPart::both},
+    {"add_shader", "Add Shader", kAddIn, kShader, {}, false, nullptr, nodes::add_shader, ShaderPart::both},
     {"image_texture", "Image Texture", kImageIn, kImageOut, kImageOptions, true,
      nodes::image_texture, nullptr},
     {"environment_texture", "Environment Texture", kEnvironmentIn, kColorOut, kEnvironmentOptions,

@@ -14,6 +14,9 @@ class NodeContext;  // compiler.h
 
 enum class SocketType : uint8_t { scalar, color, vector, shader };
 
+// What a shader describes: Blender has one type of socket for both.
+enum class ShaderPart : uint8_t { surface, volume, both };
+
 // What an unlinked input reads. Only those with a constant of their own can be given one.
 enum class Unlinked : uint8_t {
     constant,
@@ -44,10 +47,11 @@ struct NodeKind {
     std::span<const OutputSocket> outputs;
     std::span<const NodeOption> options;
     bool reads_image;
-    // One of them: the value of an output, or what a shader adds to the surface under a weight (a
+    // One of them: the value of an output, or what a shader adds to its part under a weight (a
     // scalar).
     ExprId (*value)(NodeContext&, int output);
-    void (*surface)(NodeContext&, ExprId weight);
+    void (*shade)(NodeContext&, ExprId weight);
+    ShaderPart part = ShaderPart::surface;
 };
 
 std::span<const NodeKind> node_table();

@@ -16,6 +16,10 @@ ExprId texture_coordinate(NodeContext& node, int output);
 ExprId mapping(NodeContext& node, int output);
 ExprId same_as_input(NodeContext& node, int output);
 
+// nodes_volume.cpp
+void volume_absorption(NodeContext& node, ExprId weight);
+void volume_principled(NodeContext& node, ExprId weight);
+
 // nodes_surface.cpp
 void diffuse(NodeContext& node, ExprId weight);
 void glossy(NodeContext& node, ExprId weight);

@@ -48,12 +48,17 @@ void mix_into(NodeContext& node, int socket, ExprId weight) {
     const OutputSocket& from =
         node.c.node(source.from_node).kind->outputs[static_cast<size_t>(source.from_output)];
     if (from.type == SocketType::shader) return node.c.add_weight(source.from_node, weight);
+    if (node.c.part() == ShaderPart::volume)
+        return node.warn("a value in place of a volume has no effect");
     node.c.add_emission(node.input(socket), weight);  // Blender takes a value for an emission
 }
 
 }  // namespace
 
-void output(NodeContext& node, ExprId weight) { mix_into(node, 0, weight); }
+void output(NodeContext& node, ExprId weight) {
+    enum { kSurface, kVolume };
+    mix_into(node, node.c.part() == ShaderPart::surface ? kSurface : kVolume, weight);
+}
 
 void mix_shader(NodeContext& node, ExprId weight) {
     enum { kFac, kShader, kShader1 };

@@ -81,6 +81,7 @@ struct Material {
     bool emits = false;
     Spectrum mean_emission{
         0.0f};  // for light selection: constant emission, or with the textures' means
+    Spectrum absorption{0.0f};        // 1/m, of the homogeneous medium behind front faces
     bool may_be_transparent = false;  // some Transparent closure or alpha < 1 may exist
     bool has_smooth = false;  // some closure that is not a delta may exist (a possible receiver)
     // Why it throws blurred caustics: a strong lobe that is narrow without being a delta. Empty if it

@@ -11,7 +11,16 @@ import math
 import bpy
 import numpy as np
 import pytest
-from scenes import add_camera, add_light, add_mesh, add_node, new_material, new_world, surface
+from scenes import (
+    add_camera,
+    add_light,
+    add_mesh,
+    add_node,
+    new_material,
+    new_world,
+    output_of,
+    surface,
+)
 
 from specula.export import compat
 
@@ -181,6 +190,49 @@ def test_material(stage, name):
     bpy.ops.object.shade_smooth()
     bpy.context.object.data.materials.append(material)
     stage(TOLERANCE_CLOSURES)
+
+
+# What fills a glass ball, or, without a surface, a box around all that is seen, camera and lamp.
+MEDIA = {
+    "absorption": ("ShaderNodeVolumeAbsorption", {"Color": COPPER, "Density": 1.5}),
+    "principled": (
+        "ShaderNodeVolumePrincipled",
+        {"Color": (0, 0, 0, 1), "Density": 0.7, "Absorption Color": COPPER},
+    ),
+}
+
+
+def fill(material, name, density=1.0) -> None:
+    bl_idname, inputs = MEDIA[name]
+    medium = add_node(material, bl_idname, output_of(material).inputs["Volume"])
+    for socket, value in inputs.items():
+        medium.inputs[socket].default_value = value
+    medium.inputs["Density"].default_value *= density
+
+
+@pytest.mark.parametrize("name", MEDIA)
+def test_coloured_glass(stage, name):
+    add_sky()
+    light = add_light("AREA", energy=600, size=5.0)
+    light.location = (0, 0, 6)
+    material = new_material()
+    glass = add_node(material, "ShaderNodeBsdfGlass", surface(material))
+    glass.inputs["IOR"].default_value = 1.4
+    fill(material, name)
+    bpy.ops.mesh.primitive_uv_sphere_add(radius=1.2, location=(0, 0, 1.3))
+    bpy.ops.object.shade_smooth()
+    bpy.context.object.data.materials.append(material)
+    stage()
+
+
+@pytest.mark.parametrize("name", MEDIA)
+def test_smoke_around_camera_and_lamp(stage, name):
+    place(add_light("AREA", energy=300, size=1.0))
+    material = new_material()
+    fill(material, name, density=0.1)
+    bpy.ops.mesh.primitive_cube_add(size=2, scale=(12, 12, 12))
+    bpy.context.object.data.materials.append(material)
+    stage()
 
 
 def moments(image: np.ndarray) -> dict[str, np.ndarray]:

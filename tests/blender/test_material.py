@@ -247,6 +247,67 @@ def test_principled_has_the_names_of_blender_5():
     assert warnings == []
 
 
+def volume(material):
+    return output_of(material).inputs["Volume"]
+
+
+def test_volumes_that_absorb():
+    material = new_material()
+    add_node(material, "ShaderNodeBsdfGlass", surface(material))
+    add = add_node(material, "ShaderNodeAddShader", volume(material))
+    absorption = add_node(material, "ShaderNodeVolumeAbsorption", add.inputs[0])
+    absorption.inputs["Color"].default_value = (0.25, 0.5, 1, 1)
+    absorption.inputs["Density"].default_value = 3.0
+    principled = add_node(material, "ShaderNodeVolumePrincipled", add.inputs[1])
+    principled.inputs["Color"].default_value = (0, 0, 0, 1)
+    desc, needs, warnings, _ = convert(material)
+    assert links(desc) == {
+        "bsdf_glass.BSDF -> output.Surface",
+        "add_shader.Shader -> output.Volume",
+        "volume_absorption.Volume -> add_shader.Shader",
+        "volume_principled.Volume -> add_shader.Shader_001",
+    }
+    absorbs = node(desc, "volume_absorption").inputs
+    assert absorbs == {"Color": (0.25, 0.5, 1, 1), "Density": (3, 3, 3, 1)}
+    assert set(node(desc, "volume_principled").inputs) == {"Color", "Density", "Absorption Color"}
+    assert (needs, warnings) == (MaterialNeeds(), [])
+
+
+def test_a_volume_alone_has_an_invisible_surface():
+    material = new_material()
+    add_node(material, "ShaderNodeVolumeAbsorption", volume(material))
+    desc, _, warnings, _ = convert(material)
+    assert links(desc) == {
+        "bsdf_transparent.BSDF -> output.Surface",
+        "volume_absorption.Volume -> output.Volume",
+    }
+    assert node(desc, "bsdf_transparent").inputs["Color"] == (1, 1, 1, 1)
+    assert warnings == []
+
+
+def test_what_volumes_cannot_do_is_named():
+    fog = new_material("fog")
+    scatter = add_node(fog, "ShaderNodeVolumeScatter", volume(fog))
+    desc, _, warnings, _ = convert(fog)
+    assert links(desc) == {"bsdf_transparent.BSDF -> output.Surface"}
+    assert len(warnings) == 1
+    assert f"material fog, node {scatter.name}" in warnings[0]
+    assert "volume" in warnings[0]
+    fire = new_material("fire")
+    principled = add_node(fire, "ShaderNodeVolumePrincipled", volume(fire))
+    principled.inputs["Blackbody Intensity"].default_value = 1.0
+    assert "Blackbody Intensity" in convert(fire)[2][0]
+    world = new_world("mist")
+    add_node(world, "ShaderNodeBackground", surface(world))
+    add_node(world, "ShaderNodeVolumeAbsorption", volume(world))
+    scene, warnings = export()
+    assert links(scene.materials[scene.environment.material]) == {
+        "background.Background -> output.Surface"
+    }
+    assert len(warnings) == 1
+    assert "world mist" in warnings[0]
+
+
 @pytest.mark.skipif(not OLD_PRINCIPLED, reason="Specular Tint is a colour since 4.0")
 def test_scalar_specular_tint_mixes_towards_the_base_colour():
     material = new_material()

@@ -144,7 +144,8 @@ typedef struct spc_node_link {
  * of constant roughness up to 0.4. ON: all that can be; the scene's report says why one cannot. */
 typedef enum spc_glints { SPC_GLINTS_AUTO = 0, SPC_GLINTS_ON = 1, SPC_GLINTS_OFF = 2 } spc_glints;
 
-/* Exactly one node has kind "output"; its socket "Surface" is the material (a world's background too).
+/* Exactly one node has kind "output"; its socket "Surface" is the surface (a world's background too), "Volume" the
+ * medium behind front faces, which absorbs where all kinds of rays see the instance.
  * A graph may contain unused nodes; cycles are refused. */
 typedef struct spc_material_desc {
     size_t struct_size;

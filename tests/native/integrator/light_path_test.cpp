@@ -144,6 +144,55 @@ std::vector<Setup> other_media() {
             {"lamp under water", [water](SceneMaker& m) { water(kPi, m); }}};
 }
 
+// Colours of media: chains of all lengths lose a good part of their light.
+const Spectrum kTea(0.2f, 1.5f, 4.0f), kSmoke(0.3f, 0.5f, 0.8f);  // 1/m
+
+// All rays see what absorbs; the camera looks by it where it is a caster.
+void add_absorbing(SceneMaker& maker, const Mesh& mesh, const Graph& graph,
+                   const Transform& transform, const Spectrum& sigma = kTea) {
+    add(maker, mesh, test::absorbing(graph, sigma), transform, kVisibleAll, CausticsRole::automatic);
+}
+std::vector<Setup> absorbing_media() {
+    const auto water = [](SceneMaker& m) {
+        add_absorbing(m, test::block(4.0f, 1.0f), test::glass(1.33f),
+                      test::translation({0, 0, 0.8f}));
+        set_camera(m, {0.0f, -1.0f, 0.7f}, 0.4f);
+        add_bulb(m, {0.4f, 0.3f, 2.2f}, 0.5f);
+    };
+    // Does not bend light: what passes between casters has to enter and to leave it.
+    const auto mirror_in_smoke = [](float top, SceneMaker& m) {
+        add_ball(m, test::mirror());
+        add_absorbing(m, test::block(2.5f, 3.0f), test::transparent(1.0f),
+                      test::translation({0, 0, top}), kSmoke);
+    };
+    return {{"floor and camera under coloured water", water},
+            {"coloured glass slab",
+             [](SceneMaker& m) {
+                 add_absorbing(m, test::block(1.2f, 0.3f), test::glass(1.5f),
+                               test::translation({0, 0, 1.2f}));
+                 set_camera(m, {0.0f, -1.0f, 0.7f}, 0.3f);
+                 add_bulb(m, {0.3f, 0.2f, 2.5f}, 0.6f);
+             }},
+            {"coloured glass ball",
+             [](SceneMaker& m) {
+                 add_absorbing(m, test::sphere(24, 0.4), test::glass(1.5f),
+                               test::translation({-0.1f, 0.1f, 0.8f}));
+                 set_camera(m, {0.0f, -1.0f, 0.5f}, 0.12f);
+                 add_bulb(m, {0.1f, -0.2f, 2.2f}, 0.4f);
+             }},
+            {"mirror ball and lamp in smoke",
+             [=](SceneMaker& m) {
+                 mirror_in_smoke(1.5f, m);
+                 add_bulb(m);
+             }},
+            {"mirror ball in smoke under a sun", [=](SceneMaker& m) {
+                 mirror_in_smoke(1.3f, m);
+                 LightDesc sun = lamp(LightType::sun, 3.0f);
+                 sun.sun_angle = 0.25f;
+                 m.builder.add_light(sun);
+             }}};
+}
+
 void expect_agreement(const std::vector<Setup>& setups,
                       const IntegratorSettings& settings = few_bounces(),
                       CausticsRole floor = CausticsRole::receiver, uint32_t factor = 12) {
@@ -200,6 +249,7 @@ TEST(LightPathsSlow, AgreeWithPathTracingForEveryCaster) {
 }
 TEST(LightPathsSlow, AgreeWithPathTracingForEveryLight) { expect_agreement(lights_over_a_ball()); }
 TEST(LightPathsSlow, AgreeWithPathTracingInOtherMedia) { expect_agreement(other_media()); }
+TEST(LightPathsSlow, AgreeWithPathTracingInAbsorbingMedia) { expect_agreement(absorbing_media()); }
 
 // What casters throw at a wall beside the floor.
 constexpr Vec3 kWall(0.0f, 1.2f, 0.0f);

@@ -190,8 +190,9 @@ std::optional<CausticDensities> by_manifold(const Bench& bench, const Integrator
         before.append_smooth(scene, surface, next, true, approach, bounces);
         bounces.add(BounceKind::diffuse);
     }
-    const Receiver receiver{x.p, x.p_error, x.ng,     x.wo,    &x.closures,
-                            16,  x.hit,     approach, bounces, 1.0f};
+    const Media media{};
+    const Receiver receiver{x.p,    x.p_error, x.ng,     x.wo,    &x.closures, 16,
+                            &media, x.hit,     approach, bounces, 1.0f};
     const Vec3 wi = normalize(root->patch.p - x.p);
     Surface at_root;
     evaluate_surface(scene, root->hit, wi * -1.0f, at_root);

@@ -180,6 +180,84 @@ TEST(Compile, WhatComesToNothingIsNotRead) {
     EXPECT_EQ(closures_of(nothing, at.point).count, 0);
 }
 
+// A material with a volume alone.
+Material with_volume(GraphBuilder& b, uint32_t node, const char* socket,
+                     std::span<const Image> images = {}) {
+    b.link(node, socket, b.node("output"), "Volume");
+    return compile(b.graph, images);
+}
+void expect_absorption(const Material& material, const Spectrum& sigma) {
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(material.absorption[c], sigma[c], 1e-6f);
+    EXPECT_TRUE(material.warnings.empty());
+}
+
+TEST(CompileVolume, AbsorbsWhatItsColorsLeaveOut) {
+    GraphBuilder plain;
+    expect_absorption(
+        with_volume(plain,
+                    plain.node("volume_absorption", {{"Color", {1, 0.75f, 2}}, {"Density", {4}}}),
+                    "Volume"),
+        Spectrum(0.0f, 1.0f, 0.0f));
+    GraphBuilder thin;
+    expect_absorption(
+        with_volume(thin, thin.node("volume_absorption", {{"Density", {-1}}}), "Volume"),
+        Spectrum(0.0f));
+    GraphBuilder principled;
+    expect_absorption(
+        with_volume(principled,
+                    principled.node("volume_principled", {{"Color", {0, 0, 0}},
+                                                          {"Density", {2}},
+                                                          {"Absorption Color", {0, 0.25f, 1}}}),
+                    "Volume"),
+        Spectrum(2.0f, 1.0f, 0.0f));
+}
+
+TEST(CompileVolume, MixesAndAddsAsSurfacesDo) {
+    GraphBuilder b;
+    const uint32_t red = b.node("volume_absorption", {{"Color", {1, 0, 0}}, {"Density", {2}}}),
+                   blue = b.node("volume_absorption", {{"Color", {0, 0, 1}}, {"Density", {4}}}),
+                   mix = b.node("mix_shader", {{"Fac", {0.25f}}}), add = b.node("add_shader");
+    b.link(red, "Volume", mix, "Shader").link(blue, "Volume", mix, "Shader_001");
+    b.link(mix, "Shader", add, "Shader").link(blue, "Volume", add, "Shader_001");
+    expect_absorption(with_volume(b, add, "Shader"), Spectrum(5.0f, 6.5f, 1.5f));
+}
+
+// Blender lets all shaders be linked to both; what has no effect there has none here, but says so.
+TEST(CompileVolume, AndSurfaceAreApart) {
+    GraphBuilder b;
+    const uint32_t both = b.node("add_shader"), glass = b.node("bsdf_glass"),
+                   medium = b.node("volume_absorption", {{"Color", {0, 0, 0}}});
+    b.link(glass, "BSDF", both, "Shader").link(medium, "Volume", both, "Shader_001");
+    const uint32_t out = b.node("output");
+    b.link(both, "Shader", out, "Surface").link(both, "Shader", out, "Volume");
+    const Material m = compile(b.graph, {});
+    EXPECT_EQ(m.absorption, Spectrum(1.0f));
+    EXPECT_TRUE(m.specular.refracts);
+    EXPECT_THAT(m.warnings, testing::UnorderedElementsAre(
+                                AllOf(names("volume_absorption.2"), HasSubstr("on a surface")),
+                                AllOf(names("bsdf_glass.1"), HasSubstr("in a volume"))));
+    GraphBuilder value;
+    EXPECT_THAT(with_volume(value, value.node("rgb"), "Color").warnings,
+                testing::ElementsAre(HasSubstr("in place of a volume")));
+}
+
+TEST(CompileVolume, WarnsOfWhatItCannotModel) {
+    const std::vector<Image> images = {image_from_floats(
+        "i", std::vector<float>{0.5f, 0.25f, 1}, 1, 1, 3, ColorSpace::linear, AlphaMode::none)};
+    GraphBuilder textured;
+    const uint32_t medium = textured.node("volume_absorption", {{"Density", {2}}});
+    textured.link(textured.node("image_texture", {}, {}, 0), "Color", medium, "Color");
+    const Material varies = with_volume(textured, medium, "Volume", images);
+    EXPECT_EQ(varies.absorption, Spectrum(1.0f, 1.5f, 0.0f));
+    EXPECT_THAT(varies.warnings, testing::ElementsAre(HasSubstr("its mean is used")));
+    EXPECT_EQ(varies.reads, 0u);
+    GraphBuilder foggy;
+    const Material fog = with_volume(foggy, foggy.node("volume_principled"), "Volume");
+    EXPECT_EQ(fog.absorption, Spectrum(0.5f));
+    EXPECT_THAT(fog.warnings,
+                testing::ElementsAre(AllOf(names("volume_principled.0"), HasSubstr("scattering"))));
+}
+
 TEST(Compile, NormalIsReadOnItsOwn) {
     const std::vector<Image> images = one_image();
     GraphBuilder b;

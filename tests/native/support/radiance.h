@@ -66,6 +66,19 @@ inline Graph transparent(float color) {
     return single_shader("bsdf_transparent", {{1, "Color", {color, color, color, 1}}});
 }
 
+// With a medium behind its front faces that absorbs `sigma` (1/m).
+inline Graph absorbing(Graph graph, const Spectrum& sigma) {
+    const float density = max_component(sigma);
+    const Spectrum color = Spectrum(1.0f) - sigma * (1.0f / density);
+    const auto index = static_cast<uint32_t>(graph.nodes.size());
+    graph.name += " in which light is absorbed";
+    graph.nodes.push_back({"Medium", "volume_absorption", kNone});
+    graph.inputs.push_back({index, "Color", {color.x, color.y, color.z, 1}});
+    graph.inputs.push_back({index, "Density", {density, 0, 0, 0}});
+    graph.links.push_back({index, "Volume", 0, "Volume"});
+    return graph;
+}
+
 // Two shaders under a mix (by `fac`) or, with fac < 0, an addition.
 inline Graph combined(const Graph& a, const Graph& b, float fac) {
     Graph graph;
@@ -93,6 +106,23 @@ inline Graph combined(const Graph& a, const Graph& b, float fac) {
 inline void set_world(SceneMaker& maker, float radiance, uint32_t visibility = kVisibleAll) {
     const uint32_t sky = maker.builder.add_material(background(radiance, radiance, radiance));
     maker.builder.set_environment({sky, visibility, true});
+}
+
+// Of a square's half side and from z = 0 down to -height; outside is front.
+inline Mesh block(float half, float height) {
+    Mesh mesh;
+    mesh.name = "block";
+    for (const float z : {-height, 0.0f})
+        for (const Vec2& p :
+             {Vec2(-half, -half), Vec2(half, -half), Vec2(half, half), Vec2(-half, half)})
+            mesh.positions.push_back({p.x, p.y, z});
+    mesh.triangles = {{0, 2, 1}, {0, 3, 2}, {4, 5, 6}, {4, 6, 7}};
+    for (uint32_t i = 0; i < 4; ++i) {
+        const uint32_t next = (i + 1) % 4;
+        mesh.triangles.push_back({i, next, next + 4});
+        mesh.triangles.push_back({i, next + 4, i + 4});
+    }
+    return mesh;
 }
 
 inline Mesh flat(Mesh mesh) {

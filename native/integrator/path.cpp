@@ -287,9 +287,16 @@ struct PathTracer {
     }
 
     Receiver receiver_at(const Surface& surface, const CameraApproach& approach) const {
-        return {surface.p,   surface.p_error,   surface.ng,
-                surface.wo,  &surface.closures, bounces.transparent_left(settings.limits),
-                surface.hit, approach,          bounces,
+        return {surface.p,
+                surface.p_error,
+                surface.ng,
+                surface.wo,
+                &surface.closures,
+                bounces.transparent_left(settings.limits),
+                &media,
+                surface.hit,
+                approach,
+                bounces,
                 0.0f};
     }
 
@@ -302,23 +309,12 @@ struct PathTracer {
             return Spectrum(0.0f);
         ManifoldStats& counts = stats.manifold;
         const ManifoldStats before = counts;
-<<<<<<< HEAD
         Receiver receiver = receiver_at(surface, approach);
         receiver.importance =
             max_component(throughput) * smooth_albedo(surface.closures) / (kPi * chance);
         const Spectrum caustic = throughput * (1.0f / chance) *
                                  manifold_radiance(techniques_of(world, settings), receiver,
                                                    pass.sheets, sampler, counts);
-=======
-        const Spectrum caustic =
-            throughput * (1.0f / chance) *
-            manifold_radiance(
-                techniques_of(world, settings),
-                {surface.p, surface.p_error, surface.ng, surface.wo, &surface.closures,
-                 bounces.transparent_left(settings.limits), &media, surface.hit, approach, bounces,
-                 max_component(throughput) * smooth_albedo(surface.closures) / (kPi * chance)},
-                pass.sheets, sampler, counts);
->>>>>>> wt-absorb
         const double squares =
             static_cast<double>((sqr(caustic.x) + sqr(caustic.y) + sqr(caustic.z)) * (1.0f / 3.0f));
         const double work =

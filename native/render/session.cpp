@@ -296,7 +296,8 @@ bool Session::render_tile(uint32_t pass, uint32_t tile, RenderStats& stats) {
 void Session::prepare_sheets() {
     constexpr uint32_t kPixelsOfTile = 128, kLeastTiles = 64, kMostTiles = 1024;
     const ManifoldSettings& manifold = settings_.integrator.manifold;
-    if (!manifold.sheets || world_.casters.empty() || world_.lights.caustic_selection.empty())
+    if (manifold.finder != ChainFinder::sheets || world_.casters.empty() ||
+        world_.lights.caustic_selection.empty())
         return;
     // As large as leaves their making a small part of the work.
     const auto& crop = world_.scene->camera.crop;

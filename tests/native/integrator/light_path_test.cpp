@@ -34,25 +34,29 @@ double average(const Spectrum& c) { return (double(c.x) + double(c.y) + double(c
 // Which techniques find caustics beside path tracing.
 struct Method {
     const char* name;
-    bool manifold, light_paths, sheets = false;
+    bool manifold, light_paths;
+    ChainFinder finder = ChainFinder::walks;
     uint32_t tiles = 512;  // 0: there is no sheet, and all chains are missed
 };
 constexpr Method kPathTracing{"path tracing", false, false}, kManifold{"manifold", true, false},
     kLightPaths{"light paths", false, true}, kAll{"manifold and light paths", true, true},
-    kSheets{"light sheets and light paths", true, true, true},
-    kMissed{"walks beside no sheets", true, true, true, 0};
+    kSheets{"light sheets and light paths", true, true, ChainFinder::sheets},
+    kMissed{"walks beside no sheets", true, true, ChainFinder::sheets, 0},
+    kMnee{"fixed starts", true, false, ChainFinder::mnee},
+    kMneeAndLight{"fixed starts and light paths", true, true, ChainFinder::mnee};
 
 // `rounds` samples of each pixel under a box filter; all rounds independent of each other.
 Picture render(const RenderScene& world, IntegratorSettings settings, const Method& method,
                uint32_t rounds, uint32_t seed) {
     constexpr uint32_t kPixels = kSide * kSide;
     if (method.manifold) settings.manifold = test::unbiased_manifold();
-    settings.manifold.sheets = method.sheets;
+    settings.manifold.finder = method.finder;
+    if (method.finder != ChainFinder::walks)
+        settings.manifold.longest_chain = kLongestManifoldChain;
     SheetPool sheets;
     PassState state{{1, 1, 1}};
-    if (method.sheets) {
+    if (method.finder == ChainFinder::sheets) {
         constexpr float kSure = 0.2f;  // leaves many chains to chance
-        settings.manifold.longest_chain = kLongestManifoldChain;
         if (method.tiles > 0)
             sheets = build_sheets(*world.scene, world.lights, world.casters, settings.manifold,
                                   seed, method.tiles, 1);
@@ -342,14 +346,15 @@ void expect_agreement(const std::vector<Setup>& setups,
         const RenderScene world = maker.finish();
         const Picture expected = render(world, settings, kPathTracing, factor * kRounds, 1);
         Picture light_paths;
-        for (const Method& method : {kManifold, kLightPaths, kAll, kSheets}) {
+        for (const Method& method : {kManifold, kLightPaths, kAll, kSheets, kMnee, kMneeAndLight}) {
             const Picture actual = render(world, settings, method, kRounds, 1u << 20);
             const std::string what = std::string(setup.name) + " by " + method.name;
             expect_same(actual, expected, what, 5 * int(setups.size()));
             if (!method.light_paths) continue;
             if (method.manifold)
                 expect_same(actual, light_paths, what + ", or without", 5 * int(setups.size()));
-            if (method.sheets) continue;  // they leave little to light paths
+            if (method.finder != ChainFinder::walks)
+                continue;  // they may leave little to light paths
             light_paths = actual;
             const double share = actual.splats.mean() / actual.mean[4].mean(),
                          noise = std::hypot(expected.mean[4].standard_error(),

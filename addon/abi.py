@@ -18,7 +18,7 @@ from ctypes import (
 )
 from enum import IntEnum
 
-API_VERSION = 3  # SPC_API_VERSION that this file mirrors
+API_VERSION = 4  # SPC_API_VERSION that this file mirrors
 
 STATUS_NAMES = (
     "OK",

@@ -24,6 +24,18 @@ METHODS = (
         "Light Tracing",
         "Path tracing from the camera and from the light, without manifold sampling",
     ),
+    (
+        "MNEE",
+        "MNEE Unbiased",
+        "Manifold Next Event Estimation, to compare with: a refraction looked for along the "
+        "straight line to the light, a reflection from the middle of a caster. "
+        "What that misses is path traced",
+    ),
+    (
+        "MNEE_BIASED",
+        "MNEE Biased",
+        "Manifold Next Event Estimation: less noise, but what it misses is lost",
+    ),
 )
 
 LIGHT_TRACING = (

@@ -152,7 +152,7 @@ class SPECULA_PT_advanced(SpeculaPanel, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context) -> bool:
-        without_walks = ("AUTO", "PT", "LT", "SHEETS")
+        without_walks = ("AUTO", "PT", "LT", "SHEETS", "MNEE", "MNEE_BIASED")
         return super().poll(context) and context.scene.specula.method not in without_walks
 
     def draw(self, context):

@@ -80,6 +80,8 @@ class Method(IntEnum):
     SMS_BIASED = 2
     LT = 3
     SHEETS = 4
+    MNEE = 5
+    MNEE_BIASED = 6
 
 
 class LightTracing(IntEnum):

@@ -21,7 +21,7 @@ constexpr uint32_t kMostWalks = 4096;
 constexpr float kWidestFilter = 1000.0f;
 
 void check_settings(const spc_render_settings& s) {
-    require(s.method <= SPC_METHOD_SHEETS, fmt::format("unknown method {}", s.method));
+    require(s.method <= SPC_METHOD_MNEE_BIASED, fmt::format("unknown method {}", s.method));
     require(s.light_tracing <= SPC_LIGHT_TRACING_OFF,
             fmt::format("unknown light tracing {}", s.light_tracing));
     require(s.constraint <= SPC_CONSTRAINT_ANGLE_DIFFERENCE,
@@ -40,6 +40,15 @@ void check_settings(const spc_render_settings& s) {
             fmt::format("filter_width must be positive and at most {} pixels", kWidestFilter));
 }
 
+ChainFinder finder_of(uint32_t method) {
+    switch (method) {
+        case SPC_METHOD_SHEETS: return ChainFinder::sheets;
+        case SPC_METHOD_MNEE:
+        case SPC_METHOD_MNEE_BIASED: return ChainFinder::mnee;
+        default: return ChainFinder::walks;
+    }
+}
+
 RenderSettings to_settings(const spc_render_settings& s) {
     check_settings(s);
     RenderSettings settings;
@@ -49,9 +58,9 @@ RenderSettings to_settings(const spc_render_settings& s) {
     integrator.transparent_film = s.transparent_film != 0;
     ManifoldSettings& manifold = integrator.manifold;
     manifold.enabled = s.method != SPC_METHOD_PT && s.method != SPC_METHOD_LT;
-    manifold.biased = s.method == SPC_METHOD_SMS_BIASED;
-    manifold.sheets = s.method == SPC_METHOD_SHEETS;
-    manifold.longest_chain = manifold.sheets ? spc::kLongestManifoldChain : 1;
+    manifold.finder = finder_of(s.method);
+    manifold.biased = s.method == SPC_METHOD_SMS_BIASED || s.method == SPC_METHOD_MNEE_BIASED;
+    manifold.longest_chain = manifold.finder == ChainFinder::walks ? 1 : spc::kLongestManifoldChain;
     manifold.set_size = s.set_size;
     manifold.constraint = static_cast<Constraint>(s.constraint);
     manifold.two_stage = s.two_stage != 0;

@@ -91,8 +91,8 @@ struct PathTracer {
             return 1.0f;
         const std::optional<CausticDensities> p = caustic_densities(techniques, path, end);
         if (!p || p->manifold + p->light_tracing == 0.0) return 1.0f;
-        const bool missed = p->missed_are_shared() &&
-                            sheets_miss(techniques, pass.sheets, path, end, stats.manifold);
+        const bool missed = p->missed_are_apart() &&
+                            manifold_misses(techniques, pass.sheets, path, end, stats.manifold);
         return static_cast<float>(p->path_tracing_weight(missed));
     }
 

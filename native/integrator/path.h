@@ -42,7 +42,7 @@ using Activation = std::array<float, kReceiverDepths>;
 // What a sample of the picture knows.
 struct PassState {
     Activation activation;
-    LightSheets sheets{};  // where ManifoldSettings::sheets asks for them
+    LightSheets sheets{};  // where ManifoldSettings::finder asks for them
 };
 
 // What manifold estimates at receivers of one depth gave and cost, as if there had been one at each.

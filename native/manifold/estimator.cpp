@@ -50,6 +50,22 @@ void shoot_leads(const Scene& scene, const ManifoldSettings& settings, const Lig
     }
 }
 
+// The chain to which manifold next event estimation comes between x and its end: for refractions
+// from the straight line, for reflections from the middle of the caster, which is as good as any
+// other point of a shape that nothing is known of.
+std::optional<ChainSolution> shoot_from_fixed_start(const Techniques& techniques, const RayStart& x,
+                                                    const ChainEnd& end, Interaction first,
+                                                    uint32_t caster, ManifoldStats& stats) {
+    const Scene& scene = techniques.scene;
+    const ManifoldSettings& settings = techniques.manifold;
+    const CasterSet& casters = techniques.casters;
+    const std::optional<ChainStart> start =
+        first == Interaction::refraction ? straight_chain(scene, settings, x, casters, end, stats)
+                                         : central_reflection(x, casters.casters[caster]);
+    if (!start) return std::nullopt;
+    return shoot(scene, settings, x, end, start->kind, start->w, settings.max_halvings, stats);
+}
+
 // One estimate: a receiver and a light point, and chains between them.
 class Estimate {
 public:
@@ -129,6 +145,16 @@ public:
         return sum + more;
     }
 
+    // The solution to which the straight line leads, and that from the middle of a caster.
+    Spectrum from_fixed_starts(uint32_t caster) {
+        Spectrum sum(0.0f);
+        for (const Interaction first : {Interaction::refraction, Interaction::reflection})
+            if (const std::optional<ChainSolution> found =
+                    shoot_from_fixed_start(techniques_, start(), end_of(y_), first, caster, stats_))
+                sum += contribution(found->chain);
+        return sum;
+    }
+
 private:
     static Chain chain_of(const ChainRoot& root) {
         Chain chain;
@@ -146,7 +172,7 @@ private:
         const CasterChoice choice = choose_caster(techniques_.casters, receiver_.p,
                                                   sides_of(receiver_), end_of(y_), pcg.one());
         if (choice.index == kNone) return std::nullopt;
-        const std::optional<RandomChain> chain = sample_chain(
+        const std::optional<ChainStart> chain = sample_chain(
             scene_, settings_, start(), techniques_.casters, choice.index, pcg, stats_);
         if (!chain) return std::nullopt;
         return shoot(scene_, settings_, start(), end_of(y_), chain->kind, chain->w,
@@ -173,9 +199,9 @@ private:
         const std::optional<CausticDensities> densities =
             caustic_densities(techniques_, path, light_end(y_, away));
         if (!densities || !(densities->geometry > 0.0)) return Spectrum(0.0f);
-        const double scale = missed && densities->missed_are_shared()
+        const double scale = missed && densities->missed_are_apart()
                                  ? densities->missed_scale()
-                                 : manifold_worth(settings_) * densities->scale();
+                                 : manifold_worth(techniques_) * densities->scale();
         return at_x.f_cos * throughput * radiance * passes(chain) * static_cast<float>(scale);
     }
 
@@ -280,7 +306,7 @@ Spectrum manifold_radiance(const Techniques& techniques, const Receiver& receive
     Pcg pcg(sampler[Domain::manifold_seeds].stream_seed());
     const std::optional<LightPoint> y = sample_light_point(techniques.lights, techniques.scene, u);
     if (!y) return Spectrum(0.0f);
-    if (techniques.manifold.sheets) {
+    if (techniques.manifold.finder == ChainFinder::sheets) {
         ++stats.estimates;
         return Estimate(techniques, receiver, *y, stats)
             .by_sheet(nearest_sheet(sheets, *y), sheets.sure, pcg);
@@ -291,32 +317,41 @@ Spectrum manifold_radiance(const Techniques& techniques, const Receiver& receive
 
     ++stats.estimates;
     Estimate estimate(techniques, receiver, *y, stats);
+    if (techniques.manifold.finder == ChainFinder::mnee)
+        return estimate.from_fixed_starts(choice.index);
     const Caster& caster = casters.casters[choice.index];
     return techniques.manifold.biased ? estimate.biased(caster, pcg)
                                       : estimate.unbiased(caster, pcg);
 }
 
-bool sheets_miss(const Techniques& techniques, const LightSheets& sheets, const CausticPath& path,
-                 const LightEnd& end, ManifoldStats& stats) {
+bool manifold_misses(const Techniques& techniques, const LightSheets& sheets,
+                     const CausticPath& path, const LightEnd& end, ManifoldStats& stats) {
+    const Scene& scene = techniques.scene;
+    const ManifoldSettings& settings = techniques.manifold;
+    const RayStart x{path.x, path.sides.ng, path.p_error};
     LightPoint y{};
     y.light = end.light;
     y.distant = end.end.distant;
     y.p = end.end.p;
     y.direction = end.end.direction;
-    const LightSheet* sheet = nearest_sheet(sheets, y);
-    if (sheet == nullptr) return true;
     ChainKind kind;
     for (uint32_t i = 0; i < path.count; ++i)
         kind.append({path.vertices[i].hit.instance, path.vertices[i].interaction});
-    const RayStart x{path.x, path.sides.ng, path.p_error};
-    const Vec3 w = normalize(surface_position(techniques.scene, path.vertices[0].hit) - path.x);
-    const ManifoldSettings& settings = techniques.manifold;
+    const Vec3 w = normalize(surface_position(scene, path.vertices[0].hit) - path.x);
     const std::optional<ChainSolution> own =
-        shoot(techniques.scene, settings, x, end.end, kind, w, settings.max_halvings, stats);
+        shoot(scene, settings, x, end.end, kind, w, settings.max_halvings, stats);
     if (!own) return true;
     FoundChains found;
-    shoot_leads(techniques.scene, settings, *sheet, x, y, std::numeric_limits<float>::max(), 0.0f,
-                found, stats);
+    if (settings.finder == ChainFinder::sheets) {
+        const LightSheet* sheet = nearest_sheet(sheets, y);
+        if (sheet == nullptr) return true;
+        shoot_leads(scene, settings, *sheet, x, y, std::numeric_limits<float>::max(), 0.0f, found,
+                    stats);
+    } else if (const std::optional<ChainSolution> one = shoot_from_fixed_start(
+                   techniques, x, end.end, kind.links[0].interaction,
+                   techniques.casters.of_instance[kind.links[0].instance], stats)) {
+        found.push_back({*one, 1.0f});
+    }
     return find(settings, found, *own) == nullptr;
 }
 

@@ -4,7 +4,7 @@
 //   L(x, wo) = sum over chains of  int f(x) cos T L(y) |dw/dA_y| dA_y
 //
 // A point y is drawn by power. The chains to it come from random walks on one caster, drawn by its
-// bound, or from a light sheet.
+// bound, from a light sheet, or from fixed starts.
 #pragma once
 
 #include "bsdf/closure.h"
@@ -35,13 +35,13 @@ struct Receiver {
 CausticPath caustic_path(const Scene& scene, const Receiver& receiver, const ClosureEval& at_x,
                          const Vec3& wi);
 
-// One estimate of the radiance from `receiver` towards its wo. [Zeltner20 Alg. 2] or, biased, [Alg.
-// 3].
+// One estimate of the radiance from `receiver` towards its wo.
 Spectrum manifold_radiance(const Techniques& techniques, const Receiver& receiver,
                            const LightSheets& sheets, const Sampler& sampler, ManifoldStats& stats);
 
-// Whether no lead of the sheets comes to the path's chain.
-bool sheets_miss(const Techniques& techniques, const LightSheets& sheets, const CausticPath& path,
-                 const LightEnd& end, ManifoldStats& stats);
+// Whether no lead of the sheets, or no fixed start, comes to the path's chain: not of walks, which
+// may come to any.
+bool manifold_misses(const Techniques& techniques, const LightSheets& sheets,
+                     const CausticPath& path, const LightEnd& end, ManifoldStats& stats);
 
 }  // namespace spc

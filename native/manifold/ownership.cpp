@@ -9,6 +9,17 @@ bool allowed(const ManifoldSettings& settings, Interaction interaction) {
     return interaction == Interaction::reflection ? settings.reflections : settings.refractions;
 }
 
+// Whether the manifold looks for chains of this kind.
+bool looks_for(const ManifoldSettings& settings, const CausticPath& path) {
+    const std::span vertices(path.vertices.data(), path.count);
+    if (vertices.empty() || vertices.size() > settings.longest_chain) return false;
+    // Along straight lines through glass; of reflections for single ones.
+    return settings.finder != ChainFinder::mnee || vertices.size() == 1 ||
+           std::all_of(vertices.begin(), vertices.end(), [](const CausticVertex& vertex) {
+               return vertex.interaction == Interaction::refraction;
+           });
+}
+
 // Whether path tracing may follow the path to its light, by whichever closure x scatters, after such
 // bounces.
 bool within_limits(const BounceLimits& limits, const BounceCounts& before, const CausticPath& path) {
@@ -17,6 +28,13 @@ bool within_limits(const BounceLimits& limits, const BounceCounts& before, const
         ++(path.vertices[i].interaction == Interaction::reflection ? glossy : transmission);
     return before.total + path.count <= limits.total && before.diffuse < limits.diffuse &&
            glossy <= limits.glossy && transmission <= limits.transmission;
+}
+
+// Whether an estimate comes to the path's first caster by choose_caster().
+bool chooses_caster(const ManifoldSettings& settings, const CausticPath& path) {
+    return settings.finder == ChainFinder::walks ||
+           (settings.finder == ChainFinder::mnee &&
+            path.vertices[0].interaction == Interaction::reflection);
 }
 
 bool is_seen_through(const LightSet& lights, uint32_t light) {
@@ -74,8 +92,8 @@ uint32_t most_scatterings(const BounceLimits& limits) {
 }
 
 bool manifold_owns(const Techniques& techniques, const CausticPath& path) {
-    return techniques.manifold.enabled && path.receiver && !path.through_caster && path.count > 0 &&
-           path.count <= techniques.manifold.longest_chain &&
+    return techniques.manifold.enabled && path.receiver && !path.through_caster &&
+           looks_for(techniques.manifold, path) &&
            allowed(techniques.manifold, path.vertices[0].interaction) &&
            within_limits(techniques.limits, path.before, path);
 }
@@ -143,10 +161,12 @@ std::optional<CausticDensities> caustic_densities(const Techniques& techniques,
     p.geometry = derivative->geometry * static_cast<double>(end.cosine);
     const bool by_manifold = manifold_owns(techniques, path);
     if (by_manifold) {
-        p.manifold = manifold_worth(techniques.manifold) * static_cast<double>(end.pdf);
-        if (techniques.manifold.sheets) {
+        const ManifoldSettings& manifold = techniques.manifold;
+        p.manifold = manifold_worth(techniques) * static_cast<double>(end.pdf);
+        if (manifold.finder == ChainFinder::sheets)
             p.missed = CausticDensities::kMissedWorth * static_cast<double>(end.pdf);
-        } else {
+        if (manifold.finder == ChainFinder::mnee && !manifold.biased) p.missed = 0.0;
+        if (chooses_caster(manifold, path)) {
             const uint32_t caster = techniques.casters.of_instance[path.vertices[0].hit.instance];
             p.manifold *= static_cast<double>(
                 caster_probability(techniques.casters, caster, path.x, path.sides, end.end));

@@ -135,9 +135,16 @@ bool light_tracing_owns(const Techniques& techniques, const CausticPath& path);
 
 // The balance heuristic takes estimates of equal density for equally good. The manifold's have this
 // much of the worth of a sample that was drawn with the same density: walks choose one of many
-// solutions and count trials, sheets cost more than a light path and miss some chains.
-inline double manifold_worth(const ManifoldSettings& settings) {
-    return settings.sheets ? 1.0 / 8 : 1.0 / 32;
+// solutions and count trials, sheets cost more than a light path and miss some chains. Where fixed
+// starts find a chain, nothing but y is left to chance; but what they take from light paths of the
+// chains that they miss is left to path tracing.
+inline double manifold_worth(const Techniques& techniques) {
+    switch (techniques.manifold.finder) {
+        case ChainFinder::walks: return 1.0 / 32;
+        case ChainFinder::sheets: return 1.0 / 8;
+        case ChainFinder::mnee: return techniques.light_tracing.guide != nullptr ? 1.0 / 32 : 1.0;
+    }
+    return 1.0;
 }
 
 // By area at y (distant light: solid angle at the light) and area at x; of the camera's paths for
@@ -149,8 +156,9 @@ struct CausticDensities {
     double direct = 0.0;         // of next event estimation, for a path without vertices
     double manifold = 0.0;       // p_L(y) times the chance of the caster and manifold_worth()
     double light_tracing = 0.0;  // paths p_L(y) p_e(w_y) |dw_y/dA_x| times the chances of all lobes
-    // p_L(y) times kMissedWorth: of walks beside sheets, for chains that sheets miss.
-    double missed = 0.0;
+    // Of the manifold for chains that its definite search misses, where others take its share of
+    // them: p_L(y) times kMissedWorth for walks beside sheets; 0 beside fixed starts.
+    std::optional<double> missed;
     static constexpr double kMissedWorth = 1.0 / 4096;
 
     // What light tracing multiplies the path's light with: its geometry over the densities, of which
@@ -161,15 +169,15 @@ struct CausticDensities {
 
     // Chains that sheets miss are found by walks that may take thousands of trials to find one again:
     // path tracing takes most of what both are left with. It has to look whether sheets miss one, so
-    // that is only done where it makes a difference.
-    bool missed_are_shared() const { return missed > 0.0 && manifold > path_tracing; }
+    // that is only done where it makes a difference. What fixed starts miss is path tracing's alone.
+    bool missed_are_apart() const { return missed && (*missed == 0.0 || manifold > path_tracing); }
     // What the walks multiply the light of a chain with that sheets miss.
     double missed_scale() const {
-        return geometry * kMissedWorth * shared_by_camera() / (path_tracing + missed);
+        return geometry * kMissedWorth * shared_by_camera() / (path_tracing + *missed);
     }
     double path_tracing_weight(bool is_missed) const {
-        return is_missed ? shared_by_camera() * path_tracing / (path_tracing + missed)
-                         : path_tracing / sum();
+        if (!is_missed) return path_tracing / sum();
+        return shared_by_camera() * (*missed > 0.0 ? path_tracing / (path_tracing + *missed) : 1.0);
     }
     double shared_by_camera() const { return (path_tracing + manifold) / sum(); }
 };

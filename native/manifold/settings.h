@@ -9,10 +9,16 @@ namespace spc {
 
 enum class Constraint : uint8_t { half_vector, angle_difference };
 
+// How an estimate comes to its chains: by random walks [Zeltner20], from the leads of light sheets
+// and by walks for what those miss, or from fixed starts [Hanika15].
+enum class ChainFinder : uint8_t { walks, sheets, mnee };
+
 struct ManifoldSettings {
     bool enabled = false;
-    bool biased = false;         // sum over the solutions of `set_size` walks [Zeltner20 Alg. 3]
-    bool sheets = false;         // all solutions from light sheets, walks for what those miss
+    ChainFinder finder = ChainFinder::walks;
+    // Walks: the sum over the solutions of `set_size` of them [Zeltner20 Alg. 3]; mnee: what it
+    // misses is left out. Sheets have no such variant.
+    bool biased = false;
     uint32_t longest_chain = 1;  // interactions; walks without sheets find single ones
     uint32_t set_size = 16;
     Constraint constraint = Constraint::angle_difference;

@@ -186,11 +186,11 @@ std::optional<ChainSolution> shoot(const Scene& scene, const ManifoldSettings& s
     return solution;
 }
 
-std::optional<RandomChain> sample_chain(const Scene& scene, const ManifoldSettings& settings,
-                                        const RayStart& x, const CasterSet& casters,
-                                        uint32_t caster, Pcg& pcg, ManifoldStats& stats) {
+std::optional<ChainStart> sample_chain(const Scene& scene, const ManifoldSettings& settings,
+                                       const RayStart& x, const CasterSet& casters, uint32_t caster,
+                                       Pcg& pcg, ManifoldStats& stats) {
     const Caster& first = casters.casters[caster];
-    RandomChain chain;
+    ChainStart chain;
     const bool by_area = pcg.one() < settings.seeds_by_area;
     if (by_area) {
         const Vec3 to = surface_position(scene, sample_on(first, pcg)) - x.p;
@@ -227,6 +227,38 @@ std::optional<RandomChain> sample_chain(const Scene& scene, const ManifoldSettin
             1 + std::min(static_cast<uint32_t>(pcg.one() * static_cast<float>(chain.kind.count)),
                          chain.kind.count - 1));
     return chain;
+}
+
+std::optional<ChainStart> straight_chain(const Scene& scene, const ManifoldSettings& settings,
+                                         const RayStart& x, const CasterSet& casters,
+                                         const ChainEnd& end, ManifoldStats& stats) {
+    constexpr float kEndMargin = 1e-4f;  // of the segment: a light's own surface is not crossed
+    float distance = kInfinity;
+    ChainStart start{{}, end.from(x.p, distance)};
+    if (!(distance > 0.0f)) return std::nullopt;
+    Ray ray{x.p, start.w, leave(x, start.w), distance * (1.0f - kEndMargin)};
+    for (;;) {
+        ++stats.rays;
+        const std::optional<Hit> hit = scene.accel->intersect(ray, kVisibleScattered);
+        if (!hit) break;
+        ray.t_near = past(hit->t);
+        if (hit->light != kNone || casters.of_instance[hit->surface.instance] == kNone ||
+            !has_interaction(scene.material_of(hit->surface).specular, Interaction::refraction))
+            continue;
+        if (start.kind.count == settings.longest_chain) return std::nullopt;
+        start.kind.append({hit->surface.instance, Interaction::refraction});
+    }
+    if (start.kind.count == 0) return std::nullopt;
+    return start;
+}
+
+std::optional<ChainStart> central_reflection(const RayStart& x, const Caster& caster) {
+    const Vec3 to = caster.center - x.p;
+    const float distance = length(to);
+    if (!(distance > 0.0f)) return std::nullopt;
+    ChainStart start{{}, to * (1.0f / distance)};
+    start.kind.append({caster.instance, Interaction::reflection});
+    return start;
 }
 
 bool same_solution(const ManifoldSettings& settings, const ChainSolution& a, const ChainSolution& b) {

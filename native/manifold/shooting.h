@@ -50,16 +50,24 @@ std::optional<ChainSolution> shoot(const Scene& scene, const ManifoldSettings& s
                                    const Vec3& w, int max_halvings, ManifoldStats& stats);
 
 // Where a chain may be looked for.
-struct RandomChain {
+struct ChainStart {
     ChainKind kind;
     Vec3 w;
 };
 // Follows a random ray from the receiver to a caster, and on through casters with every interaction
 // left to chance. Half of the rays aim at points uniform over the caster's specular area, half are
 // uniform in the cone of its bounding sphere. Empty where the ray meets nothing.
-std::optional<RandomChain> sample_chain(const Scene& scene, const ManifoldSettings& settings,
-                                        const RayStart& x, const CasterSet& casters,
-                                        uint32_t caster, Pcg& pcg, ManifoldStats& stats);
+std::optional<ChainStart> sample_chain(const Scene& scene, const ManifoldSettings& settings,
+                                       const RayStart& x, const CasterSet& casters, uint32_t caster,
+                                       Pcg& pcg, ManifoldStats& stats);
+// Along the segment to the end: refracted by every caster that it crosses, whatever else stands in
+// its way [Hanika15]. Empty where it crosses none, or more than a chain may have.
+std::optional<ChainStart> straight_chain(const Scene& scene, const ManifoldSettings& settings,
+                                         const RayStart& x, const CasterSet& casters,
+                                         const ChainEnd& end, ManifoldStats& stats);
+// Reflected once by the caster, from where x sees it in the direction of its middle. Empty in the
+// middle.
+std::optional<ChainStart> central_reflection(const RayStart& x, const Caster& caster);
 
 // Whether two solutions for the same ends are the same chain.
 bool same_solution(const ManifoldSettings& settings, const ChainSolution& a, const ChainSolution& b);

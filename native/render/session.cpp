@@ -297,7 +297,7 @@ void Session::prepare_sheets() {
     constexpr double kPixelsOfTile = 128.0, kSamplesOfTile = 4096.0, kSecondsOfTile = 0.04;
     constexpr double kLeastTiles = 64.0, kMostTiles = 1024.0;
     const ManifoldSettings& manifold = settings_.integrator.manifold;
-    if (!manifold.sheets) return;
+    if (manifold.finder != ChainFinder::sheets) return;
     // As large as leaves their making a small part of the work.
     const auto& crop = world_.scene->camera.crop;
     const auto pixels = static_cast<double>(uint64_t{crop[2]} * crop[3]);

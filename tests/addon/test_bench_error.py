@@ -209,11 +209,11 @@ def test_light_tracing_is_where_the_name_says():
             continue
         settings = method.job["specula"]
         traced = name == "lt" or name.endswith("-lt")
-        if settings["method"].startswith("SMS_"):
+        if settings["method"].startswith(("SMS_", "MNEE")):
             assert settings["light_tracing"] == ("ON" if traced else "OFF")
         assert (settings["method"] == "LT") == (name == "lt")
         assert method.correlated == traced
-        assert method.unbiased == (not name.startswith("biased") and not method.hidden)
+        assert method.unbiased == ("biased" not in name.split("-") and not method.hidden)
 
 
 def test_methods_fit_into_their_charts():

@@ -39,6 +39,15 @@ def test_wrong_light_fails(wrong):
     assert verdict(excused, found) == _report.KNOWN
 
 
+@pytest.mark.parametrize(("case", "known"), [("point light", True), ("glass ball", False)])
+def test_fixed_starts_are_excused_where_path_tracing_is_blind(case, known):
+    found = compare(pictures(0.5, 2), pictures(1.0, 1), COMPARISONS)
+    method = next(method for method in METHODS if method.name == "fixed starts")
+    where = next(c for c in CASES if c.name == case)
+    mark = _report.Result(where, method, pictures(0.5, 2), found).verdict
+    assert mark == (_report.KNOWN if known else _report.FAILS)
+
+
 def test_nothing_excuses_nan():
     excused = next(method for method in METHODS if method.excuse)
     assert verdict(excused, pictures(1.0, 2, nan_samples=1)) == _report.FAILS

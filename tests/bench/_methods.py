@@ -46,6 +46,7 @@ GROUPS = {
     "variants": "constraints and stages",
     "sets": "numbers of walks of the biased method",
     "light": "manifold sampling, light tracing, and both",
+    "starts": "random walks and fixed starts",
     "luxcore": "LuxCore",
 }
 
@@ -105,7 +106,7 @@ def _specula(name, label, groups, color, marker, light_factor=1.0, **settings) -
         groups,
         color,
         marker,
-        unbiased=method != "SMS_BIASED" and light_factor == 1.0,
+        unbiased=not method.endswith("_BIASED") and light_factor == 1.0,
         path_traced=method == "PT",
         correlated=splats,  # the pixel filter shares them among neighbours
         hidden=light_factor != 1.0,
@@ -133,6 +134,10 @@ def _biased(walks: int, color: str, marker: str, *groups: str, light_tracing="OF
     return _specula(name, label, groups, color, marker, **settings)
 
 
+def _fixed_starts(name, label, color, marker, method) -> Method:
+    return _specula(name, label, ("starts",), color, marker, method=method, light_tracing="OFF")
+
+
 def _cycles(name, label, color, marker, **changes) -> Method:
     settings = {"use_guiding": name == "cycles-guiding"} | NOTHING_TAKEN_AWAY
     job = {"engine": "CYCLES", "cycles": settings}
@@ -142,7 +147,7 @@ def _cycles(name, label, color, marker, **changes) -> Method:
         label,
         "cycles",
         job | changes,
-        ("best",),
+        ("best", "starts") if biased else ("best",),
         color,
         marker,
         unbiased=not biased,
@@ -168,12 +173,18 @@ def _lux(name, label, color, marker, *groups, unbiased=True, correlated=False) -
 METHODS = {
     method.name: method
     for method in (
-        _specula("pt", "path tracing", ("best", "variants", "light"), BLACK, "o", method="PT"),
+        _specula(
+            "pt",
+            "path tracing",
+            ("best", "variants", "light", "starts"),
+            *(BLACK, "o"),
+            method="PT",
+        ),
         _specula("lt", "light tracing", ("light",), ORANGE, "v", method="LT"),
         _unbiased(
             "sms",
             "SMS unbiased",
-            ("best", "variants", "sets", "light", "luxcore"),
+            ("best", "variants", "sets", "light", "starts", "luxcore"),
             *(VERMILLION, "s", "ANGLE_DIFFERENCE", True),
         ),
         _unbiased(
@@ -211,9 +222,11 @@ METHODS = {
         ),
         _biased(4, SKY, "v", "sets"),
         _biased(8, BLUE, "^", "sets"),
-        _biased(16, GREEN, "D", "sets"),
+        _biased(16, GREEN, "D", "sets", "starts"),
         _biased(16, BLUE, "^", "light", light_tracing="ON"),
         _biased(32, PURPLE, "P", "sets"),
+        _fixed_starts("mnee", "MNEE unbiased", BLUE, "^", "MNEE"),
+        _fixed_starts("mnee-biased", "MNEE biased", SKY, "v", "MNEE_BIASED"),
         _cycles("cycles-pt", "path tracing", BLUE, "o"),
         _cycles("cycles-guiding", "path guiding", SKY, "^"),
         _cycles("cycles-mnee", "shadow caustics", PURPLE, "X", shadow_caustics=True),

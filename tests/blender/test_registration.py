@@ -137,7 +137,7 @@ def test_advanced_settings_are_closed_and_only_there_where_they_matter():
     assert panel.bl_options == {"DEFAULT_CLOSED"}
     bpy.context.scene.specula.method = "SMS_BIASED"
     assert draw(panel, Context()).shown == ["constraint", "two_stage"]
-    for method in ("AUTO", "PT", "LT", "SHEETS"):
+    for method in ("AUTO", "PT", "LT", "SHEETS", "MNEE", "MNEE_BIASED"):
         bpy.context.scene.specula.method = method
         assert not panel.poll.__func__(panel, Context())
 
@@ -147,6 +147,7 @@ def test_light_tracing_is_offered_beside_the_manifold():
         ("AUTO", True),
         ("SMS_BIASED", True),
         ("SHEETS", True),
+        ("MNEE", True),
         ("PT", False),
         ("LT", False),
     ):
@@ -227,7 +228,16 @@ def test_panels_stay_away_from_other_engines():
 
 def test_names_that_scripts_rely_on():
     settings = bpy.context.scene.specula
-    for method in ("AUTO", "PT", "SMS_UNBIASED", "SMS_BIASED", "LT", "SHEETS"):
+    for method in (
+        "AUTO",
+        "PT",
+        "SMS_UNBIASED",
+        "SMS_BIASED",
+        "LT",
+        "SHEETS",
+        "MNEE",
+        "MNEE_BIASED",
+    ):
         settings.method = method
     for light_tracing in ("AUTO", "ON", "OFF"):
         settings.light_tracing = light_tracing
@@ -235,7 +245,7 @@ def test_names_that_scripts_rely_on():
         settings.constraint = constraint
     settings.two_stage, settings.set_size, settings.time_limit = True, 4, 1.0
     with pytest.raises(TypeError):
-        settings.method = "MNEE"
+        settings.method = "BDPT"
 
 
 def test_engine_is_what_files_name():

@@ -223,6 +223,8 @@ def mirrored_light():
         ("SMS_BIASED", "OFF", True, False),
         ("LT", "OFF", False, True),
         ("SHEETS", "OFF", True, False),
+        ("MNEE", "OFF", True, False),
+        ("MNEE_BIASED", "ON", True, True),
         ("PT", "ON", False, False),
     ],
 )

@@ -96,8 +96,9 @@ def test_light_tracing_is_automatic_and_stays_so_with_any_method(scene):
     for choice in LightTracing:
         scene.specula.light_tracing = choice.name
         assert export_settings(scene).light_tracing == choice
-    scene.specula.method = "LT"
-    assert export_settings(scene).method == Method.LT
+    for method in (Method.LT, Method.MNEE, Method.MNEE_BIASED):
+        scene.specula.method = method.name
+        assert export_settings(scene).method == method
 
 
 def test_labels_are_those_of_the_interface(scene):
@@ -106,6 +107,8 @@ def test_labels_are_those_of_the_interface(scene):
     assert method_label(scene) == "SMS Biased"
     scene.specula.method = "LT"
     assert method_label(scene) == "Light Tracing"
+    scene.specula.method = "MNEE"
+    assert method_label(scene) == "MNEE Unbiased"
 
 
 def test_what_holds_where_nothing_is_set(scene):

@@ -29,7 +29,7 @@ class Method:
     samples: int = 64
     # Why it may fail; empty: it must not.
     excuse: str = ""
-    # Interactions of the chains that it has but for path tracing.
+    # Chains of up to so many interactions it finds without path tracing's help.
     interactions: int = 4
 
 
@@ -66,6 +66,13 @@ METHODS = (
         settings("SMS_BIASED", set_size=16),
         excuse="solutions that no walk meets are lost",
         interactions=1,
+    ),
+    Method("fixed starts", settings("MNEE"), interactions=0),
+    Method(
+        "fixed starts alone",
+        settings("MNEE_BIASED"),
+        excuse="one refraction and one reflection at most, whatever there are",
+        interactions=0,
     ),
 )
 

@@ -28,7 +28,7 @@ class Result:
             return self.method.excuse
         blind = self.case.truth != "path tracing"
         if blind and self.case.interactions > self.method.interactions:
-            return "walks find one interaction, and path tracing no light without size"
+            return "it needs path tracing, which finds no light without size"
         return ""
 
     @property

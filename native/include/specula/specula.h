@@ -38,7 +38,7 @@ extern "C" {
 #endif
 
 /* Raised whenever a struct or the meaning of a call changes. */
-#define SPC_API_VERSION 3u
+#define SPC_API_VERSION 4u
 
 /* "No index", where an index is optional. */
 #define SPC_NONE 0xffffffffu
@@ -338,8 +338,12 @@ typedef enum spc_method {
     SPC_METHOD_SMS_UNBIASED = 1, /* [Zeltner20, Alg. 2] */
     /* [Zeltner20, Alg. 3]: loses the solutions that `set_size` walks miss */
     SPC_METHOD_SMS_BIASED = 2,
-    SPC_METHOD_LT = 3,    /* path tracing and light tracing, no manifold */
-    SPC_METHOD_SHEETS = 4 /* manifold: all chains by light sheets, walks for what they miss */
+    SPC_METHOD_LT = 3,     /* path tracing and light tracing, no manifold */
+    SPC_METHOD_SHEETS = 4, /* manifold: all chains by light sheets, walks for what they miss */
+    /* [Hanika15]: at most one refraction and one reflection, from fixed starts. What they miss is
+     * path traced, or lost by SPC_METHOD_MNEE_BIASED. Lights without extent have no paths to trace. */
+    SPC_METHOD_MNEE = 5,
+    SPC_METHOD_MNEE_BIASED = 6
 } spc_method;
 
 /* Light paths beside the manifold's methods, as many as pay. AUTO: as ON, for now. */

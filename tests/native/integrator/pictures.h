@@ -32,26 +32,30 @@ inline double average(const Spectrum& c) { return (double(c.x) + double(c.y) + d
 // Which techniques find caustics beside path tracing.
 struct Method {
     const char* name;
-    bool manifold, light_paths, sheets = false;
+    bool manifold, light_paths;
+    ChainFinder finder = ChainFinder::walks;
     uint32_t tiles = 512;  // 0: there is no sheet, and all chains are missed
 };
 inline constexpr Method kPathTracing{"path tracing", false, false},
     kManifold{"manifold", true, false}, kLightPaths{"light paths", false, true},
     kAll{"manifold and light paths", true, true},
-    kSheets{"light sheets and light paths", true, true, true},
-    kMissed{"walks beside no sheets", true, true, true, 0};
+    kSheets{"light sheets and light paths", true, true, ChainFinder::sheets},
+    kMissed{"walks beside no sheets", true, true, ChainFinder::sheets, 0},
+    kMnee{"fixed starts", true, false, ChainFinder::mnee},
+    kMneeAndLight{"fixed starts and light paths", true, true, ChainFinder::mnee};
 
 // `rounds` samples of each pixel under a box filter; all rounds independent of each other.
 inline Picture render(const RenderScene& world, IntegratorSettings settings, const Method& method,
                       uint32_t rounds, uint32_t seed) {
     constexpr uint32_t kPixels = kSide * kSide;
     if (method.manifold) settings.manifold = unbiased_manifold();
-    settings.manifold.sheets = method.sheets;
+    settings.manifold.finder = method.finder;
+    if (method.finder != ChainFinder::walks)
+        settings.manifold.longest_chain = kLongestManifoldChain;
     SheetPool sheets;
     PassState state{{1, 1, 1}};
-    if (method.sheets) {
+    if (method.finder == ChainFinder::sheets) {
         constexpr float kSure = 0.2f;  // leaves many chains to chance
-        settings.manifold.longest_chain = kLongestManifoldChain;
         if (method.tiles > 0)
             sheets = build_sheets(*world.scene, world.lights, world.casters, settings.manifold,
                                   seed, method.tiles, 1);

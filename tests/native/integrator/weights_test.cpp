@@ -402,11 +402,27 @@ TEST(CausticWeights, OfMissedChainsSumToOne) {
     p.manifold = 0.4;
     p.light_tracing = 0.2;
     p.missed = CausticDensities::kMissedWorth * kPointPdf;
-    ASSERT_TRUE(p.missed_are_shared());
+    ASSERT_TRUE(p.missed_are_apart());
     const double walks = p.missed_scale() / p.geometry * kPointPdf;
     EXPECT_NEAR(p.path_tracing_weight(true) + walks + p.light_tracing / sum_of(p), 1.0, 1e-12);
     EXPECT_GT(p.path_tracing_weight(true), p.path_tracing_weight(false));
     EXPECT_GT(walks, 0.0);
+}
+
+// What fixed starts miss is path tracing's alone, but for the share of light paths.
+TEST(CausticWeights, OfChainsThatFixedStartsMissSumToOne) {
+    CausticDensities p;
+    p.geometry = 0.7;
+    p.light_tracing = 0.2;
+    p.missed = 0.0;
+    for (const double path_tracing : {0.0, 0.01, 4.0}) {  // of a lamp without shadow; usual ones
+        p.path_tracing = path_tracing;
+        p.manifold = 0.4;
+        ASSERT_TRUE(p.missed_are_apart());
+        EXPECT_NEAR(p.path_tracing_weight(true) + p.light_tracing / sum_of(p), 1.0, 1e-12);
+        EXPECT_NEAR(p.path_tracing_weight(false) + (p.manifold + p.light_tracing) / sum_of(p), 1.0,
+                    1e-12);
+    }
 }
 
 // A record that differs by a hundredth shows.

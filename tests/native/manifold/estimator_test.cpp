@@ -3,6 +3,7 @@
 // caster and with many.
 #include "manifold/estimator.h"
 
+#include "support/casters.h"
 #include "support/radiance.h"
 
 #include <gtest/gtest.h>
@@ -295,6 +296,145 @@ TEST(ManifoldEstimatorSlow, BiasedComesFromBelow) {
         if (walks == 16) {
             EXPECT_GT(some.mean(), 0.9 * all.mean());
         }
+    }
+}
+
+// ---- fixed starts [Hanika15]
+
+ManifoldSettings fixed_starts(bool biased) {
+    ManifoldSettings settings = test::unbiased_manifold();
+    settings.finder = ChainFinder::mnee;
+    settings.biased = biased;
+    settings.longest_chain = kLongestManifoldChain;
+    return settings;
+}
+
+// Light that comes by way of casters alone: a lamp that diffuse rays do not see.
+struct CausticCase {
+    const char* name;
+    std::function<void(SceneMaker&)> add_casters;
+    // Of the light: what is lost at least, and at most, without the path-traced remainder.
+    double least_lost, most_lost;
+    double notices;  // relative error of what is found that the comparison must notice
+};
+RenderScene under_a_lamp(const CausticCase& c) {
+    SceneMaker maker;
+    maker.add(test::square(4.0f), test::diffuse(0.8f), {}, CausticsRole::receiver);
+    c.add_casters(maker);
+    LightDesc large = lamp(LightType::point, 100.0f);
+    large.to_world = test::translation(Vec3(0.2f, -0.7f, 2.2f));
+    large.radius = 0.5f;
+    large.visibility = kVisibleGlossy | kVisibleTransmission | kVisibleShadow;
+    maker.builder.add_light(large);
+    return maker.finish();
+}
+// From below the casters, so that nothing but the floor is seen.
+Ray ray_under_casters(uint32_t i) {
+    Pcg pcg(i);
+    return test::ray_to({0.0f, -0.8f, 0.3f}, {pcg.one() - 0.5f, 0.5f * pcg.one() - 0.2f, 0.0f});
+}
+std::vector<CausticCase> caustic_cases() {
+    const auto add = [](SceneMaker& maker, const Mesh& mesh, const Graph& graph,
+                        const Transform& transform) {
+        maker.add(mesh, graph, transform, CausticsRole::caster);
+    };
+    return {
+        {"flat slab",
+         [add](SceneMaker& m) {
+             add(m, test::flat(test::square(4.0f)), test::refraction(1.5f),
+                 test::translation({0, 0, 0.9f}));
+             add(m, test::flat(test::square(4.0f)), test::refraction(1.5f),
+                 test::rotation_x(kPi, {0, 0, 0.6f}));
+         },
+         0.0, 0.0, 0.05},
+        {"glass ball",
+         [add](SceneMaker& m) {
+             add(m, test::sphere(24, 0.4), test::refraction(1.5f),
+                 test::translation({0, 0.1f, 0.9f}));
+         },
+         0.02, 0.5, 0.3},
+        {"mirror ball",
+         [add](SceneMaker& m) {
+             add(m, test::sphere(24, 0.4), test::mirror(), test::translation({0, 1.2f, 0.5f}));
+         },
+         0.0, 0.0, 0.2},
+        {"normal-mapped mirror",
+         [add](SceneMaker& m) {
+             m.builder.add_image(test::plane_normals(128, 0.25, 0.1, 5));
+             add(m,
+                 test::with_uvs(
+                     test::grid(
+                         1, [](double u, double v) { return Vec3d(1.6 * u - 0.8, 1.6 * v - 0.8, 0); },
+                         [](double, double) { return Vec3d(0, 0, 1); }),
+                     1),
+                 test::normal_mapped(test::mirror(), Vec2(1.0f, 1.0f)),
+                 test::rotation_x(1.3f, {0.0f, 0.9f, 0.8f}));
+         },
+         0.5, 1.0, 0.8}};
+}
+
+TEST(ManifoldEstimatorSlow, FixedStartsAgreeWithPathTracing) {
+    const std::vector<CausticCase> cases = caustic_cases();
+    constexpr uint32_t kSamples = 150000;
+    const double significance = test::sidak(kFamily, int(cases.size()));
+    const auto settings_for = [](const ManifoldSettings& manifold) {
+        IntegratorSettings settings = test::unlimited(manifold);
+        settings.limits.diffuse = 1;  // what comes after only adds noise
+        return settings;
+    };
+    for (const CausticCase& c : cases) {
+        const RenderScene world = under_a_lamp(c);
+        const test::MeanEstimate truth =
+            test::estimate(world, settings_for({}), 10 * kSamples, ray_under_casters).radiance;
+        const auto mean_of = [&](bool biased) {
+            return test::estimate(world, settings_for(fixed_starts(biased)), kSamples,
+                                  ray_under_casters, 2);
+        };
+        const test::RadianceEstimate all = mean_of(false), some = mean_of(true);
+        EXPECT_TRUE(test::same_mean(all.radiance, truth, significance)) << c.name;
+        const double lost = 1.0 - some.radiance.mean() / truth.mean(),
+                     noise = std::hypot(some.radiance.standard_error(), truth.standard_error()) /
+                             truth.mean();
+        std::cout << c.name << ": fixed starts find " << all.caustics.mean() / truth.mean()
+                  << " of the light, without path tracing's remainder " << lost << " is lost, +- "
+                  << noise << std::endl;
+        EXPECT_GT(lost, c.least_lost - 4.0 * noise) << c.name;
+        EXPECT_LT(lost, c.most_lost + 4.0 * noise) << c.name;
+        // What the comparison would notice.
+        EXPECT_GT(c.notices * all.caustics.mean(),
+                  5.0 * std::hypot(all.radiance.standard_error(), truth.standard_error()))
+            << c.name;
+    }
+}
+
+// Under a slab a ring of light between two cones becomes a ring on the floor: I sin t dt = E r dr.
+TEST(ManifoldEstimator, FixedStartsGiveTheLightUnderASlabWithoutNoise) {
+    constexpr double kPower = 100.0, kIor = 1.5, kThickness = 0.3, kHeight = 2.2;
+    const Vec3 above(0.2f, -0.7f, 2.2f);
+    SceneMaker maker;
+    maker.add(test::square(4.0f), test::diffuse(0.8f), {}, CausticsRole::receiver);
+    caustic_cases()[0].add_casters(maker);
+    LightDesc point = lamp(LightType::point, static_cast<float>(kPower));
+    point.to_world = test::translation(above);
+    maker.builder.add_light(point);
+    const RenderScene world = maker.finish();
+    for (const Vec3& x : {Vec3(0.3f, 0.1f, 0.0f), Vec3(-0.4f, 0.2f, 0.0f)}) {
+        const test::RadianceEstimate found = test::estimate(
+            world, test::unlimited(fixed_starts(true)), 16, test::ray_to({0.0f, -0.8f, 0.3f}, x));
+        const double r = std::hypot(double(x.x - above.x), double(x.y - above.y));
+        const auto radius = [&](double t) {
+            return (kHeight - kThickness) * std::tan(t) +
+                   kThickness * std::sin(t) / std::sqrt(kIor * kIor - std::sin(t) * std::sin(t));
+        };
+        double low = 0.0, high = 1.5;
+        for (int i = 0; i < 60; ++i)
+            (radius(0.5 * (low + high)) < r ? low : high) = 0.5 * (low + high);
+        constexpr double kStep = 1e-5;
+        const double slope = (radius(low + kStep) - radius(low - kStep)) / (2.0 * kStep);
+        const double irradiance = kPower / (4.0 * std::numbers::pi) * std::sin(low) / (r * slope);
+        const double expected = 0.8 / std::numbers::pi * irradiance;
+        EXPECT_NEAR(found.least, expected, 2e-4 * expected);
+        EXPECT_NEAR(found.most, expected, 2e-4 * expected);
     }
 }
 

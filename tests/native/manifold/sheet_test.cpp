@@ -27,7 +27,8 @@ RenderScene below_a_mirror(const std::vector<Vec3>& lamps, float side) {
 
 ManifoldSettings settings() {
     ManifoldSettings s;
-    s.enabled = s.sheets = true;
+    s.enabled = true;
+    s.finder = ChainFinder::sheets;
     s.longest_chain = kLongestManifoldChain;
     return s;
 }

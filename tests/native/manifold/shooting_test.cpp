@@ -15,7 +15,8 @@ using test::SceneMaker;
 
 ManifoldSettings settings() {
     ManifoldSettings s;
-    s.enabled = s.sheets = true;
+    s.enabled = true;
+    s.finder = ChainFinder::sheets;
     s.longest_chain = kLongestManifoldChain;
     return s;
 }
@@ -133,6 +134,87 @@ TEST(Shots, StayAtChainsThatExist) {
         EXPECT_LE(missed, chains / 200) << c.name;
         EXPECT_GE(returned, chains * 9 / 10) << c.name;
     }
+}
+
+// ---- fixed starts
+
+// A mirror ball beside a slab of glass of two instances, an opaque square between slab and lamp.
+struct FixedStarts : testing::Test {
+    FixedStarts() {
+        SceneMaker maker;
+        maker.add(test::sphere(48, 0.5), test::mirror(), test::translation({2.0f, 0, 0.8f}),
+                  CausticsRole::caster);
+        for (const bool top : {false, true})
+            maker.add(test::square(0.8f), test::glass(1.5f),
+                      test::rotation_x(top ? 0.0f : kPi, {0, 0, top ? 0.9f : 0.5f}),
+                      CausticsRole::caster);
+        maker.add(test::square(0.8f), test::diffuse(0.8f), test::translation({0, 0, 1.2f}));
+        test::add_lamp(maker, end.p, {0.0f, 0.0f, 0.8f}, 0.05f);
+        world = maker.finish();
+    }
+    std::optional<ChainStart> straight(const RayStart& from, const ManifoldSettings& limits) const {
+        ManifoldStats stats;
+        return straight_chain(*world.scene, limits, from, world.casters, end, stats);
+    }
+
+    const ChainEnd end{false, {0.3f, -0.2f, 2.6f}, Vec3(0.0f)};
+    const RayStart x{{0.1f, 0.2f, 0.0f}, {0, 0, 1}, 1e-6f};
+    RenderScene world;
+};
+
+TEST_F(FixedStarts, RefractWhereTheStraightLineCrossesCasters) {
+    const std::optional<ChainStart> start = straight(x, settings());
+    ASSERT_TRUE(start);
+    ChainKind expected;
+    expected.append({1, Interaction::refraction});
+    expected.append({2, Interaction::refraction});
+    EXPECT_EQ(start->kind, expected);
+    EXPECT_LT(length(start->w - normalize(end.p - x.p)), 1e-6f);
+    // From within the slab, beside it, and where a chain would be too long.
+    const std::optional<ChainStart> within =
+        straight({{0.1f, 0.2f, 0.7f}, {0, 0, 1}, 1e-6f}, settings());
+    ASSERT_TRUE(within);
+    EXPECT_EQ(within->kind, expected.reversed().first(1));
+    EXPECT_FALSE(straight({{2.0f, 2.0f, 0.0f}, {0, 0, 1}, 1e-6f}, settings()));
+    ManifoldSettings single = settings();
+    single.longest_chain = 1;
+    EXPECT_FALSE(straight(x, single));
+}
+
+TEST_F(FixedStarts, AreNotWhereOnlyMirrorsAreCrossed) {
+    const Vec3 p = Vec3(2.0f, 0, 0.8f) * 2.0f - end.p;
+    EXPECT_FALSE(straight({p, {0, 0, 1}, 1e-6f}, settings()));
+}
+
+// Snell's law in a slab: the ray leaves it as it came, shifted.
+TEST_F(FixedStarts, LeadToTheOneChainOfASlab) {
+    const std::optional<ChainStart> start = straight(x, settings());
+    ASSERT_TRUE(start);
+    ManifoldStats stats;
+    const std::optional<ChainSolution> found = shoot(*world.scene, settings(), x, end, start->kind,
+                                                     start->w, settings().max_halvings, stats);
+    ASSERT_TRUE(found);
+    const Vec3 below = normalize(found->chain.vertices[0].patch.p - x.p),
+               above = normalize(end.p - found->chain.vertices[1].patch.p),
+               inside =
+                   normalize(found->chain.vertices[1].patch.p - found->chain.vertices[0].patch.p);
+    EXPECT_LT(length(below - above), 1e-4f);
+    EXPECT_NEAR(std::hypot(below.x, below.y), 1.5f * std::hypot(inside.x, inside.y), 1e-4f);
+}
+
+TEST_F(FixedStarts, ReflectFromTheMiddleOfABall) {
+    const Caster& ball = world.casters.casters[0];
+    const std::optional<ChainStart> start = central_reflection(x, ball);
+    ASSERT_TRUE(start);
+    ManifoldStats stats;
+    const std::optional<ChainSolution> found = shoot(*world.scene, settings(), x, end, start->kind,
+                                                     start->w, settings().max_halvings, stats);
+    ASSERT_TRUE(found);
+    const CasterPatch& at = found->chain.vertices[0].patch;
+    EXPECT_EQ(found->chain.vertices[0].interaction, Interaction::reflection);
+    const Vec3 half = normalize(normalize(x.p - at.p) + normalize(end.p - at.p));
+    EXPECT_LT(length(half - at.n), 1e-3f);
+    EXPECT_FALSE(central_reflection({ball.center, {0, 0, 1}, 1e-6f}, ball));
 }
 
 // Rays that leave the light evenly carry even shares of its light: those whose chain no lead finds

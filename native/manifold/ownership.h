@@ -169,8 +169,11 @@ struct CausticDensities {
 
     // Chains that sheets miss are found by walks that may take thousands of trials to find one again:
     // path tracing takes most of what both are left with. It has to look whether sheets miss one, so
-    // that is only done where it makes a difference. What fixed starts miss is path tracing's alone.
-    bool missed_are_apart() const { return missed && (*missed == 0.0 || manifold > path_tracing); }
+    // that is only done where the walks' share, times so many trials, is more than path tracing's.
+    // What fixed starts miss is path tracing's alone.
+    bool missed_are_apart() const {
+        return missed && (*missed == 0.0 || manifold > kMissedWorth * path_tracing);
+    }
     // What the walks multiply the light of a chain with that sheets miss.
     double missed_scale() const {
         return geometry * kMissedWorth * shared_by_camera() / (path_tracing + *missed);

@@ -143,6 +143,8 @@ def main() -> int:
     if not blend.is_file():
         raise DevError(f"there is no {blend}")
     blend = blend.resolve()
+    if args.out and args.out.suffix != ".exr":
+        raise DevError(f"--out {args.out}: a reference is an .exr file")
     method = args.method or ("PT" if blend.stem in PATH_TRACED else "SHEETS")
     FOLDER.mkdir(parents=True, exist_ok=True)
     _program.freeze_library("reference")

@@ -173,7 +173,7 @@ TEST(Glints, HaveLittleNoise) {
 }
 
 // Under an even sky there is nothing to find, and nothing to lose.
-TEST(Glints, FurnaceUnderAnEvenSky) {
+TEST(GlintsSlow, FurnaceUnderAnEvenSky) {
     for (const double texels : {2.0, 12.0, 30.0}) {
         GlintFloor floor = cases().back().floor;
         floor.pixel_texels = texels;

@@ -380,7 +380,7 @@ double beyond(const std::vector<double>& deviations, double limit) {
 // Rounding, which folds and fine slopes magnify, parts the records of few paths by more.
 constexpr double kRounding = 1e-5, kMagnified = 1e-2;
 
-TEST(CausticWeights, SumToOneOverTheirOwnRecords) {
+TEST(CausticWeightsSlow, SumToOneOverTheirOwnRecords) {
     const Deviations all = deviations(600000);
     EXPECT_GE(all.size(), 7u);  // one to three of both, few of which have three twice
     for (const auto& [kind, found] : all) {
@@ -394,7 +394,7 @@ TEST(CausticWeights, SumToOneOverTheirOwnRecords) {
 }
 
 // What path tracing, walks and light paths have of a chain that sheets miss.
-TEST(CausticWeights, OfMissedChainsSumToOne) {
+TEST(CausticWeightsSlow, OfMissedChainsSumToOne) {
     constexpr double kPointPdf = 3.0;  // of the light point
     CausticDensities p;
     p.geometry = 0.7;
@@ -410,7 +410,7 @@ TEST(CausticWeights, OfMissedChainsSumToOne) {
 }
 
 // What fixed starts miss is path tracing's alone, but for the share of light paths.
-TEST(CausticWeights, OfChainsThatFixedStartsMissSumToOne) {
+TEST(CausticWeightsSlow, OfChainsThatFixedStartsMissSumToOne) {
     CausticDensities p;
     p.geometry = 0.7;
     p.light_tracing = 0.2;
@@ -426,7 +426,7 @@ TEST(CausticWeights, OfChainsThatFixedStartsMissSumToOne) {
 }
 
 // A record that differs by a hundredth shows.
-TEST(CausticWeights, ComparisonNoticesAWrongRecord) {
+TEST(CausticWeightsSlow, ComparisonNoticesAWrongRecord) {
     for (const auto& [kind, found] : deviations(200000, 1.01f))
         EXPECT_GT(beyond(found, kRounding), 0.5);
 }

@@ -219,7 +219,7 @@ TEST_F(FixedStarts, ReflectFromTheMiddleOfABall) {
 
 // Rays that leave the light evenly carry even shares of its light: those whose chain no lead finds
 // from where they land are light that walks would have to find.
-TEST(Sheets, LeadToNearlyAllLight) {
+TEST(SheetsSlow, LeadToNearlyAllLight) {
     for (const CasterCase& c : cases()) {
         const RenderScene world = make(c);
         const EmissionGuide guide = aim_at_casters(*world.scene, world.lights, world.casters);

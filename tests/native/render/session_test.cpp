@@ -143,7 +143,7 @@ TEST(SessionWithLightPathsSlow, ShortAndLongRendersHaveOneMean) {
     const auto expected = parts_of(world, alone, 12, 1000);
     RenderSettings first_pass = settings_with(64);
     first_pass.time_limit = 1e-6f;
-    expect_same(parts_of(world, first_pass, 200, 1), expected, "the first pass");
+    expect_same(parts_of(world, first_pass, 80, 1), expected, "the first pass");
     // Long enough for chances of manifold estimates to fall below one.
     expect_same(parts_of(world, settings_with(32), 40, 300), expected, "with chances");
     RenderSettings manifold = settings_with(32);
@@ -152,7 +152,7 @@ TEST(SessionWithLightPathsSlow, ShortAndLongRendersHaveOneMean) {
     // Sample ranges: [0, 8) and [8, 16) are pictures of one mean.
     RenderSettings later = settings_with(8);
     later.first_sample = 8;
-    expect_same(parts_of(world, later, 100, 500), expected, "samples from the eighth on");
+    expect_same(parts_of(world, later, 50, 500), expected, "samples from the eighth on");
 }
 
 // ---- the chances themselves, by hand

@@ -80,8 +80,7 @@ struct ChainDerivative {
     double etendue;
 };
 // By ray differentials from x through all vertices in turn [Jakob12, in another form]; there may be
-// none. Empty for a
-// refraction that cannot be (total internal reflection) or a vertex seen edge-on.
+// none. Empty for a refraction that cannot be (total internal reflection) or a vertex seen edge-on.
 std::optional<ChainDerivative> chain_derivative(const Vec3& x, std::span<const ChainVertex> chain,
                                                 const ChainEnd& end);
 

@@ -130,11 +130,10 @@ void assign_caustics_roles(Scene& scene) {
             if (why_rough.empty()) why_rough = material.narrow_lobe;
         }
         if (instance.caster)
-            scene.report.push_back(
-                fmt::format("{}: caster, single-bounce manifold ({})", instance.name, why));
+            scene.report.push_back(fmt::format("{}: caster, manifold ({})", instance.name, why));
         if (instance.rough_caster)
             scene.report.push_back(
-                fmt::format("{}: rough caster, light paths ({})", instance.name, why_rough));
+                fmt::format("{}: caster, light paths alone ({})", instance.name, why_rough));
         if (!instance.caster && !instance.rough_caster &&
             (role == CausticsRole::caster || role == CausticsRole::both))
             scene.report.push_back(

@@ -29,6 +29,7 @@ def mixed():
 
 MATERIALS = {
     "glass": lambda: material_of("ShaderNodeBsdfGlass", Roughness=0.0),
+    "frosted glass": lambda: material_of("ShaderNodeBsdfGlass", Roughness=0.2),
     "rough glass": lambda: material_of("ShaderNodeBsdfGlass", Roughness=0.5),
     "diffuse": lambda: material_of("ShaderNodeBsdfDiffuse"),
     "mixed": mixed,
@@ -74,6 +75,7 @@ def test_the_flag_of_cycles_counts_where_the_role_is_automatic():
     ("material", "casts", "reason"),
     [
         ("glass", True, "Glass BSDF, roughness 0, IOR"),
+        ("frosted glass", True, "Glass BSDF, roughness 0.2"),
         ("rough glass", False, "roughness 0.5"),
         ("diffuse", False, "no specular closure"),
         ("mixed", True, "Glossy BSDF, roughness 0"),

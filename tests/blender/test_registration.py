@@ -160,12 +160,12 @@ def test_statistics_show_every_line():
     stats = statistics.Statistics("Scene", "ViewLayer", "1.2", "PT", "Path Tracing")
     stats.scene_stats = native.struct_values(abi.SceneStats())
     stats.render_stats = native.struct_values(abi.RenderStats())
-    stats.report = ["Glass: caster, single-bounce manifold (Glass BSDF, roughness 0)"]
+    stats.report = ["Glass: caster, manifold (Glass BSDF, roughness 0)"]
     stats.warnings = ["light Lamp: textures in a light are not supported, white is used"]
     statistics.last["Scene", "ViewLayer"] = stats
     texts = draw(ui.SPECULA_PT_statistics, Context()).texts
     assert {label for label, _ in stats.rows()} <= set(texts)
-    assert {"Path Tracing", "Glass", "single-bounce manifold (Glass BSDF"} <= set(texts)
+    assert {"Path Tracing", "Glass", "manifold (Glass BSDF"} <= set(texts)
     assert {"light Lamp", "white is used"} <= set(texts)
 
 

@@ -218,8 +218,8 @@ typedef enum spc_visibility {
     SPC_VISIBLE_ALL = 31
 } spc_visibility;
 
-/* An object's part in caustics. AUTO: a caster where a material has a specular closure, a receiver where one
- * is not specular. */
+/* An object's part in caustics. AUTO: a caster where a material has a specular closure, or a narrow one that is
+ * not weak (roughness up to 0.4; docs/nodes.md), a receiver where one is not specular. */
 typedef enum spc_caustics_role {
     SPC_CAUSTICS_AUTO = 0,
     SPC_CAUSTICS_OFF = 1,

@@ -218,14 +218,7 @@ void expect_agreement(const std::vector<Setup>& setups,
             if (method.finder != ChainFinder::walks)
                 continue;  // they may leave little to light paths
             light_paths = actual;
-            const double share = actual.splats.mean() / actual.mean[4].mean(),
-                         noise = std::hypot(expected.mean[4].standard_error(),
-                                            actual.mean[4].standard_error());
-            std::cout << what << ": light paths give " << share << " of the picture, known to "
-                      << noise / expected.mean[4].mean() << std::endl;
-            EXPECT_GT(share, 0.02) << what;
-            // What the comparison would notice.
-            EXPECT_GT(0.5 * actual.splats.mean(), 5.0 * noise) << what;
+            expect_light_paths_to_matter(actual, expected, what);
         }
     }
 }

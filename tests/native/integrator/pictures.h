@@ -193,4 +193,16 @@ inline void add_panel(SceneMaker& maker, const Graph& graph) {
     add_caster(maker, square(0.6f), graph, rotation_x(1.3f, Vec3(0.0f, 0.9f, 0.6f)));
 }
 
+// Whether light paths give enough of a picture for its comparison to notice if they were wrong.
+inline void expect_light_paths_to_matter(const Picture& actual, const Picture& expected,
+                                         const std::string& what) {
+    const double share = actual.splats.mean() / actual.mean[4].mean(),
+                 noise =
+                     std::hypot(expected.mean[4].standard_error(), actual.mean[4].standard_error());
+    std::cout << what << ": light paths give " << share << " of the picture, known to "
+              << noise / expected.mean[4].mean() << std::endl;
+    EXPECT_GT(share, 0.02) << what;
+    EXPECT_GT(0.5 * actual.splats.mean(), 5.0 * noise) << what;
+}
+
 }  // namespace spc::test

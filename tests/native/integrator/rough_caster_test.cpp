@@ -15,6 +15,11 @@ Graph frosted_glass(float roughness) {
                                         {1, "IOR", {1.45f, 0, 0, 0}}});
 }
 
+Graph principled(float roughness, float metallic) {
+    return single_shader("bsdf_principled", {{1, "Roughness", {roughness, 0, 0, 0}},
+                                             {1, "Metallic", {metallic, 0, 0, 0}}});
+}
+
 struct Setup {
     const char* name;
     std::function<void(SceneMaker&)> build;
@@ -98,14 +103,7 @@ void expect_agreement(const std::vector<Setup>& setups, const IntegratorSettings
         const Picture expected = render(world, settings, kPathTracing, 24 * kRounds, 1);
         const Picture actual = render(world, settings, kSheets, kRounds, 1u << 20);
         expect_same(actual, expected, setup.name, int(setups.size()));
-        const double share = actual.splats.mean() / actual.mean[4].mean(),
-                     noise = std::hypot(expected.mean[4].standard_error(),
-                                        actual.mean[4].standard_error());
-        std::cout << setup.name << ": light paths give " << share << " of the picture, known to "
-                  << noise / expected.mean[4].mean() << std::endl;
-        EXPECT_GT(share, 0.02) << setup.name;
-        // What the comparison would notice.
-        EXPECT_GT(0.5 * actual.splats.mean(), 5.0 * noise) << setup.name;
+        expect_light_paths_to_matter(actual, expected, setup.name);
     }
 }
 
@@ -140,6 +138,9 @@ TEST(RoughCasters, AreThoseWithNarrowLobes) {
     EXPECT_TRUE(is_caster(combined(metal(0.2f), diffuse(0.8f), 0.5f), CausticsRole::caster));
     EXPECT_FALSE(is_caster(metal(0.2f), CausticsRole::off));
     EXPECT_FALSE(is_caster(metal(0.2f), CausticsRole::receiver));
+    EXPECT_TRUE(is_caster(refraction(1.4f, 0.2f), CausticsRole::automatic));
+    EXPECT_TRUE(is_caster(principled(0.2f, 1.0f), CausticsRole::automatic));
+    EXPECT_FALSE(is_caster(principled(0.2f, 0.0f), CausticsRole::automatic));
     EXPECT_FALSE(is_caster(metal(0.5f), CausticsRole::automatic));
     EXPECT_FALSE(is_caster(mirror(), CausticsRole::automatic));
     EXPECT_FALSE(is_caster(diffuse(0.8f), CausticsRole::automatic));

@@ -66,6 +66,10 @@ def _scalar_tint(converter, node, desc) -> None:
         converter.set_constant(desc, "Specular Tint", (*tint, 1.0))
 
 
+def _inverted(converter, node, desc) -> None:
+    desc.options["invert"] = "ON" if node.invert else "OFF"
+
+
 def _image(converter, node, desc) -> None:
     desc.image = converter.images.add(node.image, converter.label(node))
 
@@ -163,6 +167,12 @@ NODES = {
         ("Strength", "Color"),
         ("Normal",),
         options={"space": ("TANGENT", "OBJECT", "WORLD"), "uv_map": ANY},
+    ),
+    "ShaderNodeBump": NodeKind(
+        "bump",
+        ("Strength", "Distance", "Height", "Normal"),
+        ("Normal",),
+        adjust=_inverted,
     ),
     "ShaderNodeUVMap": NodeKind(
         "uv_map",

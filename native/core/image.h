@@ -66,6 +66,8 @@ extern template Rgba<float> lookup(const Image&, const float&, const float&, Int
                                    Extension, bool);
 extern template Rgba<Dual2> lookup(const Image&, const Dual2&, const Dual2&, Interpolation,
                                    Extension, bool);
+extern template Rgba<Dual<Dual2>> lookup(const Image&, const Dual<Dual2>&, const Dual<Dual2>&,
+                                         Interpolation, Extension, bool);
 
 // Mean over all texels of what a lookup at their centres gives.
 Rgba<float> mean(const Image& image, bool straight = false);

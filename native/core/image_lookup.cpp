@@ -14,10 +14,16 @@ using Byte4 = uint8_t __attribute__((vector_size(4)));
 
 Float4 splat(float a) { return Float4{a, a, a, a}; }
 
-// Filtered texel and its derivatives by the coordinates in texels.
+// Filtered texel and its derivatives by the coordinates in texels, as far as they were asked for.
 struct Filtered {
-    Float4 value{}, ds{}, dt{};
+    Float4 value{}, ds{}, dt{}, dss{}, dst{}, dtt{};
 };
+
+// Derivatives that a lookup over T needs.
+template <class T>
+inline constexpr int kOrder = 0;
+template <class S>
+inline constexpr int kOrder<Dual<S>> = kOrder<S> + 1;
 
 template <class Texel, int kChannels>
 struct Texels {
@@ -111,7 +117,7 @@ Filtered filter_closest(const Image4& image, float u, float v, Extension extensi
     return result;
 }
 
-template <bool kDerivatives, class Image4>
+template <int kDerivatives, class Image4>
 Filtered filter_linear(const Image4& image, float u, float v, Extension extension) {
     const Cell s = cell_of(u * static_cast<float>(image.width) - 0.5f);
     const Cell t = cell_of(v * static_cast<float>(image.height) - 0.5f);
@@ -135,16 +141,17 @@ Filtered filter_linear(const Image4& image, float u, float v, Extension extensio
     const Float4 row0 = c00 + slope0 * fs, row1 = c01 + slope1 * fs;
     Filtered result;
     result.value = (row0 + (row1 - row0) * ft) * scale;
-    if constexpr (kDerivatives) {
+    if constexpr (kDerivatives > 0) {
         result.ds = (slope0 + (slope1 - slope0) * ft) * scale;
         result.dt = (row1 - row0) * scale;
     }
+    if constexpr (kDerivatives > 1) result.dst = (slope1 - slope0) * scale;
     return result;
 }
 
 // Uniform cubic B-spline through four texels: it smooths, as Blender's does.
 struct CubicWeights {
-    float w[4], dw[4];
+    float w[4], dw[4], ddw[4];
     explicit CubicWeights(float t) {
         const float r = 1.0f - t;
         w[0] = r * r * r * (1.0f / 6.0f);
@@ -155,17 +162,21 @@ struct CubicWeights {
         dw[1] = (1.5f * t - 2.0f) * t;
         dw[2] = (2.0f - 1.5f * r) * r;
         dw[3] = 0.5f * t * t;
+        ddw[0] = r;
+        ddw[1] = 3.0f * t - 2.0f;
+        ddw[2] = 3.0f * r - 2.0f;
+        ddw[3] = t;
     }
 };
 
-template <bool kDerivatives, class Image4>
+template <int kDerivatives, class Image4>
 Filtered filter_cubic(const Image4& image, float u, float v, Extension extension) {
     const Cell s = cell_of(u * static_cast<float>(image.width) - 0.5f);
     const Cell t = cell_of(v * static_cast<float>(image.height) - 0.5f);
     const CubicWeights ws(s.frac), wt(t.frac);
     Filtered result;
     for (int j = 0; j < 4; ++j) {
-        Float4 row{}, slope{};
+        Float4 row{}, slope{}, bend{};
         for (int i = 0; i < 4; ++i) {
             const int x = s.i - 1 + i, y = t.i - 1 + j;
             const Float4 texel =
@@ -173,22 +184,28 @@ Filtered filter_cubic(const Image4& image, float u, float v, Extension extension
                     ? image.at_or_clear(x, y)
                     : image.at(wrap(x, image.width, extension), wrap(y, image.height, extension));
             row += splat(ws.w[i]) * texel;
-            if constexpr (kDerivatives) slope += splat(ws.dw[i]) * texel;
+            if constexpr (kDerivatives > 0) slope += splat(ws.dw[i]) * texel;
+            if constexpr (kDerivatives > 1) bend += splat(ws.ddw[i]) * texel;
         }
         result.value += splat(wt.w[j]) * row;
-        if constexpr (kDerivatives) {
+        if constexpr (kDerivatives > 0) {
             result.ds += splat(wt.w[j]) * slope;
             result.dt += splat(wt.dw[j]) * row;
         }
+        if constexpr (kDerivatives > 1) {
+            result.dss += splat(wt.w[j]) * bend;
+            result.dst += splat(wt.dw[j]) * slope;
+            result.dtt += splat(wt.ddw[j]) * row;
+        }
     }
     const Float4 scale = splat(Image4::kScale);
-    result.value *= scale;
-    result.ds *= scale;
-    result.dt *= scale;
+    for (Float4* sum :
+         {&result.value, &result.ds, &result.dt, &result.dss, &result.dst, &result.dtt})
+        *sum *= scale;
     return result;
 }
 
-template <bool kDerivatives, class Texel, int kChannels>
+template <int kDerivatives, class Texel, int kChannels>
 Filtered filter(const Image& image, const Texel* data, float u, float v,
                 Interpolation interpolation, Extension extension) {
     const Texels<Texel, kChannels> texels{data, static_cast<int>(image.width),
@@ -201,7 +218,7 @@ Filtered filter(const Image& image, const Texel* data, float u, float v,
     return filter_linear<kDerivatives>(texels, u, v, extension);
 }
 
-template <bool kDerivatives, class Texel>
+template <int kDerivatives, class Texel>
 Filtered filter(const Image& image, const Texel* data, float u, float v,
                 Interpolation interpolation, Extension extension) {
     u = fold(u, extension);
@@ -213,7 +230,7 @@ Filtered filter(const Image& image, const Texel* data, float u, float v,
     }
 }
 
-template <bool kDerivatives>
+template <int kDerivatives>
 Filtered filter(const Image& image, float u, float v, Interpolation interpolation,
                 Extension extension) {
     if (!image.bytes.empty())
@@ -244,12 +261,14 @@ float to_linear(float encoded) {
     const size_t k = static_cast<size_t>(i);
     return kSrgbTable[k] + (kSrgbTable[k + 1] - kSrgbTable[k]) * (x - static_cast<float>(i));
 }
-Dual2 to_linear(Dual2 encoded) {
-    if (encoded.v < 0.0f) return {};
-    if (encoded.v < 0.04045f) return encoded * (1.0f / 12.92f);
-    const float base = (encoded.v + 0.055f) * (1.0f / 1.055f);
-    const float power = std::pow(base, 1.4f);
-    return chain(encoded, power * base, 2.4f / 1.055f * power);
+template <class S>
+Dual<S> to_linear(const Dual<S>& encoded) {
+    if (value_of(encoded) < 0.0f) return {};
+    if (value_of(encoded) < 0.04045f) return encoded * (1.0f / 12.92f);
+    using std::pow;
+    const S base = (encoded.v + 0.055f) * (1.0f / 1.055f);
+    const S power = pow(base, 1.4f);
+    return chain(encoded, S(power * base), S(2.4f / 1.055f * power));
 }
 
 template <class T>
@@ -269,22 +288,41 @@ Rgba<T> finish(const Image& image, Rgba<T> c, bool straight) {
     return c;
 }
 
+// One lane of a filtered texel at coordinates that carry derivatives of their own.
+struct Lane {
+    float value, ds, dt, dss, dst, dtt;
+};
+template <class T>
+T along(const Lane& f, const T& s, const T& t) {
+    if constexpr (std::is_same_v<T, float>) {
+        return f.value;
+    } else {
+        const auto by_s = along(Lane{f.ds, f.dss, f.dst, 0, 0, 0}, s.v, t.v);
+        const auto by_t = along(Lane{f.dt, f.dst, f.dtt, 0, 0, 0}, s.v, t.v);
+        return {along(f, s.v, t.v), by_s * s.du + by_t * t.du, by_s * s.dv + by_t * t.dv};
+    }
+}
+
 }  // namespace
 
 template <class T>
 Rgba<T> lookup(const Image& image, const T& u, const T& v, Interpolation interpolation,
                Extension extension, bool straight) {
-    constexpr bool kDerivatives = std::is_same_v<T, Dual2>;
-    const Filtered c =
-        filter<kDerivatives>(image, value_of(u), value_of(v), interpolation, extension);
-    if constexpr (kDerivatives) {
-        const float w = static_cast<float>(image.width), h = static_cast<float>(image.height);
+    const Filtered c = filter<kOrder<T>>(image, value_of(u), value_of(v), interpolation, extension);
+    const float w = static_cast<float>(image.width), h = static_cast<float>(image.height);
+    if constexpr (kOrder<T> == 0) {
+        return finish(image, Rgba<float>{c.value[0], c.value[1], c.value[2], c.value[3]}, straight);
+    } else if constexpr (kOrder<T> == 1) {  // as along(), four lanes at a time
         const Float4 du = c.ds * splat(w * u.du) + c.dt * splat(h * v.du);
         const Float4 dv = c.ds * splat(w * u.dv) + c.dt * splat(h * v.dv);
         const auto lane = [&](int i) { return Dual2(c.value[i], du[i], dv[i]); };
         return finish(image, Rgba<Dual2>{lane(0), lane(1), lane(2), lane(3)}, straight);
     } else {
-        return finish(image, Rgba<float>{c.value[0], c.value[1], c.value[2], c.value[3]}, straight);
+        const T s = u * T(w), t = v * T(h);
+        const auto lane = [&](int i) {
+            return along(Lane{c.value[i], c.ds[i], c.dt[i], c.dss[i], c.dst[i], c.dtt[i]}, s, t);
+        };
+        return finish(image, Rgba<T>{lane(0), lane(1), lane(2), lane(3)}, straight);
     }
 }
 
@@ -292,6 +330,8 @@ template Rgba<float> lookup(const Image&, const float&, const float&, Interpolat
                             bool);
 template Rgba<Dual2> lookup(const Image&, const Dual2&, const Dual2&, Interpolation, Extension,
                             bool);
+template Rgba<Dual<Dual2>> lookup(const Image&, const Dual<Dual2>&, const Dual<Dual2>&,
+                                  Interpolation, Extension, bool);
 
 Rgba<float> mean(const Image& image, bool straight) {
     double sum[4] = {};

@@ -1,46 +1,64 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Forward differentiation in two variables: a value with its derivatives by the surface parameters
 // (u, v). Code that must serve both plain evaluation and derivatives is written over T in {float,
-// Dual2}.
+// Dual2}; where derivatives of derivatives are asked for, over Dual<Dual2> too.
 #pragma once
 
 #include "math/vec.h"
 
 namespace spc {
 
-struct Dual2 {
-    float v = 0.0f;   // value
-    float du = 0.0f;  // d/du
-    float dv = 0.0f;  // d/dv
+template <class S>
+struct Dual {
+    S v{};   // value
+    S du{};  // d/du
+    S dv{};  // d/dv
 
-    constexpr Dual2() = default;
-    constexpr Dual2(float value) : v(value) {}  // NOLINT(google-explicit-constructor): a constant
-    constexpr Dual2(float value, float by_u, float by_v) : v(value), du(by_u), dv(by_v) {}
+    constexpr Dual() = default;
+    constexpr Dual(float value) : v(value) {}  // NOLINT(google-explicit-constructor): a constant
+    constexpr Dual(const S& value, const S& by_u, const S& by_v) : v(value), du(by_u), dv(by_v) {}
+
+    friend Dual operator-(const Dual& a) { return {-a.v, -a.du, -a.dv}; }
+    friend Dual operator+(const Dual& a, const Dual& b) {
+        return {a.v + b.v, a.du + b.du, a.dv + b.dv};
+    }
+    friend Dual operator-(const Dual& a, const Dual& b) {
+        return {a.v - b.v, a.du - b.du, a.dv - b.dv};
+    }
+    friend Dual operator*(const Dual& a, const Dual& b) {
+        return {a.v * b.v, a.du * b.v + a.v * b.du, a.dv * b.v + a.v * b.dv};
+    }
+    friend Dual operator/(const Dual& a, const Dual& b) {
+        const S inv = S(1.0f) / b.v, q = a.v * inv;
+        return {q, (a.du - q * b.du) * inv, (a.dv - q * b.dv) * inv};
+    }
+    friend Dual& operator+=(Dual& a, const Dual& b) { return a = a + b; }
 };
+using Dual2 = Dual<float>;
 
-inline Dual2 operator-(Dual2 a) { return {-a.v, -a.du, -a.dv}; }
-inline Dual2 operator+(Dual2 a, Dual2 b) { return {a.v + b.v, a.du + b.du, a.dv + b.dv}; }
-inline Dual2 operator-(Dual2 a, Dual2 b) { return {a.v - b.v, a.du - b.du, a.dv - b.dv}; }
-inline Dual2 operator*(Dual2 a, Dual2 b) {
-    return {a.v * b.v, a.du * b.v + a.v * b.du, a.dv * b.v + a.v * b.dv};
+inline float value_of(float a) { return a; }
+template <class S>
+float value_of(const Dual<S>& a) {
+    return value_of(a.v);
 }
-inline Dual2 operator/(Dual2 a, Dual2 b) {
-    const float inv = 1.0f / b.v, q = a.v * inv;
-    return {q, (a.du - q * b.du) * inv, (a.dv - q * b.dv) * inv};
-}
-inline Dual2& operator+=(Dual2& a, Dual2 b) { return a = a + b; }
 
 // f(a) given f and f' at a.v.
-inline Dual2 chain(Dual2 a, float f, float derivative) {
+template <class S>
+Dual<S> chain(const Dual<S>& a, const S& f, const S& derivative) {
     return {f, derivative * a.du, derivative * a.dv};
 }
 
-inline Dual2 sqrt(Dual2 a) {
-    const float s = std::sqrt(a.v);
-    return chain(a, s, s > 0.0f ? 0.5f / s : 0.0f);
+template <class S>
+Dual<S> sqrt(const Dual<S>& a) {
+    using std::sqrt;
+    const S s = sqrt(a.v);
+    return chain(a, s, value_of(s) > 0.0f ? S(0.5f) / s : S(0.0f));
 }
-inline float value_of(float a) { return a; }
-inline float value_of(Dual2 a) { return a.v; }
+template <class S>
+Dual<S> pow(const Dual<S>& a, float exponent) {
+    using std::pow;
+    return chain(a, S(pow(a.v, exponent)), S(exponent) * S(pow(a.v, exponent - 1.0f)));
+}
 
 // A vector over T; Imath's own for T = float would not take Dual2.
 template <class T>
@@ -81,8 +99,10 @@ Vector3<T> apply_rows(const std::array<Vec3, 3>& row, const Vector3<T>& a) {
 }
 
 inline Vector3<float> to_vector(const Vec3& a) { return {a.x, a.y, a.z}; }
-inline Vec3 value_of(const Vector3<float>& a) { return {a.x, a.y, a.z}; }
-inline Vec3 value_of(const Vector3<Dual2>& a) { return {a.x.v, a.y.v, a.z.v}; }
+template <class T>
+Vec3 value_of(const Vector3<T>& a) {
+    return {value_of(a.x), value_of(a.y), value_of(a.z)};
+}
 inline Vec3 derivative_u(const Vector3<Dual2>& a) { return {a.x.du, a.y.du, a.z.du}; }
 inline Vec3 derivative_v(const Vector3<Dual2>& a) { return {a.x.dv, a.y.dv, a.z.dv}; }
 inline Vector3<Dual2> dual(const Vec3& value, const Vec3& by_u, const Vec3& by_v) {

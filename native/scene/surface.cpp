@@ -136,14 +136,30 @@ void fill_point(const Scene& scene, const SurfaceHit& hit, const T& u, const T& 
     }
 }
 
-// The plain point that closures are evaluated at, seen from wo.
-void point_seen_from(const Scene& scene, const SurfaceHit& hit, const Vec3& wo, uint32_t reads,
-                     const std::array<Vec3, 3>& corner, PointAt<float>& at) {
+// And for what a material's heights read.
+template <class T>
+struct PointWithHeights : PointAt<T> {
+    std::optional<PointAt<Dual<T>>> around;
+};
+
+// Fills in what `reads`, of that material, asks for on the side of `wo`.
+template <class T>
+void fill_point_seen_from(const Scene& scene, const SurfaceHit& hit, const T& u, const T& v,
+                          const Vec3& wo, uint32_t reads, const Material& material,
+                          const std::array<Vec3, 3>& corner, PointWithHeights<T>& at) {
     const Vec3 front = front_normal_of(corner, scene.instances[hit.instance].mirrored);
-    fill_point(scene, hit, hit.u, hit.v, corner, front, reads, at);
-    at.point.backfacing = dot(front, wo) < 0.0f;
-    at.point.ng = at.point.backfacing ? front * -1.0f : front;
-    at.point.wo = wo;
+    fill_point(scene, hit, u, v, corner, front, reads, at);
+    ShadingPoint<T>& point = at.point;
+    point.backfacing = dot(front, wo) < 0.0f;
+    point.ng = point.backfacing ? front * -1.0f : front;
+    point.wo = wo;
+    if ((reads & kReadsHeights) == 0) return;
+    point.dp_du = corner[1] - corner[0];
+    point.dp_dv = corner[2] - corner[0];
+    fill_point(scene, hit, Dual<T>(u, T(1.0f), T(0.0f)), Dual<T>(v, T(0.0f), T(1.0f)), corner,
+               front, material.height_reads, at.around.emplace());
+    at.around->point.backfacing = point.backfacing;
+    point.around = &at.around->point;
 }
 
 // One thing that a material's program gives at a hit, without closures.
@@ -151,9 +167,9 @@ template <class Evaluate>
 Spectrum evaluate_alone(const Evaluate& evaluate, const Scene& scene, const SurfaceHit& hit,
                         const Vec3& wo) {
     const Material& material = scene.material_of(hit);
-    PointAt<float> at;
-    point_seen_from(scene, hit, wo, material.reads,
-                    scene.triangle_world(hit.instance, hit.triangle), at);
+    PointWithHeights<float> at;
+    fill_point_seen_from(scene, hit, hit.u, hit.v, wo, material.reads, material,
+                         scene.triangle_world(hit.instance, hit.triangle), at);
     return evaluate(material, scene.images, at.point);
 }
 
@@ -177,8 +193,8 @@ void evaluate_surface(const Scene& scene, const SurfaceHit& hit, const Vec3& wo,
     surface.hit = hit;
     const Material& material = scene.material_of(hit);
     const std::array<Vec3, 3> corner = scene.triangle_world(hit.instance, hit.triangle);
-    PointAt<float> at;
-    point_seen_from(scene, hit, wo, material.reads, corner, at);
+    PointWithHeights<float> at;
+    fill_point_seen_from(scene, hit, hit.u, hit.v, wo, material.reads, material, corner, at);
     surface.p = value_of(interpolate(corner[0], corner[1], corner[2], hit.u, hit.v));
     surface.p_error = position_error(scene.instances[hit.instance], corner);
     surface.ng = at.point.ng;
@@ -210,11 +226,9 @@ CasterPatch evaluate_caster(const Scene& scene, const SurfaceHit& hit, bool smoo
     patch.p = corner[0] + patch.dp_du * hit.u + patch.dp_dv * hit.v;
     patch.p_error = position_error(scene.instances[hit.instance], corner);
     const bool mapped = material.specular.mapped_normal && !smooth_base;
-    PointAt<Dual2> at;
-    fill_point(scene, hit, Dual2(hit.u, 1, 0), Dual2(hit.v, 0, 1), corner, patch.ng,
-               mapped ? material.normal_reads : 0, at);
-    at.point.ng = at.point.wo = patch.ng;
-    at.point.backfacing = false;
+    PointWithHeights<Dual2> at;
+    fill_point_seen_from(scene, hit, Dual2(hit.u, 1, 0), Dual2(hit.v, 0, 1), patch.ng,
+                         mapped ? material.normal_reads : 0, material, corner, at);
     const Vector3<Dual2> n =
         mapped ? evaluate_caster_normal(material, scene.images, at.point) : at.point.normal;
     patch.n = value_of(n);

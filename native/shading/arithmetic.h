@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the arithmetic instructions do, over T = float or Dual2. The interpreter and the folding of
+// What the arithmetic instructions do, over T = float or a dual. The interpreter and the folding of
 // constants share it, so that a constant graph and a textured one cannot disagree.
 #pragma once
 
@@ -8,23 +8,40 @@
 
 namespace spc {
 
-// ---- the functions of Dual2 that only shading needs
+// ---- the functions of duals that only shading needs
 
-inline Dual2 sin(Dual2 a) { return chain(a, std::sin(a.v), std::cos(a.v)); }
-inline Dual2 cos(Dual2 a) { return chain(a, std::cos(a.v), -std::sin(a.v)); }
-inline Dual2 atan2(Dual2 y, Dual2 x) {
-    const float r2 = x.v * x.v + y.v * y.v;
-    const float inv = r2 > 0.0f ? 1.0f / r2 : 0.0f;
-    return {std::atan2(y.v, x.v), (x.v * y.du - y.v * x.du) * inv, (x.v * y.dv - y.v * x.dv) * inv};
+template <class S>
+Dual<S> cos(const Dual<S>& a);
+template <class S>
+Dual<S> sin(const Dual<S>& a) {
+    using std::cos, std::sin;
+    return chain(a, S(sin(a.v)), S(cos(a.v)));
+}
+template <class S>
+Dual<S> cos(const Dual<S>& a) {
+    using std::cos, std::sin;
+    return chain(a, S(cos(a.v)), S(-sin(a.v)));
+}
+template <class S>
+Dual<S> atan2(const Dual<S>& y, const Dual<S>& x) {
+    using std::atan2;
+    const S r2 = x.v * x.v + y.v * y.v;
+    const S inv = value_of(r2) > 0.0f ? S(1.0f) / r2 : S(0.0f);
+    return {atan2(y.v, x.v), (x.v * y.du - y.v * x.du) * inv, (x.v * y.dv - y.v * x.dv) * inv};
 }
 inline float safe_acos(float a) { return std::acos(std::min(std::max(a, -1.0f), 1.0f)); }
-inline Dual2 safe_acos(Dual2 a) {
-    const float s2 = 1.0f - a.v * a.v;
-    return chain(a, safe_acos(a.v), s2 > 0.0f ? -1.0f / std::sqrt(s2) : 0.0f);
+template <class S>
+Dual<S> safe_acos(const Dual<S>& a) {
+    using std::sqrt;
+    const S s2 = S(1.0f) - a.v * a.v;
+    return chain(a, safe_acos(a.v), value_of(s2) > 0.0f ? S(-1.0f) / S(sqrt(s2)) : S(0.0f));
 }
 // By a number, without the products with its zero derivatives, which the compiler must keep.
 inline float times(float a, float s) { return a * s; }
-inline Dual2 times(Dual2 a, float s) { return {a.v * s, a.du * s, a.dv * s}; }
+template <class S>
+Dual<S> times(const Dual<S>& a, float s) {
+    return {times(a.v, s), times(a.du, s), times(a.dv, s)};
+}
 template <class T>
 Vector3<T> times(const Vector3<T>& a, float s) {
     return {times(a.x, s), times(a.y, s), times(a.z, s)};

@@ -44,6 +44,13 @@ public:
         return known->second;
     }
 
+    // The heights of all bumps so far. Derivatives are taken of them, up to the second: images are
+    // filtered so that they have some.
+    void append_heights() {
+        smooth_images_ = true;
+        for (const ExprId height : heights_) program_.heights.push_back(section(height));
+    }
+
     Program take() { return std::move(program_); }
     void add(const ClosureInstruction& closure) { program_.closures.push_back(closure); }
 
@@ -128,6 +135,9 @@ private:
                 known->second = static_cast<uint32_t>(append(expr_.matrix(e.index).data(), 12));
             i.index = known->second;
         }
+        if (e.op == Op::bump) i.index = height_index(static_cast<ExprId>(e.index));
+        if (e.op == Op::image && smooth_images_)
+            i.mode = image_mode(Interpolation::cubic, mode_extension(e.mode), mode_straight(e.mode));
         // Instructions read all before they write, so that an input read for the last time makes
         // room.
         for (ExprId in : e.in) {
@@ -139,9 +149,18 @@ private:
         program_.instructions.push_back(i);
     }
 
+    uint32_t height_index(ExprId height) {
+        const auto found = std::find(heights_.begin(), heights_.end(), height);
+        const auto index = static_cast<uint32_t>(found - heights_.begin());
+        if (found == heights_.end()) heights_.push_back(height);
+        return index;
+    }
+
     const ExprBuilder& expr_;
     const std::string& material_;
     Program program_;
+    std::vector<ExprId> heights_;
+    bool smooth_images_ = false;
     std::map<ExprId, Operand> constants_, registers_;
     std::map<ExprId, uint32_t> last_use_;
     std::map<uint32_t, uint32_t> matrices_;  // number to place among the constants
@@ -168,6 +187,7 @@ Program generate(const ExprBuilder& expr, const std::vector<ClosureTerm>& terms,
                   transparency = generator.section(roots.transparency);
     const Section caster_normal = generator.section(roots.caster_normal),
                   background = generator.section(roots.background);
+    generator.append_heights();
     Program program = generator.take();
     program.surface = surface;
     program.emission = emission;
@@ -184,6 +204,7 @@ uint32_t reads_of(const Program& program, const Section& section) {
         if (i.op == Op::uv) reads |= kReadsUv;
         if (i.op == Op::position) reads |= kReadsPosition;
         if (i.op == Op::position_object) reads |= kReadsObjectPosition;
+        if (i.op == Op::bump) reads |= kReadsHeights;
         if (i.op == Op::normal_map && reads_layer(i)) reads |= kReadsTangent | kReadsObjectNormal;
     }
     return reads;

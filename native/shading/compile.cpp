@@ -214,6 +214,8 @@ Material Compiler::run() {
     material.reads =
         reads_of(program, {0, static_cast<uint32_t>(program.instructions.size()), kNoOperand});
     material.normal_reads = reads_of(program, program.caster_normal);
+    for (const Section& height : program.heights)
+        material.height_reads |= reads_of(program, height);
     material.images = images_of(program);
     material.uv_layers = keep_used_layers(program, material.slopes);
     material.warnings = std::move(warnings_);

@@ -82,6 +82,15 @@ public:
     NodeContext(Compiler& compiler, uint32_t node) : c(compiler), e(compiler.expr), index(node) {}
 
     ExprId input(int i) { return c.input(index, i); }
+    // Of a shading normal: unit, on the side of wo; kNoExpr for the interpolated one, which also
+    // stands in for zero.
+    ExprId normal(int i) {
+        const ExprId given = input(i);
+        if (given == kNoExpr || e[given].op == Op::normal_map || e[given].op == Op::bump)
+            return given;
+        if (e.is_constant(given, 0.0f)) return kNoExpr;
+        return e.unary(Op::shading_normal, 3, given);
+    }
     bool linked(int i) const { return source(i).from_node != kNone; }
     const ResolvedInput& source(int i) const {
         return c.node(index).inputs[static_cast<size_t>(i)];

@@ -15,6 +15,22 @@ void run_image(const Instruction& i, const Registers<T>& r, std::span<const Imag
     r.store(static_cast<Operand>(i.out + 3), c.a);
 }
 
+// Registers without their initialisation: every one is written before it is read.
+template <class T>
+class RegisterFile {
+public:
+    explicit RegisterFile(const Program& program)
+        : registers{reinterpret_cast<T*>(storage_), program.constants.data()} {}
+    const Registers<T> registers;
+
+private:
+    alignas(T) std::byte storage_[sizeof(T) * kMaxRegisters];
+};
+
+template <class T>
+Vector3<T> run_bump(const Program& program, const Instruction& i, const Registers<T>& r,
+                    std::span<const Image> images, const ShadingPoint<T>& point);
+
 template <class T>
 void run(const Program& program, const Section& section, std::span<const Image> images,
          const ShadingPoint<T>& point, const Registers<T>& r) {
@@ -37,6 +53,10 @@ void run(const Program& program, const Section& section, std::span<const Image> 
                 r.store(i.out, map_normal(static_cast<NormalSpace>(i.mode), r.scalar(i.in[0]),
                                           r.vector(i.in[1]), i.index, point));
                 break;
+            case Op::bump:  // heights have none
+                if constexpr (!std::is_same_v<T, Dual<Dual2>>)
+                    r.store(i.out, run_bump(program, i, r, images, point));
+                break;
             case Op::shading_normal: {
                 const Vector3<T> n = safe_normalize(r.vector(i.in[0]));
                 r.store(i.out, is_zero(n) ? facing_normal(point) : n);
@@ -47,17 +67,17 @@ void run(const Program& program, const Section& section, std::span<const Image> 
     }
 }
 
-// Registers without their initialisation: every one is written before it is read.
 template <class T>
-class RegisterFile {
-public:
-    explicit RegisterFile(const Program& program)
-        : registers{reinterpret_cast<T*>(storage_), program.constants.data()} {}
-    const Registers<T> registers;
-
-private:
-    alignas(T) std::byte storage_[sizeof(T) * kMaxRegisters];
-};
+Vector3<T> run_bump(const Program& program, const Instruction& i, const Registers<T>& r,
+                    std::span<const Image> images, const ShadingPoint<T>& point) {
+    const Vector3<T> n = i.in[2] == kNoOperand ? facing_normal(point) : r.vector(i.in[2]);
+    if (point.around == nullptr) return n;
+    const Section& height = program.heights[i.index];
+    const RegisterFile<Dual<T>> file(program);
+    run(program, height, images, *point.around, file.registers);
+    const T distance = times(r.scalar(i.in[1]), i.mode != 0 ? -1.0f : 1.0f);
+    return bump_normal(n, file.registers.scalar(height.result), r.scalar(i.in[0]), distance, point);
+}
 
 template <class T>
 Vector3<T> evaluate_vector(const Program& program, const Section& section,

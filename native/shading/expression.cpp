@@ -85,6 +85,17 @@ ExprId ExprBuilder::fold(const Expr& e) {
     return e.lanes == 1 ? constant(out[0]) : constant(Vec3(out[0], out[1], out[2]));
 }
 
+// What is marked in ascending order of ids comes after what it reads.
+bool ExprBuilder::depends_on(ExprId id, Op op) const {
+    std::vector<bool> found(static_cast<size_t>(id) + 1);
+    for (size_t i = 0; i < found.size(); ++i) {
+        found[i] = exprs_[i].op == op;
+        for (ExprId in : exprs_[i].in)
+            if (in != kNoExpr && found[static_cast<size_t>(in)]) found[i] = true;
+    }
+    return found.back();
+}
+
 Vec3 ExprBuilder::mean_value(ExprId id, std::span<const Image> images) {
     // Inputs come before what they feed, so descending ids find what is needed and ascending ids
     // evaluate it.

@@ -20,7 +20,7 @@ struct Expr {
     Op op = Op::constant;
     uint8_t lanes = 1;   // 1 or 3
     uint8_t mode = 0;    // as Instruction::mode
-    uint32_t index = 0;  // image, UV layer or matrix
+    uint32_t index = 0;  // image, UV layer or matrix; of a bump the expression of its height
     std::array<ExprId, 3> in{kNoExpr, kNoExpr, kNoExpr};
     std::array<float, 3> value{};  // of a constant
 };
@@ -70,6 +70,7 @@ public:
         return Vec3((*this)[id].value[0], (*this)[id].value[1], (*this)[id].value[2]);
     }
     const std::array<float, 12>& matrix(uint32_t index) const { return matrices_[index]; }
+    bool depends_on(ExprId id, Op op) const;
 
     // What `id` comes to on average: textures at their means, whatever their coordinates; other
     // things that vary over a surface at 0.

@@ -43,6 +43,7 @@ enum class Op : uint8_t {
     image,          // coordinates to colour, and alpha in a fourth lane
     image_alpha,    // an expression only: that fourth lane
     normal_map,     // (strength, colour) to a unit normal on the side of wo
+    bump,           // (strength, distance, normal or none) to a unit normal on the side of wo
     shading_normal  // any vector to a unit normal; the interpolated one where it is 0
 };
 
@@ -67,10 +68,12 @@ inline constexpr int kMaxRegisters = 256;
 struct Instruction {
     Op op;
     uint8_t lanes;  // 1 or 3
-    uint8_t mode;   // image: image_mode(); normal_map: NormalSpace
+    uint8_t mode;   // image: image_mode(); normal_map: NormalSpace; bump: 1 where inverted
     Operand out;
     Operand in[3];
-    uint32_t index;  // image, UV layer, or where the rows of a matrix begin among the constants
+    // Image, UV layer, where the rows of a matrix begin among the constants, or the height among
+    // Program::heights.
+    uint32_t index;
 };
 
 inline bool reads_layer(const Instruction& i) {
@@ -115,6 +118,7 @@ struct Program {
     std::vector<ClosureInstruction> closures;
     Section surface;  // operands of the closures; its result is the emission
     Section emission, transparency, caster_normal, background;
+    std::vector<Section> heights;  // of bumps; what they need is not part of the other sections
 };
 
 }  // namespace spc

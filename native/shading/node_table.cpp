@@ -75,6 +75,9 @@ constexpr InputSocket kNormalMapIn[] = {scalar_input("Strength", 1.0f),
                                         color_input(0.5f, 0.5f, 1.0f)};
 constexpr OutputSocket kNormalOut[] = {{"Normal", vector}};
 constexpr NodeOption kNormalMapOptions[] = {{"space", "TANGENT|OBJECT|WORLD"}, {"uv_map", ""}};
+constexpr InputSocket kBumpIn[] = {scalar_input("Strength", 1.0f), scalar_input("Distance", 1.0f),
+                                   scalar_input("Height", 1.0f), kNormalInput};
+constexpr NodeOption kBumpOptions[] = {{"invert", "OFF|ON"}};
 constexpr OutputSocket kUvOut[] = {{"UV", vector}};
 constexpr NodeOption kUvOptions[] = {{"uv_map", ""}};
 constexpr OutputSocket kCoordinateOut[] = {
@@ -127,6 +130,7 @@ constexpr NodeKind kTable[] = {
      true, nodes::environment_texture, nullptr},
     {"normal_map", "Normal Map", kNormalMapIn, kNormalOut, kNormalMapOptions, false,
      nodes::normal_map, nullptr},
+    {"bump", "Bump", kBumpIn, kNormalOut, kBumpOptions, false, nodes::bump, nullptr},
     {"uv_map", "UV Map", {}, kUvOut, kUvOptions, false, nodes::uv_map, nullptr},
     {"texture_coordinate",
      "Texture Coordinate",

@@ -11,6 +11,7 @@ namespace spc::nodes {
 ExprId image_texture(NodeContext& node, int output);
 ExprId environment_texture(NodeContext& node, int output);
 ExprId normal_map(NodeContext& node, int output);
+ExprId bump(NodeContext& node, int output);
 ExprId uv_map(NodeContext& node, int output);
 ExprId texture_coordinate(NodeContext& node, int output);
 ExprId mapping(NodeContext& node, int output);

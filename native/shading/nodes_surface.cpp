@@ -18,15 +18,6 @@ ClosureTerm term(NodeContext& node, ClosureOp op, const std::string& part, ExprI
     return t;
 }
 
-// Normal maps are unit already; any other vector is made so, and the interpolated normal stands in
-// for zero.
-ExprId normal_input(NodeContext& node, int socket) {
-    const ExprId normal = node.input(socket);
-    if (normal == kNoExpr || node.e[normal].op == Op::normal_map) return normal;
-    if (node.e.is_constant(normal, 0.0f)) return kNoExpr;
-    return node.e.make({Op::shading_normal, 3, 0, 0, {normal, kNoExpr, kNoExpr}, {}});
-}
-
 ExprId alpha_of(NodeContext& node, ExprId roughness) {
     const ExprId r = node.e.clamp01(roughness);
     return node.e.multiply(r, r);
@@ -83,14 +74,14 @@ void diffuse(NodeContext& node, ExprId weight) {
     enum { kColor, kRoughness, kNormal };
     if (!node.e.is_constant(node.input(kRoughness), 0.0f))
         node.warn("Roughness of a Diffuse BSDF is not supported; 0 is used");
-    ClosureTerm t = term(node, ClosureOp::lambert, "", weight, normal_input(node, kNormal));
+    ClosureTerm t = term(node, ClosureOp::lambert, "", weight, node.normal(kNormal));
     t.in[2] = node.input(kColor);
     node.c.add_term(t);
 }
 
 void glossy(NodeContext& node, ExprId weight) {
     enum { kColor, kRoughness, kNormal };
-    ClosureTerm t = term(node, ClosureOp::glossy, "", weight, normal_input(node, kNormal));
+    ClosureTerm t = term(node, ClosureOp::glossy, "", weight, node.normal(kNormal));
     t.modes = modes_of(node.option(0));
     t.in[2] = alpha_of(node, node.input(kRoughness));
     t.in[3] = node.input(kColor);
@@ -99,7 +90,7 @@ void glossy(NodeContext& node, ExprId weight) {
 
 void glass(NodeContext& node, ExprId weight) {
     enum { kColor, kRoughness, kIor, kNormal };
-    ClosureTerm t = term(node, ClosureOp::dielectric, "", weight, normal_input(node, kNormal));
+    ClosureTerm t = term(node, ClosureOp::dielectric, "", weight, node.normal(kNormal));
     t.modes = modes_of(node.option(0));
     t.in[2] = alpha_of(node, node.input(kRoughness));
     t.in[3] = ior_of(node, node.input(kIor));
@@ -109,7 +100,7 @@ void glass(NodeContext& node, ExprId weight) {
 
 void refraction(NodeContext& node, ExprId weight) {
     enum { kColor, kRoughness, kIor, kNormal };
-    ClosureTerm t = term(node, ClosureOp::dielectric, "", weight, normal_input(node, kNormal));
+    ClosureTerm t = term(node, ClosureOp::dielectric, "", weight, node.normal(kNormal));
     t.modes = modes_of(node.option(0));
     t.modes.reflects = t.modes.fresnel_weighted = false;
     t.in[2] = alpha_of(node, node.input(kRoughness));
@@ -145,7 +136,7 @@ void principled(NodeContext& node, ExprId weight) {
     ExprBuilder& e = node.e;
     const ClosureModes modes = modes_of(node.option(0));
     const ExprId one = e.constant(Vec3(1.0f));
-    const ExprId normal = normal_input(node, kNormal);
+    const ExprId normal = node.normal(kNormal);
     const ExprId base = e.non_negative(node.input(kBaseColor)), clamped_base = e.clamp01(base);
     const ExprId tint = e.non_negative(node.input(kSpecularTint)), clamped_tint = e.clamp01(tint);
     const ExprId rough_alpha = alpha_of(node, node.input(kRoughness));

@@ -74,6 +74,31 @@ ExprId normal_map(NodeContext& node, int) {
                         {}});
 }
 
+ExprId bump(NodeContext& node, int) {
+    enum { kStrength, kDistance, kHeight, kNormal };
+    enum { kInvert };
+    if (node.c.is_world()) {
+        node.warn("a background has no normal to bump");
+        return node.e.constant(Vec3(0.0f));
+    }
+    ExprBuilder& e = node.e;
+    ExprId height = node.input(kHeight);
+    if (e.depends_on(height, Op::bump)) {
+        node.warn("a height that depends on another bump is not supported; the surface is flat");
+        height = e.constant(0.0f);
+    }
+    const ExprId normal = node.normal(kNormal);
+    if (e.is_constant(height) || e.is_constant(node.input(kStrength), 0.0f))
+        return normal != kNoExpr ? normal : e.constant(Vec3(0.0f));
+    const uint8_t inverted = node.option(kInvert) == "ON" ? 1 : 0;
+    return e.make({Op::bump,
+                   3,
+                   inverted,
+                   static_cast<uint32_t>(height),
+                   {node.input(kStrength), node.input(kDistance), normal},
+                   {}});
+}
+
 ExprId uv_map(NodeContext& node, int) { return uv(node, node.option(0)); }
 
 ExprId texture_coordinate(NodeContext& node, int output) {

@@ -28,6 +28,10 @@ struct ShadingPoint {
     Vec3 ng;  // unit geometric normal, world, on the side of wo
     Vec3 wo;  // unit, towards where the path came from
     bool backfacing;  // wo is on the back side: shading normals are turned to the side of wo, eta is inverted
+    // Where the program reads heights: the triangle's sides, world, and the point once more, with
+    // derivatives by them.
+    Vec3 dp_du, dp_dv;
+    const ShadingPoint<Dual<T>>* around = nullptr;
 };
 
 enum ProgramReads : uint32_t {
@@ -35,7 +39,8 @@ enum ProgramReads : uint32_t {
     kReadsTangent = 2,
     kReadsPosition = 4,
     kReadsObjectPosition = 8,
-    kReadsObjectNormal = 16
+    kReadsObjectNormal = 16,
+    kReadsHeights = 32
 };
 
 // What the manifold needs to know of a material, decided when it is compiled: a delta interface
@@ -78,6 +83,7 @@ struct Material {
                                          // is that of ShadingPoint::uv
     uint32_t reads = 0;                  // of ProgramReads, whole material
     uint32_t normal_reads = 0;  // of ProgramReads, caster normal alone
+    uint32_t height_reads = 0;  // of ProgramReads, heights of bumps alone
     bool emits = false;
     Spectrum mean_emission{
         0.0f};  // for light selection: constant emission, or with the textures' means

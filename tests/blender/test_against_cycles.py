@@ -118,7 +118,7 @@ def render(tmp_path):
         bpy.ops.render.render(write_still=True)
         image = bpy.data.images.load(scene.render.filepath)
         image.colorspace_settings.name = "Non-Color"
-        pixels = np.array(image.pixels[:]).reshape(SIZE, SIZE, 4)
+        pixels = np.array(image.pixels[:]).reshape(*reversed(image.size), 4)
         bpy.data.images.remove(image)
         return pixels
 
@@ -190,6 +190,64 @@ def test_material(stage, name):
     bpy.ops.object.shade_smooth()
     bpy.context.object.data.materials.append(material)
     stage(TOLERANCE_CLOSURES)
+
+
+def relief():
+    """A height that varies as slowly as its texels let it, from 0 to 1."""
+    size = 16
+    image = bpy.data.images.new("relief", size, size, float_buffer=True, is_data=True)
+    y, x = np.mgrid[:size, :size] * (2 * np.pi / size)
+    height = 0.5 + 0.25 * (np.sin(x) + np.cos(2 * y))
+    image.pixels.foreach_set(np.stack([height] * 3 + [height * 0 + 1], -1).ravel().astype("f"))
+    image.update()
+    return image
+
+
+def enlarge(factor: int) -> None:
+    """More pixels, with fewer samples in each."""
+    scene = bpy.context.scene
+    scene.render.resolution_x = scene.render.resolution_y = factor * SIZE
+    scene.specula.samples = scene.cycles.samples = SAMPLES // factor
+
+
+def in_squares(pixels: np.ndarray) -> np.ndarray:
+    """Means over 8 x 8 squares of a picture."""
+    size = len(pixels) // 8
+    return pixels.reshape(8, size, 8, size).mean(axis=(1, 3))
+
+
+BUMPS = {
+    "plain": {},
+    "inverted": {"invert": True},
+    "weak": {"Strength": 0.4},
+    "strong": {"Strength": 1.6, "Distance": 0.08},
+}
+
+
+@pytest.mark.parametrize("name", BUMPS)
+def test_bump(render, name):
+    """By squares of the picture: on the whole, bumps may do nothing."""
+    material = new_material()
+    shader = add_node(material, "ShaderNodeBsdfDiffuse", surface(material))
+    bump = add_node(material, "ShaderNodeBump", shader.inputs["Normal"])
+    settings = {"Strength": 1.0, "Distance": 0.12, **BUMPS[name]}
+    bump.invert = settings.pop("invert", False)
+    for socket, value in settings.items():
+        bump.inputs[socket].default_value = value
+    if "Filter Width" not in bump.inputs:  # Cycles takes differences over a whole pixel
+        enlarge(8)
+    texture = add_node(material, "ShaderNodeTexImage", bump.inputs["Height"], image=relief())
+    texture.interpolation = "Cubic"
+    bpy.ops.mesh.primitive_plane_add(size=4)
+    plane = bpy.context.object
+    plane.data.materials.append(material)
+    plane.scale = (1, 1.5, 1)
+    add_camera((0, 0, 6))
+    sun = add_light("SUN", energy=3, angle=0.0)
+    sun.rotation_euler = (0.5, 0.7, 0)
+    ours, theirs = (in_squares(render(engine)[..., 0]) for engine in ("SPECULA", "CYCLES"))
+    assert ours.std() > 2 * TOLERANCE * ours.mean()
+    np.testing.assert_allclose(ours, theirs, atol=TOLERANCE * theirs.mean())
 
 
 # What fills a glass ball, or, without a surface, a box around all that is seen, camera and lamp.

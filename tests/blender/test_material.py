@@ -354,6 +354,22 @@ def test_normal_map_reads_tangents_of_its_layer():
     assert convert(material)[1].tangents == frozenset()
 
 
+def test_bump_and_the_height_that_it_reads():
+    material = new_material()
+    shader = add_node(material, "ShaderNodeBsdfGlass", surface(material))
+    bump = add_node(material, "ShaderNodeBump", shader.inputs["Normal"])
+    bump.inputs["Distance"].default_value = 0.25
+    bump.invert = True
+    add_node(material, "ShaderNodeTexImage", bump.inputs["Height"], image=new_image())
+    desc, needs, warnings, _ = convert(material)
+    assert node(desc, "bump").options == {"invert": "ON"}
+    assert node(desc, "bump").inputs["Distance"][0] == 0.25
+    assert needs == MaterialNeeds(frozenset([""]), frozenset())
+    assert not warnings
+    bump.invert = False
+    assert node(convert(material)[0], "bump").options == {"invert": "OFF"}
+
+
 @pytest.mark.parametrize(("output", "uv_maps"), [("UV", {""}), ("Generated", set())])
 def test_texture_coordinates_need_uv_only_for_uv(output, uv_maps):
     material = new_material()

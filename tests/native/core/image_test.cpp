@@ -112,6 +112,47 @@ TEST(Image, CubicIsTheUniformBSpline) {
                     1e-5f);
 }
 
+// Of the second order, against differences of those of the first.
+TEST(Image, SecondDerivatives) {
+    std::mt19937 random(4);
+    std::uniform_real_distribution<float> uniform(0.0f, 1.0f);
+    float largest = 0.0f;
+    std::vector<float> texels(size_t{7} * 5 * 3);
+    for (float& texel : texels) texel = 0.2f + 0.8f * uniform(random);
+    for (const ColorSpace space : {ColorSpace::data, ColorSpace::srgb}) {
+        const Image image = image_from_floats("f", texels, 7, 5, 3, space, AlphaMode::none);
+        const auto at = [&](const auto& u, const auto& v) {
+            return lookup(image, u, v, Interpolation::cubic, Extension::repeat);
+        };
+        for (int n = 0; n < 200; ++n) {
+            const float u = 2.0f * uniform(random), v = 2.0f * uniform(random);
+            const auto by_u = Dual<Dual2>(Dual2(u, 1.0f, 0.0f), 1.0f, 0.0f),
+                       by_v = Dual<Dual2>(Dual2(v, 0.0f, 1.0f), 0.0f, 1.0f);
+            const Dual<Dual2> c = at(by_u, by_v).r;
+            const auto first = [&](float du, float dv) {
+                return at(Dual2(u + du, 1.0f, 0.0f), Dual2(v + dv, 0.0f, 1.0f)).r;
+            };
+            const Dual2 here = first(0, 0);
+            EXPECT_NEAR(c.v.v, here.v, 1e-6f);
+            EXPECT_NEAR(c.v.du, here.du, 1e-5f);
+            EXPECT_NEAR(c.dv.v, here.dv, 1e-5f);
+            constexpr float kStep = 1e-3f;
+            const auto expect_difference = [&](const Dual2& got, float Dual2::*which) {
+                const auto along = [&](float du, float dv) {
+                    return (first(du, dv).*which - first(-du, -dv).*which) / (2 * kStep);
+                };
+                // The third derivatives jump where texels meet.
+                EXPECT_NEAR(got.du, along(kStep, 0), 1.0f);
+                EXPECT_NEAR(got.dv, along(0, kStep), 1.0f);
+            };
+            expect_difference(c.du, &Dual2::du);
+            expect_difference(c.dv, &Dual2::dv);
+            largest = std::max(largest, std::abs(c.du.du));
+        }
+    }
+    EXPECT_GT(largest, 20.0f);
+}
+
 TEST(Image, BytesAreLinearisedAfterFiltering) {
     const std::vector<uint8_t> texels{0, 255};
     const Image srgb = image_from_bytes("s", texels, 2, 1, 1, ColorSpace::srgb, AlphaMode::straight);

@@ -11,7 +11,7 @@
 namespace spc {
 namespace {
 
-enum class Map { none, tangent_given, tangent_derived, no_uv, object_space };
+enum class Map { none, tangent_given, tangent_derived, no_uv, object_space, bump, both };
 
 struct PatchCase {
     std::string name;
@@ -40,7 +40,7 @@ Mesh bumpy_mesh(const PatchCase& c) {
         for (const uint32_t k : triangle) {
             const Vec3 p = mesh.positions[k];
             layer.uv.push_back({1.3f * p.x + 0.2f * p.y, 0.9f * p.y - 0.1f * p.x});
-            if (c.map != Map::tangent_given) continue;
+            if (c.map != Map::tangent_given && c.map != Map::both) continue;
             layer.tangents.push_back(normalize(Vec3(1.0f, 0.1f * p.y, 0.3f * p.x)));
             layer.tangent_signs.push_back(-1.0f);
         }
@@ -72,6 +72,13 @@ Graph mapped_mirror(Map map, float strength) {
     graph.inputs = {{1, "Roughness", {0, 0, 0, 0}}, {2, "Strength", {strength, 0, 0, 0}}};
     if (map == Map::object_space) graph.options = {{2, "space", "OBJECT"}};
     graph.links = {{1, "BSDF", 0, "Surface"}, {2, "Normal", 1, "Normal"}, {3, "Color", 2, "Color"}};
+    if (map != Map::bump && map != Map::both) return graph;
+    graph.nodes.push_back({"Bump", "bump", kNone});
+    graph.inputs.push_back({4, "Strength", {strength, 0, 0, 0}});
+    graph.inputs.push_back({4, "Distance", {0.4f, 0, 0, 0}});
+    graph.links[1] = {4, "Normal", 1, "Normal"};
+    graph.links.push_back({3, "Color", 4, "Height"});
+    if (map == Map::both) graph.links.push_back({2, "Normal", 4, "Normal"});
     return graph;
 }
 
@@ -113,7 +120,10 @@ std::vector<PatchCase> all_cases() {
         {"given tangents, strong", Map::tangent_given, 1.8f},
         {"derived tangents", Map::tangent_derived, 0.7f},
         {"no UVs", Map::no_uv, 1.0f},
-        {"object space", Map::object_space, 0.6f}};
+        {"object space", Map::object_space, 0.6f},
+        {"bump", Map::bump, 1.0f},
+        {"bump, weak", Map::bump, 0.6f},
+        {"bump over given tangents", Map::both, 0.8f}};
     std::vector<PatchCase> cases;
     for (const auto& [where, transform] : transforms)
         for (const auto& [what, map, strength] : maps)
@@ -170,7 +180,7 @@ TEST(CasterPatch, LiesOnTheTransformedMesh) {
                 const Vec3 unmapped = by_inverse_transpose(c.transform, normalize(smooth));
                 if (base || c.map == Map::none) {
                     EXPECT_NEAR_ANGLE(patch.n, unmapped, 1e-5);
-                } else if (c.map == Map::tangent_given) {
+                } else if (c.map == Map::tangent_given || c.map == Map::bump) {
                     EXPECT_GT(test::angle_between(patch.n, unmapped), 1e-4) << "no map";
                 }
             }
@@ -216,7 +226,7 @@ TEST(CasterPatch, DerivativesMatchDifferencesOfNeighbours) {
                 }
         }
         EXPECT_LT(kinks, kHits);
-        if (c.smooth || c.map == Map::tangent_given) {
+        if (c.smooth || c.map == Map::tangent_given || c.map == Map::bump) {
             EXPECT_GT(curved, kHits) << "nothing to differentiate";
         }
     }

@@ -132,6 +132,15 @@ inline Graph normal_mapped(Graph graph, const Vec2& repeat) {
     return graph;
 }
 
+// The same raised by image 0 times `distance` (m).
+inline Graph bumped(Graph graph, float distance) {
+    graph.name = "bumped " + graph.name;
+    graph.nodes.insert(graph.nodes.end(), {{"Bump", "bump", kNone}, {"Image", "image_texture", 0}});
+    graph.inputs.push_back({2, "Distance", {distance, 0, 0, 0}});
+    graph.links.insert(graph.links.end(), {{2, "Normal", 1, "Normal"}, {3, "Color", 2, "Height"}});
+    return graph;
+}
+
 inline Graph principled(float metallic, float roughness, float transmission = 0.0f) {
     return single_shader("bsdf_principled", {{1, "Base Color", {1.0f, 0.76f, 0.36f, 1}},
                                              {1, "Metallic", {metallic, 0, 0, 0}},

@@ -8,8 +8,7 @@ namespace spc {
 
 namespace {
 
-constexpr uint32_t kLeaf = 4;
-// A node of more prisms holds the balls around them: it is so much larger than they are that their
+// A volume of more prisms holds the balls around them: it is so much larger than they are that their
 // shapes make no difference to it.
 constexpr uint32_t kManyPrisms = 64;
 
@@ -71,15 +70,25 @@ std::array<Vec3, 3> normals_around(const MovingPrism& prism) {
     return result;
 }
 
-}  // namespace
+// Between two planes.
+struct Slab {
+    Vec3 normal;
+    Vec3 motion;  // along the normal, by component of the shift
+    float lower = kInfinity, upper = -kInfinity;
 
-void PrismTree::Slab::extend(const Vec3& p, const std::array<Vec3, 3>& moved, float half,
-                             float reach) {
-    const Vec3 off = along(normal, moved) - motion;
-    const float center = dot(normal, p), far = half + reach * length(off);
-    lower = std::min(lower, center - far);
-    upper = std::max(upper, center + far);
-}
+    // What moves so and reaches `half` to both sides of p, and how far rounding may take it.
+    void extend(const Vec3& p, const std::array<Vec3, 3>& moved, float half, float reach) {
+        constexpr float kRounding = 0x1p-21f;
+        const Vec3 off = along(normal, moved) - motion;
+        const float far = half + reach * length(off) +
+                          kRounding * (std::abs(p.x) + std::abs(p.y) + std::abs(p.z));
+        const float center = dot(normal, p);
+        lower = std::min(lower, center - far);
+        upper = std::max(upper, center + far);
+    }
+};
+
+}  // namespace
 
 class PrismTree::Builder {
 public:
@@ -88,53 +97,88 @@ public:
         for (const uint32_t i : order_) places_.push_back(place_of(shape(i), reach));
     }
 
-    void build(uint32_t begin, uint32_t end) {
-        std::array<float, Place::kCoordinates> least, most;
-        least.fill(kInfinity);
-        most.fill(-kInfinity);
-        uint32_t largest = order_[begin];
-        for (uint32_t i = begin; i < end; ++i) {
-            const Place& place = places_[order_[i]];
-            if (place.size > places_[largest].size) largest = order_[i];
-            for (int c = 0; c < Place::kCoordinates; ++c) {
-                const float at = place.coordinate(c, reach_);
-                least[static_cast<size_t>(c)] = std::min(least[static_cast<size_t>(c)], at);
-                most[static_cast<size_t>(c)] = std::max(most[static_cast<size_t>(c)], at);
-            }
-        }
-        const size_t node = nodes_.size();
-        nodes_.push_back({slabs_around(begin, end, largest), 0, begin, end - begin});
-        if (end - begin > kLeaf) {
-            nodes_[node].count = 0;
-            int widest = 0;
-            const auto width = [&](int c) {
-                return most[static_cast<size_t>(c)] - least[static_cast<size_t>(c)];
-            };
-            for (int c = 1; c < Place::kCoordinates; ++c)
-                if (width(c) > width(widest)) widest = c;
-            const uint32_t middle = begin + (end - begin) / 2;
-            std::nth_element(order_.begin() + begin, order_.begin() + middle, order_.begin() + end,
-                             [&](uint32_t i, uint32_t k) {
-                                 return places_[i].coordinate(widest, reach_) <
-                                        places_[k].coordinate(widest, reach_);
-                             });
-            build(begin, middle);
-            build(middle, end);
-        }
-        nodes_[node].past = static_cast<uint32_t>(nodes_.size());
+    // Of at least one prism; returns its place.
+    uint32_t build(uint32_t begin, uint32_t end) {
+        uint32_t room = 1;  // of a child
+        while (uint64_t{room} * kWidth < end - begin) room *= kWidth;
+        const auto node = static_cast<uint32_t>(nodes_.size());
+        nodes_.push_back({});
+        clear(nodes_[node]);
+        uint32_t child = 0;
+        split(begin, end, room, [&](uint32_t first, uint32_t past) {
+            const std::array<Slab, 3> slabs = slabs_around(first, past);
+            const uint32_t place = past - first == 1 ? first | kPrism : build(first, past);
+            set(nodes_[node], child++, slabs, place);
+        });
+        return node;
     }
 
 private:
+    static void clear(Node& node) {
+        for (Slabs& slabs : node.slabs) {
+            slabs.lower = Lanes{} + kInfinity;
+            slabs.upper = Lanes{} - kInfinity;
+        }
+    }
+
+    static void set(Node& node, uint32_t child, const std::array<Slab, 3>& slabs, uint32_t place) {
+        node.children[child] = place;
+        for (size_t k = 0; k < 3; ++k) {
+            Slabs& to = node.slabs[k];
+            for (int j = 0; j < 3; ++j) {
+                to.normal[j][child] = slabs[k].normal[j];
+                to.motion[j][child] = slabs[k].motion[j];
+            }
+            to.lower[child] = slabs[k].lower;
+            to.upper[child] = slabs[k].upper;
+        }
+    }
+
+    // Halves the range, across its widest extent, until what is left has room in one child. All
+    // children but one are full.
+    template <class Act>
+    void split(uint32_t begin, uint32_t end, uint32_t room, const Act& act) {
+        const uint32_t children = (end - begin + room - 1) / room;
+        if (children == 1) return act(begin, end);
+        const int widest = widest_coordinate(begin, end);
+        const uint32_t middle = begin + children / 2 * room;
+        std::nth_element(order_.begin() + begin, order_.begin() + middle, order_.begin() + end,
+                         [&](uint32_t i, uint32_t k) {
+                             return places_[i].coordinate(widest, reach_) <
+                                    places_[k].coordinate(widest, reach_);
+                         });
+        split(begin, middle, room, act);
+        split(middle, end, room, act);
+    }
+
+    int widest_coordinate(uint32_t begin, uint32_t end) const {
+        std::array<float, Place::kCoordinates> least, most;
+        least.fill(kInfinity);
+        most.fill(-kInfinity);
+        for (uint32_t i = begin; i < end; ++i)
+            for (size_t c = 0; c < least.size(); ++c) {
+                const float at = places_[order_[i]].coordinate(static_cast<int>(c), reach_);
+                least[c] = std::min(least[c], at);
+                most[c] = std::max(most[c], at);
+            }
+        size_t widest = 0;
+        for (size_t c = 1; c < least.size(); ++c)
+            if (most[c] - least[c] > most[widest] - least[widest]) widest = c;
+        return static_cast<int>(widest);
+    }
+
     // The largest prism gives the directions.
-    std::array<Slab, 3> slabs_around(uint32_t begin, uint32_t end, uint32_t largest) const {
+    std::array<Slab, 3> slabs_around(uint32_t begin, uint32_t end) const {
+        const uint32_t largest = *std::max_element(
+            order_.begin() + begin, order_.begin() + end,
+            [&](uint32_t i, uint32_t k) { return places_[i].size < places_[k].size; });
         const std::array<Vec3, 3> normals = normals_around(shape_(largest));
         std::array<Vec3, 3> motion{Vec3(0.0f), Vec3(0.0f), Vec3(0.0f)};
         const float share = 1.0f / static_cast<float>(end - begin);
         for (uint32_t i = begin; i < end; ++i)
             for (size_t j = 0; j < 3; ++j) motion[j] += places_[order_[i]].motion[j] * share;
         std::array<Slab, 3> slabs;
-        for (size_t k = 0; k < 3; ++k)
-            slabs[k] = {normals[k], along(normals[k], motion), kInfinity, -kInfinity};
+        for (size_t k = 0; k < 3; ++k) slabs[k] = {normals[k], along(normals[k], motion)};
         for (uint32_t i = begin; i < end; ++i)
             end - begin > kManyPrisms ? hold_ball(order_[i], slabs) : hold_prism(order_[i], slabs);
         return slabs;

@@ -5,6 +5,7 @@
 #include "math/vec.h"
 
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <functional>
 #include <vector>
@@ -23,7 +24,7 @@ struct MovingPrism {
 
 // A tree of volumes between three pairs of planes, which may be oblique: prisms may be slivers that
 // lie across all axes. They move as their prisms do on average, and so are hardly larger for it where
-// those move alike.
+// those move alike. A node tests the volumes of eight children at once.
 class PrismTree {
 public:
     using Shape = std::function<MovingPrism(uint32_t)>;
@@ -35,41 +36,52 @@ public:
     // Calls `act` with the place in that order of each prism that holds p, and of some that do not.
     template <class Act>
     void visit(const Vec3& p, const Vec3& shift, const Act& act) const {
-        for (size_t i = 0; i < nodes_.size();) {
-            const Node& node = nodes_[i];
-            if (!node.holds(p, shift)) {
-                i = node.past;
-                continue;
+        if (nodes_.empty()) return;
+        constexpr size_t kMostWaiting = kWidth * 11;  // 8^11 is more than 2^32
+        std::array<uint32_t, kMostWaiting> waiting;
+        waiting[0] = 0;
+        for (size_t count = 1; count > 0;) {
+            const Node& node = nodes_[waiting[--count]];
+            for (uint32_t holds = node.holds(p, shift); holds != 0; holds &= holds - 1) {
+                const uint32_t child = node.children[static_cast<size_t>(std::countr_zero(holds))];
+                if ((child & kPrism) != 0)
+                    act(child & ~kPrism);
+                else
+                    waiting[count++] = child;
             }
-            for (uint32_t k = 0; k < node.count; ++k) act(node.first + k);
-            ++i;
         }
     }
 
 private:
-    struct Slab {
-        Vec3 normal;
-        Vec3 motion;  // along the normal, by component of the shift
-        float lower, upper;
+    static constexpr uint32_t kWidth = 8;
+    static constexpr uint32_t kPrism = 1u << 31;  // marks a child that is a prism's place
 
-        float at(const Vec3& p, const Vec3& shift) const {
-            return dot(normal, p) - dot(motion, shift);
-        }
-        // What moves so and reaches `half` to both sides of p.
-        void extend(const Vec3& p, const std::array<Vec3, 3>& moved, float half, float reach);
+    // Of each child, by lanes.
+    using Lanes = float __attribute__((vector_size(4 * kWidth)));
+    using Bits = int32_t __attribute__((vector_size(4 * kWidth)));
+    // One pair of planes.
+    struct Slabs {
+        Lanes normal[3];
+        Lanes motion[3];  // along the normal, by component of the shift
+        Lanes lower, upper;
     };
-    // In the order of a walk that goes down first.
     struct Node {
-        std::array<Slab, 3> slabs;
-        uint32_t past;          // the next one outside it
-        uint32_t first, count;  // prisms; none but in leaves
+        Slabs slabs[3];
+        uint32_t children[kWidth];
 
-        bool holds(const Vec3& p, const Vec3& shift) const {
-            for (const Slab& slab : slabs) {
-                const float at = slab.at(p, shift);
-                if (!(at >= slab.lower && at <= slab.upper)) return false;
+        // One bit for each child that holds p.
+        uint32_t holds(const Vec3& p, const Vec3& shift) const {
+            Bits all = {1, 2, 4, 8, 16, 32, 64, 128};
+            for (const Slabs& s : slabs) {
+                const Lanes at = s.normal[0] * p.x + s.normal[1] * p.y + s.normal[2] * p.z -
+                                 s.motion[0] * shift.x - s.motion[1] * shift.y -
+                                 s.motion[2] * shift.z;
+                all &= (at >= s.lower) & (at <= s.upper);
             }
-            return true;
+            all |= __builtin_shufflevector(all, all, 4, 5, 6, 7, 0, 1, 2, 3);
+            all |= __builtin_shufflevector(all, all, 2, 3, 0, 1, 6, 7, 4, 5);
+            all |= __builtin_shufflevector(all, all, 1, 0, 3, 2, 5, 4, 7, 6);
+            return static_cast<uint32_t>(all[0]);
         }
     };
     class Builder;

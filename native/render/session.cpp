@@ -401,7 +401,7 @@ FilmSample Session::take_sample(uint32_t x, uint32_t y, uint32_t index, const Pa
     const ManifoldStats& after = stats.path.manifold;
     return {path.radiance,
             path.caustics,
-            path.position,
+            path.hit ? path.position + world_.scene->origin : path.position,
             path.normal,
             path.alpha,
             path.hit ? camera.depth(path.position) : 1e10f,

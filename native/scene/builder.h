@@ -43,6 +43,7 @@ void note_materials(Scene& scene);     // what instances and scene have to know 
 void find_media(Scene& scene);         // which instances absorb
 void assign_caustics_roles(Scene& scene);
 void check_light_tracing(Scene& scene);  // after the roles
+void center_on_casters(Scene& scene);    // after the roles
 void bake_single_users(Scene& scene);    // world-space vertices for meshes with one instance
 void bound_scene(Scene& scene);
 

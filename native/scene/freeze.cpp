@@ -5,6 +5,26 @@
 
 namespace spc {
 
+// Far from the origin single precision has no digits left for the shape of casters, on which all
+// chains depend: then the world moves so that its origin lies among them.
+void center_on_casters(Scene& scene) {
+    constexpr float kFar = 256.0f;  // times the casters' size
+    Bounds bounds;
+    for (uint32_t i = 0; i < scene.instances.size(); ++i)
+        if (scene.instances[i].caster || scene.instances[i].rough_caster)
+            bounds.extend(scene.bounds_of(i));
+    if (bounds.empty()) return;
+    const Vec3 center = (bounds.lower + bounds.upper) * 0.5f;
+    if (!(length(center) > kFar * length(bounds.upper - bounds.lower))) return;
+    scene.origin = center;
+    for (Instance& instance : scene.instances) {
+        instance.object_to_world.translation -= center;
+        instance.world_to_object = instance.object_to_world.inverse();
+    }
+    for (LightDesc& light : scene.lights) light.to_world.translation -= center;
+    scene.camera.to_world.translation -= center;
+}
+
 void bake_single_users(Scene& scene) {
     std::vector<uint32_t> users(scene.meshes.size(), 0);
     for (const Instance& instance : scene.instances) ++users[instance.mesh];

@@ -17,6 +17,7 @@ struct Scene {
     std::vector<Mesh> meshes;
     std::vector<Instance> instances;
     std::vector<LightDesc> lights;
+    Vec3 origin{0.0f};  // of all world coordinates here, in the host's: see center_on_casters()
     Camera camera;
     Environment environment;
     bool any_transparency = false;  // some material lets shadow rays through

@@ -86,7 +86,8 @@ void fill_point(const Scene& scene, const SurfaceHit& hit, const T& u, const T& 
     point.object_to_world = &instance.object_to_world;
     point.world_to_object = &instance.world_to_object;
     if ((reads & kReadsPosition) != 0)
-        point.position = interpolate(corner[0], corner[1], corner[2], u, v);
+        point.position = interpolate(corner[0] + scene.origin, corner[1] + scene.origin,
+                                     corner[2] + scene.origin, u, v);
     if ((reads & kReadsObjectPosition) != 0) {
         const auto& index = mesh.triangles[hit.triangle];
         point.position_object = interpolate(mesh.positions[index[0]], mesh.positions[index[1]],

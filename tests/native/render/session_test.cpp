@@ -15,27 +15,28 @@ using namespace std::chrono_literals;
 
 constexpr uint32_t kSide = 40;  // pixels: nine tiles, of which five are not whole
 
-// A floor under a mirror and a sheet of glass.
-RenderScene scene_of(bool with_casters, float lamp_radius = 0.05f) {
+// A floor under a mirror and a ball of glass.
+RenderScene scene_of(bool with_casters, float lamp_radius = 0.05f, const Vec3& place = Vec3(0.0f)) {
     SceneMaker maker;
     Camera camera;
     const Vec3 from(0.0f, -3.0f, 2.0f);
-    camera.to_world = test::rotation_x(std::atan2(-from.y, from.z), from);
+    camera.to_world = test::rotation_x(std::atan2(-from.y, from.z), place + from);
     camera.width = camera.height = kSide;
     camera.crop = {0, 0, kSide, kSide};
     camera.viewplane = {-0.3f, 0.3f, -0.3f, 0.3f};
     maker.builder.set_camera(camera);
-    maker.add(test::square(4.0f), test::diffuse(0.8f), {}, CausticsRole::receiver);
+    maker.add(test::square(4.0f), test::diffuse(0.8f), test::translation(place),
+              CausticsRole::receiver);
     if (with_casters) {
-        maker.add(test::square(0.6f), test::mirror(), test::rotation_x(1.3f, {0.0f, 0.9f, 0.6f}),
-                  CausticsRole::caster);
-        maker.add(test::sphere(16, 0.2), test::glass(1.5f), test::translation({0.3f, 0.0f, 0.4f}),
-                  CausticsRole::caster);
+        maker.add(test::square(0.6f), test::mirror(),
+                  test::rotation_x(1.3f, place + Vec3(0.0f, 0.875f, 0.6f)), CausticsRole::caster);
+        maker.add(test::sphere(16, 0.2), test::glass(1.5f),
+                  test::translation(place + Vec3(0.3125f, 0.0f, 0.4f)), CausticsRole::caster);
     }
     LightDesc light;
     light.name = "lamp";
     light.type = LightType::point;
-    light.to_world = test::translation(Vec3(0, -0.7f, 2.2f));
+    light.to_world = test::translation(place + Vec3(0, -0.75f, 2.2f));
     light.power = Spectrum(100.0f);
     light.radius = lamp_radius;
     maker.builder.add_light(light);
@@ -68,6 +69,32 @@ Rendered render(const RenderScene& world, const RenderSettings& settings) {
                       session.stats()};
     EXPECT_EQ(rendered.stats.nan_samples + rendered.stats.light.nan_splats, 0u);
     return rendered;
+}
+
+// What lies 70 km from the origin, at coordinates that both places can tell, is the same picture:
+// samples are the same but for rounding, which may send one of them elsewhere.
+TEST(SessionWithLightPaths, PlaceDoesNotShow) {
+    const Vec3 place(65536.0f, -32768.0f, 0.0f);
+    const RenderScene near = scene_of(true), far = scene_of(true, 0.05f, place);
+    EXPECT_EQ(length(near.scene->origin), 0.0f);
+    EXPECT_LT(length(far.scene->origin - place), 1.0f);
+    const auto positions = [](const RenderScene& world) {
+        Session session(world, settings_with(4));
+        EXPECT_EQ(session.wait(60s).state, RenderState::done);
+        std::vector<float> out(size_t{3} * kSide * kSide);
+        session.film().read(Pass::position, out);
+        return out;
+    };
+    const std::vector<float> here = positions(near), there = positions(far);
+    size_t moved = 0;
+    for (size_t i = 0; i < here.size(); ++i)
+        moved += std::abs(there[i] - place[static_cast<int>(i % 3)] - here[i]) > 0.02f;
+    EXPECT_LT(moved, here.size() / 50);
+    const Rendered a = render(near, settings_with(12)), b = render(far, settings_with(12));
+    size_t other = 0;
+    for (size_t i = 0; i < a.combined.size(); ++i)
+        other += std::abs(a.combined[i] - b.combined[i]) > 0.01f * (a.combined[i] + 0.01f);
+    EXPECT_LT(other, a.combined.size() / 4);
 }
 
 TEST(SessionWithLightPaths, ThreadsDoNotShow) {

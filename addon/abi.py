@@ -18,7 +18,7 @@ from ctypes import (
 )
 from enum import IntEnum
 
-API_VERSION = 4  # SPC_API_VERSION that this file mirrors
+API_VERSION = 5  # SPC_API_VERSION that this file mirrors
 
 STATUS_NAMES = (
     "OK",
@@ -154,6 +154,7 @@ LightDesc = _struct(
     ("sun_angle", c_float),
     ("shape", c_uint32),
     ("size", c_float * 2),
+    ("spread", c_float),
     ("visibility", c_uint32),
     ("feeds_caustics", c_uint32),
 )

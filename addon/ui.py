@@ -301,7 +301,7 @@ class SPECULA_PT_light(SpeculaPanel, bpy.types.Panel):
         "POINT": ("shadow_soft_size",),
         "SPOT": ("shadow_soft_size", "spot_size", "spot_blend"),
         "SUN": ("angle",),
-        "AREA": ("shape", "size"),
+        "AREA": ("shape", "size", "spread"),
     }
     LABELS = {"shadow_soft_size": "Radius"}
 

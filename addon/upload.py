@@ -171,6 +171,7 @@ def _light(light: desc.LightDesc) -> abi.LightDesc:
         sun_angle=light.sun_angle,
         shape=light.shape,
         size=tuple(light.size),
+        spread=light.spread,
         visibility=light.visibility,
         feeds_caustics=light.feeds_caustics,
     )

@@ -207,6 +207,7 @@ class LightDesc:
     sun_angle: float = 0.0  # full angular diameter, rad
     shape: AreaShape = AreaShape.RECTANGLE
     size: tuple[float, float] = (1.0, 1.0)  # area: full extents before the transform, m
+    spread: float = np.pi  # area: full angle of the beam, rad
     visibility: Visibility = Visibility.ALL
     feeds_caustics: bool = True
 

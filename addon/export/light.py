@@ -98,8 +98,7 @@ def _sun(desc: LightDesc, light, owner: str, log: ExportLog) -> None:
 def _area(desc: LightDesc, light, owner: str, log: ExportLog) -> None:
     desc.shape, size_x, size_y = AREA_SHAPES[light.shape]
     desc.size = (getattr(light, size_x), getattr(light, size_y))
-    if light.spread < math.pi - 1e-4:
-        log.warn(owner, "spread is not supported, the light shines over the whole half-space")
+    desc.spread = light.spread
     if not compat.is_normalized(light):
         _scale(desc, _area_of(desc))
 

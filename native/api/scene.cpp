@@ -182,6 +182,7 @@ LightDesc to_light(const spc_light_desc& desc) {
     light.sun_angle = desc.sun_angle;
     light.shape = checked_enum<AreaShape>(desc.shape, SPC_AREA_ELLIPSE, owner, "shape");
     light.size = Vec2(desc.size[0], desc.size[1]);
+    light.spread = desc.spread;
     require((desc.visibility & ~static_cast<uint32_t>(SPC_VISIBLE_ALL)) == 0,
             owner + ": unknown visibility bits");
     light.visibility = desc.visibility;

@@ -307,7 +307,7 @@ std::unique_ptr<const LightPilot> learn_emission(const RenderScene& world,
         !world.scene->same_for_scattered_rays)
         return nullptr;
     auto result = std::make_unique<LightPilot>(
-        aim_at_casters(*world.scene, world.lights, world.casters), 1.0, 0.0, 0.0);
+        aim_at_casters(*world.scene, world.lights, world.casters, Squares::of_beams), 1.0, 0.0, 0.0);
     settings.light_tracing = {&result->guide, static_cast<double>(kPilotPaths)};
     for (uint32_t generation = 0; generation < kGenerations; ++generation) {
         LightPathStats counted;
@@ -319,7 +319,8 @@ std::unique_ptr<const LightPilot> learn_emission(const RenderScene& world,
         measure(counted, moments, *result);
         settings.light_tracing.goes_on = result->goes_on;
         limit_weights(learned);
-        result->guide = aim_at_casters(*world.scene, world.lights, world.casters, learned);
+        result->guide =
+            aim_at_casters(*world.scene, world.lights, world.casters, Squares::of_beams, learned);
     }
     return result;
 }

@@ -8,6 +8,8 @@
 //                     which the beam is cut from. Inside the sphere it shines everywhere
 //   sun               irradiance P across its direction; disc of half angle h: P / (pi sin^2 h)
 //   area              radiance   P / (pi area) on one side; the area includes the transform's scale
+//   spread s          the same times max(tan h - tan a, 0) / (tan h - h), h = s / 2, at the angle a
+//                     with the normal
 // The lamps' scale changes nothing but areas, and beams where it is uneven. One difference is
 // meant: with Blender's "soft falloff" Cycles replaces the sphere by a disk that faces the
 // receiver: E d^2 / (d^2 + r^2) instead of E.
@@ -48,6 +50,15 @@ SpotProfile make_profile(const LightDesc& desc) {
         std::tan(half) * std::sqrt(std::max(length_squared(x), length_squared(y))) / unit;
     profile.cos_widest = half < 0.5f * kPi ? 1.0f / std::sqrt(1.0f + widest * widest) : 0.0f;
     return profile;
+}
+
+SpreadProfile make_spread(float spread) {
+    const double half = 0.5 * static_cast<double>(std::max(spread, kLeastSpread));
+    // Closer to a right angle single precision cannot tell the profile from an even one.
+    constexpr double kEven = 0.5 * std::numbers::pi - 1e-6;
+    if (half > kEven) return {};
+    const double tan_half = std::tan(half);
+    return {false, static_cast<float>(tan_half), static_cast<float>(1.0 / (tan_half - half))};
 }
 
 Spectrum scaled(const Spectrum& power, double factor) { return power * static_cast<float>(factor); }
@@ -134,20 +145,55 @@ std::optional<SphericalRectangle> near_rectangle(const AreaLamp& lamp, const Vec
     return rectangle;
 }
 
+// Radius of the circle around the foot of the perpendicular from which light gets to a receiver at
+// this height, if that is a smaller part of the lamp's plane than the lamp: it is sampled instead.
+std::optional<float> radius_of_reach(const AreaLamp& lamp, float height) {
+    const float radius = height * lamp.spread.tan_half;
+    if (lamp.spread.uniform || !(kPi * sqr(radius) < lamp.area)) return std::nullopt;
+    return radius;
+}
+
+bool is_on(const AreaLamp& lamp, const Vec3& from_center) {
+    const float a = dot(from_center, lamp.dual_x), b = dot(from_center, lamp.dual_y);
+    return lamp.ellipse ? a * a + b * b <= 1.0f : std::abs(a) <= 1.0f && std::abs(b) <= 1.0f;
+}
+
+// A point of the lamp as a receiver sees it, with its density by area or by solid angle.
+struct SeenPoint {
+    Vec3 to_q;
+    float pdf_area, pdf_omega;  // one of them is 0
+};
+std::optional<SeenPoint> sample_seen(const AreaLamp& lamp, const Vec3& to_center, float height,
+                                     const Vec2& u) {
+    if (const auto radius = radius_of_reach(lamp, height)) {
+        const Vec2 q = concentric_disk(u) * *radius;
+        const Vec3 to_q =
+            lamp.axis_x * q.x + cross(lamp.normal, lamp.axis_x) * q.y - lamp.normal * height;
+        if (!is_on(lamp, to_q - to_center)) return std::nullopt;
+        return SeenPoint{to_q, kInvPi / sqr(*radius), 0.0f};
+    }
+    if (const auto rectangle = near_rectangle(lamp, to_center, height)) {
+        const Vec2 q = rectangle->sample(u);
+        return SeenPoint{lamp.axis_x * q.x + lamp.axis_y * q.y - lamp.normal * height, 0.0f,
+                         1.0f / rectangle->solid_angle};
+    }
+    const Vec2 q = lamp.ellipse ? concentric_disk(u) : Vec2(2.0f * u.x - 1.0f, 2.0f * u.y - 1.0f);
+    return SeenPoint{to_center + lamp.half_x * q.x + lamp.half_y * q.y, 1.0f / lamp.area, 0.0f};
+}
+
 std::optional<LampSample> sample_one(const AreaLamp& lamp, const Vec3& p, const Vec2& u) {
     const Vec3 to_center = lamp.center - p;
     const float height = -dot(to_center, lamp.normal);
     if (!(height > 0.0f)) return std::nullopt;
-    if (const auto rectangle = near_rectangle(lamp, to_center, height)) {
-        const Vec2 q = rectangle->sample(u);
-        const Vec3 to_q = lamp.axis_x * q.x + lamp.axis_y * q.y - lamp.normal * height;
-        const float d = length(to_q);
-        return LampSample{to_q * (1.0f / d), d, lamp.radiance, 1.0f / rectangle->solid_angle, false};
-    }
-    const Vec2 q = lamp.ellipse ? concentric_disk(u) : Vec2(2.0f * u.x - 1.0f, 2.0f * u.y - 1.0f);
-    const Vec3 to_q = to_center + lamp.half_x * q.x + lamp.half_y * q.y;
-    const float d2 = length_squared(to_q), d = std::sqrt(d2);
-    return LampSample{to_q * (1.0f / d), d, lamp.radiance, d2 * d / (height * lamp.area), false};
+    const std::optional<SeenPoint> seen = sample_seen(lamp, to_center, height, u);
+    if (!seen) return std::nullopt;
+    const float d2 = length_squared(seen->to_q), d = std::sqrt(d2);
+    const Vec3 wi = seen->to_q * (1.0f / d);
+    const float profile = lamp.spread.towards(lamp.normal, wi * -1.0f);
+    if (!(profile > 0.0f)) return std::nullopt;
+    const float pdf_omega =
+        seen->pdf_omega > 0.0f ? seen->pdf_omega : seen->pdf_area * d2 * d / height;
+    return LampSample{wi, d, lamp.radiance * profile, pdf_omega, false};
 }
 
 float pdf_one(const PointLamp&, const Vec3&, const Vec3&, float) { return 0.0f; }
@@ -162,13 +208,15 @@ float pdf_one(const SphereLamp& lamp, const Vec3& p, const Vec3& wi, float) {
 float pdf_one(const DiscSun& lamp, const Vec3&, const Vec3& wi, float) {
     return in_disc(lamp, wi) ? uniform_cone_pdf(lamp.one_minus_cos) : 0.0f;
 }
-float pdf_one(const AreaLamp& lamp, const Vec3& p, const Vec3&, float distance) {
+float pdf_one(const AreaLamp& lamp, const Vec3& p, const Vec3& wi, float distance) {
     const Vec3 to_center = lamp.center - p;
     const float height = -dot(to_center, lamp.normal);
-    if (!(height > 0.0f)) return 0.0f;
+    if (!(height > 0.0f && lamp.spread.towards(lamp.normal, wi * -1.0f) > 0.0f)) return 0.0f;
+    const float by_area = distance * distance * distance / height;
+    if (const auto radius = radius_of_reach(lamp, height)) return by_area * (kInvPi / sqr(*radius));
     if (const auto rectangle = near_rectangle(lamp, to_center, height))
         return 1.0f / rectangle->solid_angle;
-    return distance * distance * distance / (height * lamp.area);
+    return by_area / lamp.area;
 }
 
 Spectrum radiance_one(const PointLamp&, const Vec3&, const Vec3&) { return Spectrum(0.0f); }
@@ -181,7 +229,16 @@ Spectrum radiance_one(const DiscSun& lamp, const Vec3&, const Vec3& away) {
     return in_disc(lamp, away * -1.0f) ? lamp.radiance : Spectrum(0.0f);
 }
 Spectrum radiance_one(const AreaLamp& lamp, const Vec3&, const Vec3& away) {
-    return dot(lamp.normal, away) > 0.0f ? lamp.radiance : Spectrum(0.0f);
+    return dot(lamp.normal, away) > 0.0f ? lamp.radiance * lamp.spread.towards(lamp.normal, away)
+                                         : Spectrum(0.0f);
+}
+
+// The nearest point of an area lamp to p's foot; outside an ellipse, of the rectangle around it.
+Vec3 below_of(const AreaLamp& lamp, const Vec3& p) {
+    const auto clamped = [&](const Vec3& dual) {
+        return std::clamp(dot(p - lamp.center, dual), -1.0f, 1.0f);
+    };
+    return lamp.center + lamp.half_x * clamped(lamp.dual_x) + lamp.half_y * clamped(lamp.dual_y);
 }
 
 LampPoint point_one(const PointLamp& lamp, const Vec2&) { return {.p = lamp.center, .pdf = 1.0f}; }
@@ -215,6 +272,10 @@ AreaLamp make_area(const LightDesc& desc) {
     lamp.length_y = length(lamp.half_y);
     lamp.axis_x = safe_normalize(lamp.half_x, Vec3(0.0f));
     lamp.axis_y = safe_normalize(lamp.half_y, Vec3(0.0f));
+    const float inv = 1.0f / std::max(length(across), 1e-30f);
+    lamp.dual_x = cross(lamp.half_y, across * inv) * inv;
+    lamp.dual_y = cross(across * inv, lamp.half_x) * inv;
+    lamp.spread = make_spread(desc.spread);
     lamp.ellipse = desc.shape == AreaShape::ellipse;
     lamp.area = length(across) * (lamp.ellipse ? kPi : 4.0f);
     lamp.radiance = lamp.area > 0.0f ? scaled(desc.power, 1.0 / (std::numbers::pi * lamp.area))
@@ -233,6 +294,14 @@ float SpotProfile::towards(const Vec3& direction) const {
     const Vec3 local(dot(direction, x), dot(direction, y), dot(direction, z));
     const float cos = local.z / length(local);
     return smoothstep((cos - cos_half) * inv_smooth);
+}
+
+float SpreadProfile::towards(const Vec3& normal, const Vec3& away) const {
+    if (uniform) return 1.0f;
+    // Beams may be so narrow that the cosine has no digits left for the tangent.
+    const float cos = dot(normal, away);
+    const float sin = length(away - normal * cos);
+    return cos > 0.0f ? std::max((tan_half - sin / cos) * gain, 0.0f) : 0.0f;
 }
 
 bool in_disc(const DiscSun& sun, const Vec3& wi) {
@@ -281,6 +350,28 @@ float lamp_pdf(const Lamp& lamp, const Vec3& p, const Vec3& wi, float distance) 
 }
 Spectrum lamp_radiance(const Lamp& lamp, const Vec3& q, const Vec3& away) {
     return std::visit([&](const auto& l) { return radiance_one(l, q, away); }, lamp);
+}
+Spectrum brightest_radiance(const Lamp& lamp, const Vec3& p) {
+    if (const auto* area = std::get_if<AreaLamp>(&lamp)) {
+        const Vec3 to_p = p - below_of(*area, p);
+        return radiance_one(*area, p, safe_normalize(to_p, area->normal));
+    }
+    const auto& sphere = std::get<SphereLamp>(lamp);
+    return sphere.radiance *
+           sphere.profile.towards(safe_normalize(p - sphere.center, sphere.profile.z));
+}
+LampBeam lamp_beam(const Lamp& lamp) {
+    constexpr float kMargin = 1e-3f;  // of the cone, for directions that are rounded at its edge
+    const auto spot = [](const SpotProfile& profile) {
+        return profile.uniform ? LampBeam{Vec3(0, 0, 1), 2.0f}
+                               : LampBeam{profile.z, (1.0f - profile.cos_widest) * (1.0f + kMargin)};
+    };
+    if (const auto* area = std::get_if<AreaLamp>(&lamp)) {
+        const float half = area->spread.uniform ? 0.5f * kPi : std::atan(area->spread.tan_half);
+        return {area->normal, one_minus_cos(half) * (1.0f + kMargin)};
+    }
+    if (const auto* sphere = std::get_if<SphereLamp>(&lamp)) return spot(sphere->profile);
+    return spot(std::get<PointLamp>(lamp).profile);
 }
 Spectrum delta_strength(const Lamp& lamp, const Vec3& away) {
     if (const auto* point = std::get_if<PointLamp>(&lamp))

@@ -13,6 +13,8 @@ namespace spc {
 // apart.
 inline constexpr float kLeastLampRadius = 1e-9f;  // m
 inline constexpr float kLeastSunAngle = 1e-5f;    // rad
+// An area light's beam is no narrower.
+inline constexpr float kLeastSpread = 0.1f * kPi / 180.0f;  // rad
 
 // Brightness of a spot by direction; 1 everywhere for a point lamp.
 struct SpotProfile {
@@ -22,6 +24,16 @@ struct SpotProfile {
     float cos_widest = -1.0f;  // of a cone around the axis that holds the whole beam
 
     float towards(const Vec3& direction) const;  // unit, away from the lamp
+};
+
+// Brightness of an area light by direction: what a fine grid of slats in front of it lets through.
+// It keeps the flux: along the normal the light is the brighter.
+struct SpreadProfile {
+    bool uniform = true;
+    float tan_half = 0.0f, gain = 0.0f;
+
+    // `away` is unit, on the normal's side.
+    float towards(const Vec3& normal, const Vec3& away) const;
 };
 
 struct PointLamp {  // delta
@@ -48,11 +60,13 @@ struct AreaLamp {
     Vec3 center, normal;
     Vec3 half_x, half_y;
     Vec3 axis_x, axis_y;       // unit
+    Vec3 dual_x, dual_y;       // dot products with these go from -1 to 1 over half_x, half_y
     float length_x, length_y;  // of the half extents
     float area;
     float near_squared;  // a rectangle is sampled by solid angle from receivers nearer than this
     bool ellipse;
-    Spectrum radiance;
+    Spectrum radiance;  // of an even light of this flux
+    SpreadProfile spread;
 };
 using Lamp = std::variant<PointLamp, SphereLamp, ParallelSun, DiscSun, AreaLamp>;
 
@@ -75,8 +89,17 @@ float lamp_pdf(const Lamp& lamp, const Vec3& p, const Vec3& wi, float distance);
 
 // Radiance from the point q of the lamp's surface along the unit direction `away`. 0 for a delta.
 Spectrum lamp_radiance(const Lamp& lamp, const Vec3& q, const Vec3& away);
+// The same towards p from the point of a lamp of some extent that shines brightest there.
+Spectrum brightest_radiance(const Lamp& lamp, const Vec3& p);
 // Intensity of a point along `away`, or irradiance of a parallel sun. 0 for lamps of some extent.
 Spectrum delta_strength(const Lamp& lamp, const Vec3& away);
+
+// All directions in which a local lamp shines.
+struct LampBeam {
+    Vec3 axis;            // unit
+    float one_minus_cos;  // of the cone around it; 2: all
+};
+LampBeam lamp_beam(const Lamp& lamp);
 
 struct LampPoint {
     Vec3 p{0.0f};          // unset for a sun

@@ -70,6 +70,7 @@ float cone_around(float radius, float distance) {
 // light's frame by the shortest way, so that a place in the square means much the same part of the
 // casters for all points of the light.
 Cone cone_from(const EmissionGuide& guide, const LightEmission& emission, const Vec3& y) {
+    if (emission.by_beam) return {emission.frame, emission.narrowest};
     const Cone all{emission.frame, 2.0f};
     const Vec3 axis = guide.center - y;
     const float distance = length(axis);
@@ -140,19 +141,30 @@ void face_casters(const LightSphere& light, const EmissionGuide& guide, LightEmi
     emission.narrowest = cone_around(guide.radius, distance + light.radius);
 }
 
+void follow_beam(const Lamp& lamp, LightEmission& emission) {
+    const LampBeam beam = lamp_beam(lamp);
+    if (!(beam.one_minus_cos < emission.narrowest)) return;
+    emission.frame = Frame::around(beam.axis);
+    emission.narrowest = beam.one_minus_cos;
+    emission.by_beam = true;
+}
+
 }  // namespace
 
 EmissionGuide aim_at_casters(const Scene& scene, const LightSet& lights, const CasterSet& set,
-                             std::span<const EmissionSample> learned) {
+                             Squares squares, std::span<const EmissionSample> learned) {
     EmissionGuide guide;
     const std::vector<const Caster*> casters = set.aims();
     if (casters.empty() || lights.caustic_selection.empty()) return guide;
     enclose_casters(scene, casters, guide);
     const auto count = lights.count();
     guide.lights.resize(count);
-    for (uint32_t light = 0; light < count; ++light)
-        if (!lights.is_distant(light))
-            face_casters(sphere_of(scene, lights, light), guide, guide.lights[light]);
+    for (uint32_t light = 0; light < count; ++light) {
+        if (lights.is_distant(light)) continue;
+        face_casters(sphere_of(scene, lights, light), guide, guide.lights[light]);
+        if (squares == Squares::of_beams && light < lights.lamps.size())
+            follow_beam(lights.lamps[light], guide.lights[light]);
+    }
 
     std::vector<std::vector<WeightedPoint>> points(count);
     std::vector<double> learned_weight(count, 0.0);

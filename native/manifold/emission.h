@@ -9,10 +9,12 @@
 namespace spc {
 
 // Of one light. The unit square stands for the cone in which a point of the light sees the sphere
-// that holds all casters, or for a square across the direction of a distant light, around it.
+// that holds all casters; for a lamp's beam, the same from all of its points; or for a square across
+// the direction of a distant light, around that sphere.
 struct LightEmission {
-    Frame frame{};           // z from a local light's centre towards the casters
+    Frame frame{};           // z from a local light's centre towards the casters, or along the beam
     float narrowest = 2.0f;  // 1 - cos of the cone from its farthest point
+    bool by_beam = false;
     QuadtreeDensity density;
 };
 
@@ -28,9 +30,12 @@ struct EmissionSample {
     uint32_t light;
     WeightedPoint place;  // in the light's unit square
 };
+// Whether the square of a lamp may stand for its beam, where that is narrower than the casters from
+// each of its points.
+enum class Squares : uint8_t { of_casters, of_beams };
 // Aims at all of the casters' surfaces alike, save `learned`, which says more.
 EmissionGuide aim_at_casters(const Scene& scene, const LightSet& lights, const CasterSet& casters,
-                             std::span<const EmissionSample> learned = {});
+                             Squares squares, std::span<const EmissionSample> learned = {});
 
 struct EmittedRay {
     Vec3 origin;

@@ -35,13 +35,6 @@ public:
 
     void follow(const Vec2& place) {
         Ray ray = ray_at(world_.guide, y_, place);
-        // What a point on the far side of a lamp does not light, one on its near side may.
-        const float cosine = dot(y_.n, ray.direction);
-        const Spectrum radiance =
-            radiance_at(world_.lights, scene_, y_, cosine >= 0.0f ? ray.direction : y_.n);
-        if (is_black(radiance)) return;
-        emitted_ = max_component(radiance) *
-                   (y_.distant || y_.delta ? 1.0f : std::max(kLeastCosine, cosine));
         ray.origin = leave_light(scene_, y_, ray.origin, ray.direction);
         const Frame frame = Frame::around(y_.distant ? y_.direction : ray.direction);
         across_ = {frame.x, frame.y};
@@ -103,6 +96,8 @@ private:
         RayDual arriving = before;
         double distance = static_cast<double>(at.t);
         if (kind.count == 0) {
+            emitted_ = emitted_to(patch.p, ray.direction);
+            if (!(emitted_ > 0.0f)) return;
             // From points of the light next to y to this very point of the caster: its normal, which
             // may vary fast, stays.
             for (size_t j = 0; j < 2; ++j) {
@@ -129,6 +124,18 @@ private:
             const Vec3 origin = offset_origin({surface.p, surface.ng, surface.p_error}, out);
             follow({origin, out, 0.0f, kInfinity}, dual, path + at.t, longer, left);
         }
+    }
+
+    // As Landing::light. A point of a lamp that this one does not light, one of its neighbours may.
+    float emitted_to(const Vec3& p, const Vec3& direction) const {
+        const bool lamp = y_.light < world_.lights.lamps.size();
+        const float cosine = dot(y_.n, direction);
+        const Spectrum radiance =
+            lamp && !y_.distant && !y_.delta
+                ? brightest_radiance(world_.lights.lamps[y_.light], p)
+                : radiance_at(world_.lights, scene_, y_, cosine >= 0.0f ? direction : y_.n);
+        return max_component(radiance) *
+               (y_.distant || y_.delta ? 1.0f : std::max(kLeastCosine, cosine));
     }
 
     bool light_takes(Interaction interaction) const {

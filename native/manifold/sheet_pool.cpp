@@ -94,7 +94,8 @@ SheetPool build_sheets(const Scene& scene, const LightSet& lights, const CasterS
     std::stable_sort(feeding.begin(), feeding.end(), [&](uint32_t a, uint32_t b) {
         return lights.caustic_selection.probability(a) > lights.caustic_selection.probability(b);
     });
-    const EmissionGuide guide = aim_at_casters(scene, lights, casters);
+    // A sheet serves the points around its own, too, from which the beam goes elsewhere.
+    const EmissionGuide guide = aim_at_casters(scene, lights, casters, Squares::of_casters);
     std::vector<Site> sites;
     for (const uint32_t light : feeding) {
         const size_t most = std::min<size_t>(kMostOfLight, kMostSheets - sites.size());

@@ -213,10 +213,13 @@ uint32_t SceneBuilder::add_light(LightDesc light) {
     if (light.type == LightType::sun)
         require(light.sun_angle >= 0.0f && light.sun_angle <= kPi * 1.0001f,
                 "the sun's angle must lie in [0, pi]");
-    if (light.type == LightType::area)
+    if (light.type == LightType::area) {
         require(std::isfinite(light.size.x) && std::isfinite(light.size.y) && light.size.x > 0.0f &&
                     light.size.y > 0.0f,
                 "the size of an area light must be finite and positive");
+        require(light.spread >= 0.0f && light.spread <= kPi * 1.0001f,
+                "the spread must lie in [0, pi]");
+    }
     scene_->lights.push_back(std::move(light));
     return static_cast<uint32_t>(scene_->lights.size() - 1);
 }

@@ -77,6 +77,7 @@ struct LightDesc {
     float sun_angle = 0.0f;
     AreaShape shape = AreaShape::rectangle;
     Vec2 size{1.0f, 1.0f};
+    float spread = kPi;  // area: full angle of the beam, rad
     uint32_t visibility = kVisibleAll;
     bool feeds_caustics = true;
 

@@ -344,10 +344,10 @@ def test_a_point_light_has_the_area_of_its_sphere():
     assert (np.sum(outward * cross, axis=1) > 0.0).all()
 
 
-@pytest.mark.parametrize("kind", [desc.LightType.SUN, desc.LightType.SPOT, desc.LightType.POINT])
+@pytest.mark.parametrize("kind", desc.LightType)
 def test_lights_without_equal_are_refused_by_name(kind):
     base = scene([desc.NodeDesc("Shader", "bsdf_diffuse")])
-    base.lights.append(lamp(kind))
+    base.lights.append(lamp(kind, spread=2.0))
     with pytest.raises(UntranslatedError, match="light Lamp"):
         _luxcore.translate(base)
 

@@ -197,7 +197,7 @@ def add_light(light, name: str, translation: Translation) -> None:
     """Lamps are glowing meshes, so that every method of LuxCore finds them. Their back lets light
     through, as Blender's lamps do on both sides: seen from the front they hide what is behind."""
     check_visibility(f"light {light.name}", light.visibility)
-    if light.type == desc.LightType.AREA:
+    if light.type == desc.LightType.AREA and light.spread >= math.pi:
         _add_emitter(translation, light, name, *area_mesh(light))
     elif light.type == desc.LightType.POINT and light.radius > 0.0:
         _add_emitter(translation, light, name, *sphere_mesh(light))
@@ -209,6 +209,7 @@ NO_EQUAL = {
     desc.LightType.POINT: "a point without size is seen by no path of LuxCore's from the camera",
     desc.LightType.SUN: "LuxCore's distant disc is not seen in mirrors",
     desc.LightType.SPOT: "LuxCore's spot has another falloff and no size",
+    desc.LightType.AREA: "LuxCore's glowing meshes have no spread",
 }
 
 

@@ -26,9 +26,11 @@ from specula.export import compat
 
 SIZE = 32
 SAMPLES = 128
+BEAM_SAMPLES = 2048  # where a beam's edge crosses most of the pixels that it lights
 TOLERANCE = 0.01  # of the mean
 # Today's closures are the model: until 4.0 Cycles' Principled and Oren-Nayar were others.
 TOLERANCE_CLOSURES = TOLERANCE if bpy.app.version >= (4, 3, 0) else 0.03
+NARROW_BEAM = math.radians(15)  # of a spread
 PLANE = [(-4, -4, 0), (4, -4, 0), (4, 4, 0), (-4, 4, 0)]
 WHITE = (0.8, 0.8, 0.8, 1)
 
@@ -41,6 +43,20 @@ LIGHTS = {
     "rectangle": ("AREA", {"energy": 500, "shape": "RECTANGLE", "size": 1, "size_y": 2}),
     "disk": ("AREA", {"energy": 500, "shape": "DISK", "size": 1}),
     "ellipse": ("AREA", {"energy": 500, "shape": "ELLIPSE", "size": 1, "size_y": 2}),
+    **{
+        f"spread of {degrees} degrees": (
+            "AREA",
+            {"energy": 500, "shape": shape, "size": 1.5, "spread": math.radians(degrees)},
+        )
+        for degrees, shape in (
+            (120, "SQUARE"),
+            (60, "DISK"),
+            (30, "SQUARE"),
+            (10, "DISK"),
+            (1, "SQUARE"),
+            (0, "DISK"),
+        )
+    },
 }
 
 COPPER = (0.8, 0.4, 0.2, 1)
@@ -163,6 +179,11 @@ def test_light(stage, name):
     kind, properties = LIGHTS[name]
     if kind == "SPOT" and bpy.app.version < (4, 0, 0):
         pytest.skip("the edge of Cycles' spots had another profile")
+    if properties.get("spread", math.pi) < NARROW_BEAM:
+        if bpy.app.version < (4, 0, 0):
+            pytest.skip("narrow beams of Cycles had another power")
+        scene = bpy.context.scene
+        scene.specula.samples = scene.cycles.samples = BEAM_SAMPLES
     light = add_light(kind, color=(1, 0.5, 0.25), **properties)
     place(light)
     if kind == "AREA":

@@ -73,11 +73,13 @@ def test_area(shape, expected, size):
     assert warnings == []
 
 
-def test_spread_is_named():
-    add_light("AREA", name="Softbox", spread=math.radians(90))
-    _, warnings = only_light()
-    assert len(warnings) == 1
-    assert "light Softbox: spread" in warnings[0]
+def test_spread():
+    softbox = add_light("AREA")
+    assert only_light()[0].spread == pytest.approx(math.pi)
+    softbox.data.spread = math.radians(90)
+    light, warnings = only_light()
+    assert light.spread == pytest.approx(math.pi / 2)
+    assert warnings == []
 
 
 def test_emission_node_multiplies():

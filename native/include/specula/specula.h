@@ -38,7 +38,7 @@ extern "C" {
 #endif
 
 /* Raised whenever a struct or the meaning of a call changes. */
-#define SPC_API_VERSION 4u
+#define SPC_API_VERSION 5u
 
 /* "No index", where an index is optional. */
 #define SPC_NONE 0xffffffffu
@@ -265,6 +265,7 @@ typedef struct spc_light_desc {
     float sun_angle;     /* sun: full angular diameter, rad, [0, pi] */
     uint32_t shape;      /* area: spc_area_shape */
     float size[2];       /* area: full extents in x and y before the transform, m, > 0 */
+    float spread;        /* area: full angle of the beam, rad, [0, pi]; pi: the half-space */
     uint32_t visibility; /* of spc_visibility; SHADOW set: occluders cast shadows of this light */
     uint32_t feeds_caustics; /* 0: neither walks nor light paths use it for caustics; path tracing still finds it */
 } spc_light_desc;

@@ -334,6 +334,8 @@ TEST_F(SceneMisuse, Lights) {
     for (const float bad : beyond({0.0f, -1.0f}))
         for (size_t i = 0; i < 2; ++i)
             refuses(spoilt(SPC_LIGHT_AREA, [&](auto& d) { d.size[i] = bad; }), {"Lantern", "size"});
+    for (const float bad : beyond({-0.1f, 3.2f}))
+        refuses(spoilt(SPC_LIGHT_AREA, [&](auto& d) { d.spread = bad; }), {"Lantern", "spread"});
 }
 
 TEST_F(SceneMisuse, CameraAndWorld) {
@@ -465,6 +467,7 @@ TEST(OddScenes, Render) {
                     desc.radius = desc.size[0] = desc.size[1] = size;
                     desc.sun_angle = std::min(size, 3.14159f);
                     desc.spot_angle = std::min(size, 3.14159f);
+                    desc.spread = std::min(size, 3.14159f);
                     add_light(scene, desc);
                 });
     for (const float scale : {1e-6f, 1e-4f, 1e4f, 1e6f})

@@ -137,7 +137,13 @@ std::vector<Setup> lights_over_a_ball() {
     LightDesc sheared = rectangle;
     sheared.shape = AreaShape::ellipse;
     for (Vec3& row : sheared.to_world.row) row.z += 0.6f * row.x;
-    return {lamp_over_ball("spot", spot),
+    LightDesc wide_beam = rectangle, narrow_beam = rectangle;
+    wide_beam.spread = 1.2f;
+    narrow_beam.size = Vec2(1.5f, 1.5f);
+    narrow_beam.spread = 0.5f;
+    return {lamp_over_ball("wide beam", wide_beam),
+            lamp_over_ball("narrow beam", narrow_beam),
+            lamp_over_ball("spot", spot),
             lamp_over_ball("sun", sun),
             lamp_over_ball("rectangle", rectangle),
             lamp_over_ball("sheared ellipse", sheared),

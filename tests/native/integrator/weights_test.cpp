@@ -45,7 +45,7 @@ class Bench {
 public:
     explicit Bench(SceneMaker& maker)
         : world_(maker.finish()),
-          guide_(aim_at_casters(*world_.scene, world_.lights, world_.casters)) {}
+          guide_(aim_at_casters(*world_.scene, world_.lights, world_.casters, Squares::of_beams)) {}
 
     const RenderScene& world() const { return world_; }
     Techniques techniques(const IntegratorSettings& settings) const {

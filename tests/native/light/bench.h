@@ -65,6 +65,12 @@ inline LightDesc area_lamp(float power, AreaShape shape, const Vec2& size,
     return light;
 }
 
+// Whose light keeps within half of `spread` about the normal.
+inline LightDesc beam(LightDesc area, float spread) {
+    area.spread = spread;
+    return area;
+}
+
 struct Lit {
     std::unique_ptr<Scene> scene;
     LightSet lights;

@@ -49,7 +49,10 @@ std::vector<LightCase> finite_lights() {
     ellipse.shape = AreaShape::ellipse;
     LightDesc sheared = rectangle;  // its -Z axis is no longer its normal
     for (Vec3& row : sheared.to_world.row) row.z += 0.6f * row.x;
+    LightDesc beam = rectangle;
+    beam.spread = 1.0f;
     return {lamp_case("sphere", point),
+            lamp_case("beam of a rectangle", beam),
             lamp_case("spot", spot),
             lamp_case("sun", sun),
             lamp_case("rectangle", rectangle),

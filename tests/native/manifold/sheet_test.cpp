@@ -113,6 +113,35 @@ TEST(LightSheet, PromisesTheIrradianceOfTheMirrorImage) {
     EXPECT_LT(ratios.back(), 2.2f);
 }
 
+// A sheet stands for all points of a lamp around its own, however narrow their beams are.
+TEST(LightSheet, LeadsToWhatOtherPointsOfANarrowLampShineAt) {
+    SceneMaker maker;
+    maker.add(test::square(8.0f), test::diffuse(0.8f), {}, CausticsRole::receiver);
+    maker.add(test::square(4.0f), test::mirror(), test::translation({0, 0, kMirror}),
+              CausticsRole::caster);
+    LightDesc lamp;
+    lamp.name = "lamp";
+    lamp.type = LightType::area;
+    lamp.to_world = test::rotation_x(kPi, kLamp);  // shines up
+    lamp.size = Vec2(2.0f, 2.0f);
+    lamp.spread = 0.02f;
+    maker.builder.add_light(lamp);
+    const RenderScene world = maker.finish();
+    const SheetPool sheets = sheets_of(world);
+    Pcg pcg(6);
+    for (int i = 0; i < 1000; ++i) {
+        const Vec2 u = pcg.two();
+        const auto y = sample_light_point(world.lights, *world.scene, {0.5f, u.x, u.y});
+        ASSERT_TRUE(y);
+        const LightSheet* sheet = nearest_sheet({sheets}, *y);
+        ASSERT_NE(sheet, nullptr);
+        std::vector<Lead> leads;
+        sheet->find_leads({y->p.x, y->p.y, 0.0f}, shift_between(sheet->light_point(), *y), 1.0f,
+                          0.0f, leads);
+        EXPECT_FALSE(leads.empty());
+    }
+}
+
 TEST(LightSheet, LeavesLeadsToOneRandomNumber) {
     const RenderScene world = below_a_mirror({kLamp}, 0.01f);
     const SheetPool sheets = sheets_of(world);

@@ -222,7 +222,8 @@ TEST_F(FixedStarts, ReflectFromTheMiddleOfABall) {
 TEST(SheetsSlow, LeadToNearlyAllLight) {
     for (const CasterCase& c : cases()) {
         const RenderScene world = make(c);
-        const EmissionGuide guide = aim_at_casters(*world.scene, world.lights, world.casters);
+        const EmissionGuide guide =
+            aim_at_casters(*world.scene, world.lights, world.casters, Squares::of_casters);
         const SheetWorld parts{
             *world.scene, world.lights, world.casters, guide, kLongestManifoldChain, 1, nullptr};
         const std::optional<LightPoint> y =

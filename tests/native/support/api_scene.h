@@ -157,6 +157,7 @@ inline spc_light_desc valid_light(uint32_t type) {
     desc.spot_blend = 0.5f;
     desc.sun_angle = 0.01f;
     desc.size[0] = desc.size[1] = 0.5f;
+    desc.spread = 2.0f;
     desc.visibility = SPC_VISIBLE_ALL;
     desc.feeds_caustics = 1;
     return desc;

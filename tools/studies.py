@@ -13,7 +13,7 @@ BENCHES = ROOT / "tests" / "bench"
 STABILITY = ROOT / "tests" / "stability" / "stability.py"
 DEFAULT_BENCH = "error"
 # They need the environment with Matplotlib, FLIP and EXR files.
-WITH_FIGURES = ("error", "reference", "scaling")
+WITH_FIGURES = ("error", "figures", "reference", "scaling")
 NATIVE = ("kernels",)  # they build their own programs, and need no Blender
 
 

@@ -9,4 +9,6 @@ SCENES = (
     "cornell",
     "shoes",
     "kettle",
+    "displaced",
+    "slab",
 )

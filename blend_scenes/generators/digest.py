@@ -24,6 +24,8 @@ def describe():
         out[prefix + "/matrix"] = np.array(obj.matrix_world)
         out[prefix + "/data"] = obj.data.name
         _properties(out, prefix + "/cycles", obj.cycles)
+        for modifier in obj.modifiers:
+            _properties(out, f"{prefix}/modifiers/{modifier.name}", modifier)
     for mesh in bpy.data.meshes:
         _mesh(out, f"meshes/{mesh.name}", mesh)
     for light in bpy.data.lights:

@@ -71,6 +71,26 @@ def spectral_slopes(spectrum):
     return np.fft.ifft2(1j * ku * spectrum).real, np.fft.ifft2(1j * kv * spectrum).real
 
 
+def spline_slopes(heights, side, texels):
+    """Exact slopes (along +u, along +v) of the periodic cubic B-spline over a square of `side`.
+
+    Its control points are `heights` (n, n), at the middles of n x n cells; the slopes are those at
+    the centres of `texels` x `texels` texels in each cell.
+    """
+    count = len(heights)
+    position = (np.arange(count * texels) + 0.5) / texels - 0.5  # in control points
+    first = np.floor(position).astype(int)
+    t = (position - first)[:, None]
+    value = np.hstack([(1 - t) ** 3, 3 * t**3 - 6 * t**2 + 4, 3 * (t + t**2 - t**3) + 1, t**3]) / 6
+    slope = np.hstack([-((1 - t) ** 2), 3 * t**2 - 4 * t, 1 + 2 * t - 3 * t**2, t**2]) / 2
+    rows = np.arange(len(position))[:, None]
+    near = (first[:, None] + np.arange(-1, 3)) % count
+    values, slopes = np.zeros((2, len(position), count))
+    values[rows, near] = value
+    slopes[rows, near] = slope * count / side
+    return values @ heights @ slopes.T, slopes @ heights @ values.T
+
+
 def scale_to_slope(spectrum, rms_slope):
     """The spectrum scaled so that the slopes' root mean square, over both axes, is `rms_slope`."""
     slope_u, slope_v = spectral_slopes(spectrum)

@@ -8,6 +8,9 @@ The last argument is a JSON file, the job: `scene` (path), `engine`, `size`, `th
   cycles           properties of `scene.cycles`
   shadow_caustics  whether Cycles walks where the scene's flags say so
   light_factor     on the power of every lamp
+  border           [left, bottom, right, top] in pixels: the part that is rendered, all of the image
+  hidden           names of objects that are not rendered
+  roughness        by name of a material, of its Principled BSDF
 """
 
 from __future__ import annotations
@@ -102,8 +105,7 @@ def render_specula(scene, job: dict) -> Rendered:
     bpy.ops.render.render()
     call = time.perf_counter() - start
     stats = statistics.last[scene.name, scene.view_layers[0].name]
-    width, height = scene.render.resolution_x, scene.render.resolution_y
-    samples = stats.render_stats["samples"] / (width * height)
+    samples = stats.render_stats["samples"] / stats.pixels
     write_image(scene, job["image"])
     return Rendered(call, stats.render_seconds, samples, stats.render_stats)
 
@@ -119,6 +121,23 @@ def configure(scene, job: dict) -> None:
         scene.specula.seed = job["seed"]
     for light in bpy.data.lights:
         light.energy *= job.get("light_factor", 1.0)
+    if "border" in job:
+        set_border(scene.render, *job["border"])
+    for name in job.get("hidden", ()):
+        bpy.data.objects[name].hide_render = True
+    for name, roughness in job.get("roughness", {}).items():
+        nodes = bpy.data.materials[name].node_tree.nodes
+        principled = next(node for node in nodes if node.type == "BSDF_PRINCIPLED")
+        principled.inputs["Roughness"].default_value = roughness
+
+
+def set_border(render, left: int, bottom: int, right: int, top: int) -> None:
+    """Blender takes shares and truncates: half a pixel keeps them off the edges."""
+    render.use_border = render.use_crop_to_border = True
+    render.border_min_x = (left + 0.5) / render.resolution_x
+    render.border_max_x = (right + 0.5) / render.resolution_x
+    render.border_min_y = (bottom + 0.5) / render.resolution_y
+    render.border_max_y = (top + 0.5) / render.resolution_y
 
 
 def write_image(scene, path: str) -> None:

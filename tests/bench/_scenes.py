@@ -64,11 +64,18 @@ class Scene:
         return {"image": None, "caustics": self.caustics, "rest": ~self.caustics}
 
 
-def named(name: str) -> Scene:
-    """One of blend_scenes/."""
+@functools.cache
+def example(name: str) -> Scene:
+    """One of blend_scenes/, whether or not it has a reference."""
     scene = Scene(name, BLENDS / f"{name}.blend", REFERENCES / f"{name}.exr")
     if not scene.blend.exists():
         raise DevError(f"there is no {scene.blend.relative_to(ROOT)}")
+    return scene
+
+
+def named(name: str) -> Scene:
+    """One of blend_scenes/ that has a reference."""
+    scene = example(name)
     if not scene.reference_path.exists():
         raise DevError(
             f"'{name}' has no reference; make it with: ./dev bench reference {name} --seconds 600"

@@ -10,6 +10,7 @@ import os
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 
@@ -27,9 +28,32 @@ EXPORT_SCRIPT = "_export_job.py"
 PATIENCE, PATIENCE_FACTOR = 300.0, 4.0
 
 
+class Image(Protocol):
+    """What the store can render."""
+
+    @property
+    def name(self) -> str:
+        """Of files."""
+
+    @property
+    def scene(self) -> Scene: ...
+
+    @property
+    def family(self) -> str:
+        """Of FAMILIES."""
+
+    @property
+    def budget(self) -> float:
+        """Seconds of rendering."""
+
+    @property
+    def job(self) -> dict:
+        """What the child is told, but for the files that it writes."""
+
+
 @dataclass(frozen=True)
 class Task:
-    """One image to be rendered."""
+    """An image of the bench."""
 
     scene: Scene
     method: str  # of _methods.METHODS
@@ -41,10 +65,24 @@ class Task:
     def name(self) -> str:
         return f"{self.scene.name}_{self.method}_{self.budget:g}s_{self.seed}"
 
+    @property
+    def family(self) -> str:
+        return METHODS[self.method].family
+
+    @property
+    def job(self) -> dict:
+        return METHODS[self.method].job | {
+            "scene": str(self.scene.blend),
+            "size": self.scene.size,
+            "threads": self.threads,
+            "seconds": self.budget,
+            "seed": self.seed,
+        }
+
 
 @dataclass(frozen=True)
 class Record:
-    """A task's outcome; the image is read when it is asked for."""
+    """What came of rendering; the image is read when it is asked for."""
 
     report: dict  # of the child: load_seconds, render_seconds, samples, peak_memory, stats
     wall_seconds: float
@@ -56,33 +94,26 @@ class Record:
         return np.load(self.image_path).astype(np.float64)
 
 
-def find(task: Task) -> Record | None:
+def find(wanted: Image) -> Record | None:
     """What an earlier run left."""
-    path = _path(task)
+    path = _path(wanted)
     if not path.exists():
         return None
     return Record(**json.loads(path.read_text()), image_path=path.with_suffix(".npy"))
 
 
-def render(task: Task) -> Record:
+def render(wanted: Image) -> Record:
     """Renders in a child process; raises MeasurementError, and UntranslatedError if the renderer
     cannot show this scene."""
     FOLDER.mkdir(parents=True, exist_ok=True)
-    family = FAMILIES[METHODS[task.method].family]
-    path = _path(task)
+    family = FAMILIES[wanted.family]
+    path = _path(wanted)
     image = path.with_suffix(".npy")
-    job = METHODS[task.method].job | {
-        "scene": str(task.scene.blend),
-        "size": task.scene.size,
-        "threads": task.threads,
-        "seconds": task.budget,
-        "seed": task.seed,
-        "image": str(image),
-    }
+    job = wanted.job | {"image": str(image)}
     if family.described:
-        job["description"] = str(_description(task.scene))
+        job["description"] = str(_description(wanted.scene))
     before = CpuTimes.now()
-    limit = PATIENCE + PATIENCE_FACTOR * task.budget
+    limit = PATIENCE + PATIENCE_FACTOR * wanted.budget
     run = _children.run(path.stem, family.where, family.script, job, FOLDER, limit)
     if "untranslated" in run.report:
         raise UntranslatedError(run.report["untranslated"])
@@ -97,18 +128,14 @@ def render(task: Task) -> Record:
     return Record(**stored, image_path=image)
 
 
-def _path(task: Task) -> Path:
+def _path(wanted: Image) -> Path:
     key = {
-        "scene": task.scene.digest,
-        "size": task.scene.size,
-        "job": METHODS[task.method].job,
-        "budget": task.budget,
-        "seed": task.seed,
-        "threads": task.threads,
-        "program": program_digest(METHODS[task.method].family),
+        "scene": wanted.scene.digest,
+        "job": wanted.job,
+        "program": program_digest(wanted.family),
     }
     digest = hashlib.sha256(json.dumps(key, sort_keys=True).encode()).hexdigest()[:16]
-    return FOLDER / f"{task.name}_{digest}.json"
+    return FOLDER / f"{wanted.name}_{digest}.json"
 
 
 @functools.cache

@@ -212,9 +212,9 @@ def _point(
         others_share=max(record.others_share for record in records),
         flip=_metrics.estimate([_metrics.flip(im, reference.mean, factor) for im in images]),
         regions=regions,
-        success_rate=_share(records, "walks_converged", "walks"),
-        trials=_share(records, "trials", "trial_estimates"),
-        capped_energy=_share(records, "capped_energy", "manifold_energy"),
+        success_rate=share(records, "walks_converged", "walks"),
+        trials=share(records, "trials", "trial_estimates"),
+        capped_energy=share(records, "capped_energy", "manifold_energy"),
     )
 
 
@@ -245,7 +245,7 @@ def _region(
     )
 
 
-def _share(records: Sequence[Record], key: str, of: str) -> float | None:
+def share(records: Sequence[Record], key: str, of: str) -> float | None:
     """Sum of a statistic over that of another; None where it was not counted."""
     stats = [record.report.get("stats") or {} for record in records]
     whole = sum(stat.get(of, 0.0) for stat in stats)

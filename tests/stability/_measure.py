@@ -67,7 +67,12 @@ METHODS = (
         excuse="solutions that no walk meets are lost",
         interactions=1,
     ),
-    Method("fixed starts", settings("MNEE"), interactions=0),
+    Method(
+        "fixed starts",
+        settings("MNEE"),
+        excuse="what they miss is left to path tracing, which hits it too rarely",
+        interactions=0,
+    ),
     Method(
         "fixed starts alone",
         settings("MNEE_BIASED"),

@@ -146,7 +146,7 @@ class Converter:
         return index
 
     def _option(self, node, option: str, values: tuple[str, ...]) -> str:
-        value = getattr(node, option)
+        value = str(getattr(node, option))  # of booleans, too
         if values and value not in values and not compat.is_sharp(node):
             self.warn(node, f"{option} {value} is not supported, {values[0]} is used")
         return value if not values or value in values else values[0]

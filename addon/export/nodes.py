@@ -66,10 +66,6 @@ def _scalar_tint(converter, node, desc) -> None:
         converter.set_constant(desc, "Specular Tint", (*tint, 1.0))
 
 
-def _inverted(converter, node, desc) -> None:
-    desc.options["invert"] = "ON" if node.invert else "OFF"
-
-
 def _image(converter, node, desc) -> None:
     desc.image = converter.images.add(node.image, converter.label(node))
 
@@ -172,7 +168,7 @@ NODES = {
         "bump",
         ("Strength", "Distance", "Height", "Normal"),
         ("Normal",),
-        adjust=_inverted,
+        options={"invert": ("False", "True")},
     ),
     "ShaderNodeUVMap": NodeKind(
         "uv_map",

@@ -77,7 +77,7 @@ constexpr OutputSocket kNormalOut[] = {{"Normal", vector}};
 constexpr NodeOption kNormalMapOptions[] = {{"space", "TANGENT|OBJECT|WORLD"}, {"uv_map", ""}};
 constexpr InputSocket kBumpIn[] = {scalar_input("Strength", 1.0f), scalar_input("Distance", 1.0f),
                                    scalar_input("Height", 1.0f), kNormalInput};
-constexpr NodeOption kBumpOptions[] = {{"invert", "OFF|ON"}};
+constexpr NodeOption kBumpOptions[] = {{"invert", "False|True"}};
 constexpr OutputSocket kUvOut[] = {{"UV", vector}};
 constexpr NodeOption kUvOptions[] = {{"uv_map", ""}};
 constexpr OutputSocket kCoordinateOut[] = {

@@ -90,7 +90,7 @@ ExprId bump(NodeContext& node, int) {
     const ExprId normal = node.normal(kNormal);
     if (e.is_constant(height) || e.is_constant(node.input(kStrength), 0.0f))
         return normal != kNoExpr ? normal : e.constant(Vec3(0.0f));
-    const uint8_t inverted = node.option(kInvert) == "ON" ? 1 : 0;
+    const uint8_t inverted = node.option(kInvert) == "True" ? 1 : 0;
     return e.make({Op::bump,
                    3,
                    inverted,

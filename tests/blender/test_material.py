@@ -362,12 +362,12 @@ def test_bump_and_the_height_that_it_reads():
     bump.invert = True
     add_node(material, "ShaderNodeTexImage", bump.inputs["Height"], image=new_image())
     desc, needs, warnings, _ = convert(material)
-    assert node(desc, "bump").options == {"invert": "ON"}
+    assert node(desc, "bump").options == {"invert": "True"}
     assert node(desc, "bump").inputs["Distance"][0] == 0.25
     assert needs == MaterialNeeds(frozenset([""]), frozenset())
     assert not warnings
     bump.invert = False
-    assert node(convert(material)[0], "bump").options == {"invert": "OFF"}
+    assert node(convert(material)[0], "bump").options == {"invert": "False"}
 
 
 @pytest.mark.parametrize(("output", "uv_maps"), [("UV", {""}), ("Generated", set())])

@@ -198,9 +198,7 @@ TEST(LightTracingStressSlow, ALightFarOutside) {
 
 TEST(LightTracingStressSlow, ACasterThatFillsTheView) {
     const auto build = [](SceneMaker& m, float height) {
-        Camera camera = looking_down({0.0f, -0.75f * height, height}, 0.3f);
-        camera.width = camera.height = camera.crop[2] = camera.crop[3] = 32;
-        m.builder.set_camera(camera);
+        m.builder.set_camera(looking_down({0.0f, -0.75f * height, height}, 0.3f));
         add_floor(m);
         m.builder.add_image(test::plane_normals(256, 0.1, 0.03, 3));
         const Mesh water =

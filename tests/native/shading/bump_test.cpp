@@ -60,7 +60,7 @@ TEST(Bump, IsTheSlopeOfItsHeight) {
     expect_near(normal_on_square(ramp_mirror({})), normalize(Vec3(-0.5f, -0.25f, 1)), 1e-5f);
     expect_near(normal_on_square(ramp_mirror({{"Distance", {3}}})),
                 normalize(Vec3(-1.5f, -0.75f, 1)), 1e-5f);
-    expect_near(normal_on_square(ramp_mirror({}, {{"invert", "ON"}})),
+    expect_near(normal_on_square(ramp_mirror({}, {{"invert", "True"}})),
                 normalize(Vec3(0.5f, 0.25f, 1)), 1e-5f);
     const Vec3 whole = normalize(Vec3(-0.5f, -0.25f, 1));
     expect_near(normal_on_square(ramp_mirror({{"Strength", {0.5f}}})),

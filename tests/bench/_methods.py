@@ -191,7 +191,7 @@ METHODS = {
             "sms-lt",
             "SMS unbiased + LT",
             ("light",),
-            *(GREEN, "P", "ANGLE_DIFFERENCE", True),
+            *(PURPLE, "P", "ANGLE_DIFFERENCE", True),
             light_tracing="ON",
         ),
         _specula(
@@ -231,7 +231,7 @@ METHODS = {
         _cycles("cycles-guiding", "path guiding", SKY, "^"),
         _cycles("cycles-mnee", "shadow caustics", PURPLE, "X", shadow_caustics=True),
         _lux("lux-light", "light tracing", ORANGE, "v", "best", "luxcore"),
-        _lux("lux-cache", "photon cache", GREY, "P", "luxcore", unbiased=False, correlated=True),
+        _lux("lux-cache", "photon cache", BLUE, "P", "luxcore", unbiased=False, correlated=True),
         _lux("lux-bidir-sobol", "bidirectional", SKY, "<", "luxcore"),
         _lux(
             "lux-bidir-metropolis",

@@ -143,12 +143,13 @@ struct PointWithHeights : PointAt<T> {
     std::optional<PointAt<Dual<T>>> around;
 };
 
-// Fills in what `reads`, of that material, asks for on the side of `wo`.
+// Fills in what `reads`, of that material, asks for on the side of `wo`. `front`: the geometric
+// normal of the front side.
 template <class T>
 void fill_point_seen_from(const Scene& scene, const SurfaceHit& hit, const T& u, const T& v,
                           const Vec3& wo, uint32_t reads, const Material& material,
-                          const std::array<Vec3, 3>& corner, PointWithHeights<T>& at) {
-    const Vec3 front = front_normal_of(corner, scene.instances[hit.instance].mirrored);
+                          const std::array<Vec3, 3>& corner, const Vec3& front,
+                          PointWithHeights<T>& at) {
     fill_point(scene, hit, u, v, corner, front, reads, at);
     ShadingPoint<T>& point = at.point;
     point.backfacing = dot(front, wo) < 0.0f;
@@ -163,14 +164,21 @@ void fill_point_seen_from(const Scene& scene, const SurfaceHit& hit, const T& u,
     point.around = &at.around->point;
 }
 
+// The plain point that closures are evaluated at.
+void point_seen_from(const Scene& scene, const SurfaceHit& hit, const Vec3& wo,
+                     const Material& material, const std::array<Vec3, 3>& corner,
+                     PointWithHeights<float>& at) {
+    const Vec3 front = front_normal_of(corner, scene.instances[hit.instance].mirrored);
+    fill_point_seen_from(scene, hit, hit.u, hit.v, wo, material.reads, material, corner, front, at);
+}
+
 // One thing that a material's program gives at a hit, without closures.
 template <class Evaluate>
 Spectrum evaluate_alone(const Evaluate& evaluate, const Scene& scene, const SurfaceHit& hit,
                         const Vec3& wo) {
     const Material& material = scene.material_of(hit);
     PointWithHeights<float> at;
-    fill_point_seen_from(scene, hit, hit.u, hit.v, wo, material.reads, material,
-                         scene.triangle_world(hit.instance, hit.triangle), at);
+    point_seen_from(scene, hit, wo, material, scene.triangle_world(hit.instance, hit.triangle), at);
     return evaluate(material, scene.images, at.point);
 }
 
@@ -195,7 +203,7 @@ void evaluate_surface(const Scene& scene, const SurfaceHit& hit, const Vec3& wo,
     const Material& material = scene.material_of(hit);
     const std::array<Vec3, 3> corner = scene.triangle_world(hit.instance, hit.triangle);
     PointWithHeights<float> at;
-    fill_point_seen_from(scene, hit, hit.u, hit.v, wo, material.reads, material, corner, at);
+    point_seen_from(scene, hit, wo, material, corner, at);
     surface.p = value_of(interpolate(corner[0], corner[1], corner[2], hit.u, hit.v));
     surface.p_error = position_error(scene.instances[hit.instance], corner);
     surface.ng = at.point.ng;
@@ -229,7 +237,7 @@ CasterPatch evaluate_caster(const Scene& scene, const SurfaceHit& hit, bool smoo
     const bool mapped = material.specular.mapped_normal && !smooth_base;
     PointWithHeights<Dual2> at;
     fill_point_seen_from(scene, hit, Dual2(hit.u, 1, 0), Dual2(hit.v, 0, 1), patch.ng,
-                         mapped ? material.normal_reads : 0, material, corner, at);
+                         mapped ? material.normal_reads : 0, material, corner, patch.ng, at);
     const Vector3<Dual2> n =
         mapped ? evaluate_caster_normal(material, scene.images, at.point) : at.point.normal;
     patch.n = value_of(n);

@@ -229,7 +229,7 @@ void fill_stats(const spc_scene& handle, spc_scene_stats& stats) {
     stats.memory_bytes += world.glints.memory_bytes();
     stats.instances = scene.instances.size();
     for (const Instance& instance : scene.instances) {
-        stats.casters += instance.caster || instance.rough_caster ? 1 : 0;
+        stats.casters += instance.turns_light() ? 1 : 0;
         stats.receivers += instance.receiver ? 1 : 0;
         stats.memory_bytes += instance.world_positions.size() * sizeof(Vec3);
     }

@@ -25,7 +25,10 @@ enum class Domain : uint32_t {
     light_direction,
     manifold_activation,
     light_goes_on,
-    glints
+    glints,
+    rough_chain_light,
+    rough_chain_seeds,
+    rough_chain_activation
 };
 
 inline uint64_t mix_bits(uint64_t x) {  // a bijection with good avalanche, [Stafford11] variant 13

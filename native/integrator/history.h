@@ -31,7 +31,9 @@ struct PathHistory {
         chain       // then interactions with casters
     };
     Stage stage = Stage::unconnected;
-    CausticPath caustic;         // as far as it has come
+    CausticPath caustic;  // as far as it has come
+    // Where that began on a rough surface: the chain from an earlier x to there and on; else empty.
+    CausticPath rough_chain;
     bool passed_caster = false;  // straight through a part of one, since the last vertex
     // Of the scattering at x, for its share with next event estimation: of its direction or, of
     // closures with glints, a mean over the footprint.
@@ -45,9 +47,27 @@ struct PathHistory {
                     std::abs(dot(surface.ng, surface.wo) / dot(caustic.sides.ng, surface.wo)),
                 caustic.scatterings + 1};
     }
+    // A chain that comes here, and may go on with a rough vertex; null if there is none.
+    const CausticPath* chain_so_far() const {
+        if (stage == Stage::unconnected) return nullptr;
+        const CausticPath* chain = rough_chain.count > 0 ? &rough_chain : &caustic;
+        return chain->begins_rough && chain->count < kLongestChain ? chain : nullptr;
+    }
+    // Goes on from there, before append_smooth(); without a vertex no chain does.
+    void append_rough(const std::optional<CausticVertex>& vertex) {
+        const CausticPath* chain = vertex ? chain_so_far() : nullptr;
+        if (chain == nullptr) {
+            rough_chain.count = 0;
+            return;
+        }
+        if (chain != &rough_chain) rough_chain = *chain;
+        rough_chain.through_caster = rough_chain.through_caster || passed_caster;
+        rough_chain.append(*vertex);
+    }
     // `before`: the path's bounces when it came here.
     void append_smooth(const Scene& scene, const Surface& surface, const ClosureSample& sample,
                        bool may_receive, const CameraApproach& approach, const BounceCounts& before) {
+        const bool reached_by_scattering = stage != Stage::unconnected;
         stage = Stage::scattered;
         pdf_direct = sample.pdf_omega;
         glints = false;
@@ -57,6 +77,7 @@ struct PathHistory {
         caustic.pdf_omega = sample.pdf_omega;
         caustic.receiver = may_receive;
         caustic.rough_caster = scene.instances[surface.hit.instance].rough_caster;
+        caustic.begins_rough = !(reached_by_scattering && caustic.rough_caster);
         caustic.through_caster = passed_caster = false;
         caustic.before = before;
         caustic.scatterings = approach.scatterings;
@@ -68,21 +89,30 @@ struct PathHistory {
         pdf_direct = mean_pdf;
         glints = true;
     }
-    // Whether the chain goes on with this delta interaction; the caller then sets the probability
-    // of its lobe.
-    bool append_delta(const SurfaceHit& hit, const ClosureSample& sample, const CasterSet& casters) {
+    // The chain goes on with this delta interaction, if it can. `probability`: of its lobe.
+    void append_delta(const SurfaceHit& hit, const ClosureSample& sample, float probability,
+                      const CasterSet& casters) {
         const bool goes_on = stage != Stage::unconnected && sample.on_caster_normal &&
                              casters.of_instance[hit.instance] != kNone &&
                              caustic.count < kLongestChain;
         stage = goes_on ? Stage::chain : Stage::unconnected;
         caustic.through_caster |= passed_caster;
+        rough_chain.through_caster |= passed_caster;
         passed_caster = false;
-        if (goes_on)
-            caustic.vertices[caustic.count++] = {
-                hit, sample.refracted ? Interaction::refraction : Interaction::reflection, 0.0f};
-        return goes_on;
+        if (goes_on) {
+            const CausticVertex vertex{
+                hit, sample.refracted ? Interaction::refraction : Interaction::reflection,
+                probability};
+            caustic.append(vertex);
+            if (rough_chain.count > 0 && rough_chain.count < kLongestChain)
+                rough_chain.append(vertex);
+            else
+                rough_chain.count = 0;
+        } else {
+            rough_chain.count = 0;
+        }
     }
-    void append_transparent(const Instance& instance) { passed_caster |= instance.caster; }
+    void append_transparent(const Instance& instance) { passed_caster |= instance.turns_light(); }
 };
 
 // A light path so far: its chain, which may be empty, then smooth scatterings from the receiver, or
@@ -107,7 +137,7 @@ struct LightHistory {
     // Whether the chain goes on with this delta interaction.
     bool append_delta(const Surface& surface, const ClosureSample& sample, const CasterSet& casters);
     void append_transparent(const Instance& instance) {
-        passed_caster = passed_caster || instance.caster;
+        passed_caster = passed_caster || instance.turns_light();
     }
     // The whole path from a surface that the camera sees, or a path from there: `surface` is what
     // it sees. film_per_area is short of the factor that it has at that surface. Empty where no

@@ -54,6 +54,14 @@ struct PathTracer {
 
     // `end.pdf`: 0 where light points are never drawn there; `end.pdf_direct`: likewise.
     float weight_of(const LightEnd& end) const {
+        const float weight = weight_of_own(end);
+        if (history.rough_chain.count == 0) return weight;
+        return weight *
+               (1.0f - rough_chain_share(techniques_of(world, settings), history.rough_chain, end));
+    }
+
+    // Of the path since x.
+    float weight_of_own(const LightEnd& end) const {
         switch (history.stage) {
             case PathHistory::Stage::unconnected: return 1.0f;
             case PathHistory::Stage::scattered: {
@@ -79,7 +87,7 @@ struct PathTracer {
 
     // Whether weight_of() asks for the density of light points.
     bool light_points_count() const {
-        return history.stage == PathHistory::Stage::chain ||
+        return history.stage == PathHistory::Stage::chain || history.rough_chain.count > 0 ||
                (history.stage == PathHistory::Stage::scattered && history.caustic.rough_caster);
     }
 
@@ -185,9 +193,33 @@ struct PathTracer {
             eval(surface.closures, surface.ng, surface.wo, light->wi, kinds_seeing(visibility));
         if (is_black(f.f_cos)) return Spectrum(0.0f);
         // f L / p_light, times its balance weight where other rays find the light, too
-        const Spectrum alone = f.f_cos * light->radiance * (1.0f / light->density);
+        const Spectrum alone = left_of_direct(surface, *light, f, kinds_seeing(visibility)) *
+                               light->radiance * (1.0f / light->density);
         if ((visibility & kVisibleShadow) == 0) return alone;
         return alone * weight_of_direct(surface, approach, *light, f) * unblocked(surface, *light);
+    }
+
+    // f |cos|, less what rough chains find.
+    Spectrum left_of_direct(const Surface& surface, const DirectSample& light, const ClosureEval& f,
+                            uint32_t kinds) const {
+        const RoughVisit visit = rough_visit(surface);
+        if (visit.before == nullptr) return f.f_cos;
+        return left_by_rough_chains(techniques_of(world, settings), visit, light.wi, kinds, {},
+                                    end_of_direct(surface, light));
+    }
+
+    RoughVisit rough_visit(const Surface& surface) const {
+        const bool possible = settings.manifold.enabled && !world.rough_chain_casters.empty() &&
+                              scene().instances[surface.hit.instance].rough_caster;
+        return {possible ? history.chain_so_far() : nullptr, surface.hit, surface.closures,
+                surface.ng, surface.wo};
+    }
+
+    LightEnd end_of_direct(const Surface& surface, const DirectSample& light) const {
+        LightEnd end =
+            light_end(light_point_of(world.lights, scene(), surface.p, light), light.wi * -1.0f);
+        end.pdf_direct = light.density;
+        return end;
     }
 
     float weight_of_direct(const Surface& surface, const CameraApproach& approach,
@@ -195,9 +227,7 @@ struct PathTracer {
         const bool throws_on =
             approach.scatterings > 0 && scene().instances[surface.hit.instance].rough_caster;
         if (throws_on) {
-            const LightPoint y = light_point_of(world.lights, scene(), surface.p, light);
-            LightEnd end = light_end(y, light.wi * -1.0f);
-            end.pdf_direct = light.density;
+            const LightEnd end = end_of_direct(surface, light);
             CausticPath path = caustic_path(scene(), receiver_at(surface, approach), f, light.wi);
             path.rough_caster = true;
             if (const std::optional<CausticDensities> p = shared_with_light_paths(path, end))
@@ -271,7 +301,8 @@ struct PathTracer {
 
     bool may_receive(const Surface& surface) const {
         return (settings.manifold.enabled || settings.light_tracing.guide != nullptr) &&
-               !world.casters.empty() && has_smooth_closure(surface.closures) &&
+               !(world.casters.empty() && world.rough_chain_casters.empty()) &&
+               has_smooth_closure(surface.closures) &&
                scene().instances[surface.hit.instance].receiver &&
                bounces.leaves_room_for_chain(settings.limits);
     }
@@ -297,29 +328,55 @@ struct PathTracer {
                 surface.hit,
                 approach,
                 bounces,
-                0.0f};
+                0.0f,
+                rough_visit(surface).before};
     }
 
-    // Throughput included.
+    // Of chains of deltas, and of those with rough vertices. Throughput included.
     Spectrum caustic_radiance(const Surface& surface, const CameraApproach& approach,
                               const Sampler& sampler) {
+        Spectrum sum(0.0f);
         const size_t depth = receiver_depth(bounces.total);
-        const float chance = pass.activation[depth];
-        if (chance < 1.0f && sampler[Domain::manifold_activation].one() >= chance)
-            return Spectrum(0.0f);
+        const Techniques techniques = techniques_of(world, settings);
+        if (!world.casters.empty())
+            sum += estimate(surface, approach, depth, sampler[Domain::manifold_activation].one(),
+                            [&](const Receiver& receiver) {
+                                return manifold_radiance(techniques, receiver, pass.sheets, sampler,
+                                                         stats.manifold);
+                            });
+        if (may_begin_rough_chain(surface))
+            sum += estimate(
+                surface, approach, kReceiverDepths + depth,
+                sampler[Domain::rough_chain_activation].one(), [&](const Receiver& receiver) {
+                    return rough_chain_radiance(techniques, receiver, sampler, stats.manifold);
+                });
+        return sum;
+    }
+
+    // See CausticPath::begins_rough.
+    bool may_begin_rough_chain(const Surface& surface) const {
+        return !world.rough_chain_casters.empty() && settings.manifold.finder != ChainFinder::mnee &&
+               !(history.stage != PathHistory::Stage::unconnected &&
+                 scene().instances[surface.hit.instance].rough_caster);
+    }
+
+    // Of kind `i` of Activation; `u` decides whether there is one.
+    template <class Estimate>
+    Spectrum estimate(const Surface& surface, const CameraApproach& approach, size_t i, float u,
+                      const Estimate& radiance) {
+        const float chance = pass.activation[i];
+        if (u >= chance) return Spectrum(0.0f);
         ManifoldStats& counts = stats.manifold;
         const ManifoldStats before = counts;
         Receiver receiver = receiver_at(surface, approach);
         receiver.importance =
             max_component(throughput) * smooth_albedo(surface.closures) / (kPi * chance);
-        const Spectrum caustic = throughput * (1.0f / chance) *
-                                 manifold_radiance(techniques_of(world, settings), receiver,
-                                                   pass.sheets, sampler, counts);
+        const Spectrum caustic = throughput * (1.0f / chance) * radiance(receiver);
         const double squares =
             static_cast<double>((sqr(caustic.x) + sqr(caustic.y) + sqr(caustic.z)) * (1.0f / 3.0f));
         const double work =
             static_cast<double>(counts.iterations - before.iterations + counts.rays - before.rays);
-        stats.evidence[depth].add(
+        stats.evidence[i].add(
             {squares * static_cast<double>(chance), work / static_cast<double>(chance)});
         if (counts.capped > before.capped)
             counts.capped_energy += static_cast<double>(luminance(caustic));
@@ -356,11 +413,12 @@ struct PathTracer {
                                          next.refracted, *differential)))
             differential.reset();
         if (!next.delta) {
+            history.append_rough(rough_vertex_at(surface, next));
             history.append_smooth(scene(), surface, next, receives, approach, before);
             if (next.glints) history.set_glints(glints->pdf(next.wi));
-        } else if (history.append_delta(surface.hit, next, world.casters))
-            history.caustic.vertices[history.caustic.count - 1].probability =
-                lobe_probability(surface, next);
+        } else {
+            history.append_delta(surface.hit, next, lobe_probability(surface, next), world.casters);
+        }
         ray_kind = ray_kind_after(next.kind);
         if (dot(surface.ng, next.wi) < 0.0f) media.cross(scene(), surface.hit, next.wi);
         ray = {offset_origin({surface.p, surface.ng, surface.p_error}, next.wi), next.wi, 0.0f,
@@ -378,9 +436,20 @@ struct PathTracer {
         return true;
     }
 
+    // A scattering that a chain may go on with.
+    std::optional<CausticVertex> rough_vertex_at(const Surface& surface,
+                                                 const ClosureSample& next) const {
+        if (next.kind == BounceKind::diffuse || next.glints ||
+            rough_visit(surface).before == nullptr)
+            return std::nullopt;
+        return rough_vertex(techniques_of(world, settings), surface.hit, surface.closures,
+                            surface.ng, surface.wo, next.wi);
+    }
+
     // The density that the manifold's share is computed with: of the surface's own closures, even
     // where switched-off caustics left fewer to sample.
     float lobe_probability(const Surface& surface, const ClosureSample& next) const {
+        if (!next.on_caster_normal) return 0.0f;
         if (settings.manifold.reflections && settings.manifold.refractions)
             return delta_lobe(surface.closures, surface.ng, surface.wo, next.wi, next.refracted)
                 .probability;
@@ -396,6 +465,7 @@ RenderScene prepare(std::unique_ptr<Scene> scene, uint32_t threads) {
     RenderScene world;
     world.lights = build_lights(*scene, threads);
     world.casters = build_casters(*scene);
+    world.rough_chain_casters = build_rough_chain_casters(*scene);
     world.glints = build_glints(*scene, scene->report);
     world.scene = std::move(scene);
     return world;

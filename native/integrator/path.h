@@ -12,7 +12,7 @@ namespace spc {
 struct RenderScene {
     std::unique_ptr<Scene> scene;
     LightSet lights;
-    CasterSet casters;
+    CasterSet casters, rough_chain_casters;
     GlintSet glints;
 };
 // `threads` 0 = all.
@@ -26,7 +26,7 @@ struct IntegratorSettings {
 };
 
 inline Techniques techniques_of(const RenderScene& world, const IntegratorSettings& settings) {
-    return {*world.scene,      world.lights,           world.casters,
+    return {*world.scene,      world.lights,           world.casters,  world.rough_chain_casters,
             settings.manifold, settings.light_tracing, settings.limits};
 }
 
@@ -36,16 +36,19 @@ inline size_t receiver_depth(uint32_t bounces) {
     return std::min<size_t>(bounces, kReceiverDepths - 1);
 }
 
-// Chance of a manifold estimate at a receiver of each depth.
-using Activation = std::array<float, kReceiverDepths>;
+// Chances of manifold estimates at a receiver of each depth: first of chains of deltas, then of
+// chains with rough vertices.
+inline constexpr size_t kEstimates = 2 * kReceiverDepths;
+using Activation = std::array<float, kEstimates>;
+inline constexpr Activation kAlways{1, 1, 1, 1, 1, 1};
 
 // What a sample of the picture knows.
 struct PassState {
-    Activation activation;
+    Activation activation = kAlways;
     LightSheets sheets{};  // where ManifoldSettings::finder asks for them
 };
 
-// What manifold estimates at receivers of one depth gave and cost, as if there had been one at each.
+// What manifold estimates of one kind gave and cost, as if there had been one at each receiver.
 struct ActivationEvidence {
     double second_moment = 0.0;  // of what they add to their pixels, mean of the channels
     double cost = 0.0;           // Newton iterations and rays
@@ -59,7 +62,7 @@ struct PathStats {
     uint64_t rays = 0;
     ManifoldStats manifold;
     GlintStats glints;
-    std::array<ActivationEvidence, kReceiverDepths> evidence;
+    std::array<ActivationEvidence, kEstimates> evidence;
 };
 
 // What one path contributes to the film.

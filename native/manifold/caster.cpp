@@ -21,7 +21,7 @@ void tabulate_triangles(const Scene& scene, Caster& caster, const Takes& takes) 
     for (uint32_t t = 0; t < area.size(); ++t) {
         const Material& material = scene.materials[scene.material_index(caster.instance, t)];
         if (!takes(material)) continue;
-        caster.mapped_normal = caster.mapped_normal || material.specular.mapped_normal;
+        caster.mapped_normal = caster.mapped_normal || material.interface().mapped_normal;
         const std::array<Vec3, 3> p = scene.triangle_world(caster.instance, t);
         area[t] = 0.5f * length(cross(p[1] - p[0], p[2] - p[0]));
     }
@@ -114,6 +114,12 @@ Caster caster_of(const Scene& scene, uint32_t instance, const Takes& takes) {
     return caster;
 }
 
+void add_caster(CasterSet& set, Caster caster) {
+    if (caster.triangles.empty()) return;
+    set.of_instance[caster.instance] = static_cast<uint32_t>(set.casters.size());
+    set.casters.push_back(std::move(caster));
+}
+
 }  // namespace
 
 std::vector<const Caster*> CasterSet::aims() const {
@@ -124,9 +130,7 @@ std::vector<const Caster*> CasterSet::aims() const {
 }
 
 CasterSet build_casters(const Scene& scene) {
-    const auto is_specular = [](const Material& material) {
-        return material.specular.reflects || material.specular.refracts;
-    };
+    const auto is_specular = [](const Material& material) { return material.specular.exists(); };
     const auto is_narrow = [](const Material& material) { return !material.narrow_lobe.empty(); };
     CasterSet set;
     set.of_instance.assign(scene.instances.size(), kNone);
@@ -135,13 +139,26 @@ CasterSet build_casters(const Scene& scene) {
             Caster rough = caster_of(scene, i, is_narrow);
             if (!rough.triangles.empty()) set.rough.push_back(std::move(rough));
         }
-        if (!scene.instances[i].caster) continue;
-        Caster caster = caster_of(scene, i, is_specular);
-        if (caster.triangles.empty()) continue;
-        if (caster.mapped_normal) measure_slopes(scene, caster);
-        set.of_instance[i] = static_cast<uint32_t>(set.casters.size());
-        set.casters.push_back(std::move(caster));
+        if (scene.instances[i].caster) add_caster(set, caster_of(scene, i, is_specular));
     }
+    for (Caster& caster : set.casters)
+        if (caster.mapped_normal) measure_slopes(scene, caster);
+    return set;
+}
+
+CasterSet build_rough_chain_casters(const Scene& scene) {
+    const auto turns_light = [](const Material& material) { return material.interface().exists(); };
+    const auto is_rough = [&](const Instance& instance) {
+        return instance.rough_caster &&
+               std::any_of(instance.materials.begin(), instance.materials.end(),
+                           [&](uint32_t i) { return scene.materials[i].rough.exists(); });
+    };
+    CasterSet set;
+    set.of_instance.assign(scene.instances.size(), kNone);
+    if (std::none_of(scene.instances.begin(), scene.instances.end(), is_rough)) return set;
+    for (uint32_t i = 0; i < scene.instances.size(); ++i)
+        if (scene.instances[i].caster || is_rough(scene.instances[i]))
+            add_caster(set, caster_of(scene, i, turns_light));
     return set;
 }
 

@@ -31,6 +31,8 @@ struct CasterSet {
     std::vector<const Caster*> aims() const;
 };
 CasterSet build_casters(const Scene& scene);
+// Those, and what has a rough interface, if anything has: where chains with rough vertices turn.
+CasterSet build_rough_chain_casters(const Scene& scene);
 
 // A point uniform over the caster's specular area.
 SurfaceHit sample_on(const Caster& caster, Pcg& pcg);

@@ -128,7 +128,7 @@ public:
             sum += contribution(one.solution.chain) * (1.0f / one.chance);
         stats_.roots += found.size();
         if (pcg.one() >= search_chance) return sum;
-        const std::optional<ChainSolution> missed = random_chain(pcg);
+        const std::optional<ChainSolution> missed = random_chain(techniques_.casters, pcg);
         if (!missed || find(settings_, found, *missed) != nullptr) return sum;
         if (sheet != nullptr)
             shoot_leads(scene_, settings_, *sheet, start(), y_, worth, 0.0f, found, stats_);
@@ -136,13 +136,27 @@ public:
         const Spectrum value = contribution(missed->chain, true);
         if (is_black(value)) return sum;
         const uint32_t trials = count_trials([&] {
-            const std::optional<ChainSolution> again = random_chain(pcg);
+            const std::optional<ChainSolution> again = random_chain(techniques_.casters, pcg);
             return again && same_solution(settings_, *missed, *again);
         });
         const Spectrum more = value * (static_cast<float>(trials) / search_chance);
         ++stats_.missed;
         stats_.missed_energy += static_cast<double>(luminance(more));
         return sum + more;
+    }
+
+    // One chain among facets that are drawn once, weighted by how many more it takes to find it again.
+    Spectrum by_facets(Pcg& pcg) {
+        const CasterSet& casters = techniques_.rough_chain_casters;
+        const FrozenFacets facets = freeze_facets(pcg);
+        const std::optional<ChainSolution> found = random_chain(casters, pcg, &facets);
+        if (!found) return Spectrum(0.0f);
+        const Spectrum value = contribution(found->chain, false, true);
+        if (is_black(value)) return value;
+        return value * static_cast<float>(count_trials([&] {
+                   const std::optional<ChainSolution> again = random_chain(casters, pcg, &facets);
+                   return again && same_solution(settings_, *found, *again);
+               }));
     }
 
     // The solution to which the straight line leads, and that from the middle of a caster.
@@ -168,19 +182,21 @@ private:
 
     // From a random direction towards a random caster, with every interaction on the way left to
     // chance: finds any chain with some probability.
-    std::optional<ChainSolution> random_chain(Pcg& pcg) {
-        const CasterChoice choice = choose_caster(techniques_.casters, receiver_.p,
-                                                  sides_of(receiver_), end_of(y_), pcg.one());
+    std::optional<ChainSolution> random_chain(const CasterSet& casters, Pcg& pcg,
+                                              const FrozenFacets* facets = nullptr) {
+        const CasterChoice choice =
+            choose_caster(casters, receiver_.p, sides_of(receiver_), end_of(y_), pcg.one());
         if (choice.index == kNone) return std::nullopt;
-        const std::optional<ChainStart> chain = sample_chain(
-            scene_, settings_, start(), techniques_.casters, choice.index, pcg, stats_);
+        const std::optional<ChainStart> chain =
+            sample_chain(scene_, settings_, start(), casters, choice.index, pcg, stats_, facets);
         if (!chain) return std::nullopt;
         return shoot(scene_, settings_, start(), end_of(y_), chain->kind, chain->w,
-                     settings_.max_halvings, stats_);
+                     settings_.max_halvings, stats_, facets);
     }
 
-    // What one solution contributes; zero if something stands in its way.
-    Spectrum contribution(const Chain& chain, bool missed = false) {
+    // What one solution contributes; zero if something stands in its way. Of chains among facets,
+    // those alone that have a rough vertex: the others are found without.
+    Spectrum contribution(const Chain& chain, bool missed = false, bool among_facets = false) {
         const Vec3 wi = normalize(chain.vertices[0].patch.p - receiver_.p);
         const ClosureEval at_x = eval(*receiver_.closures, receiver_.ng, receiver_.wo, wi);
         if (is_black(at_x.f_cos)) return Spectrum(0.0f);
@@ -191,18 +207,28 @@ private:
         if (is_black(radiance)) return Spectrum(0.0f);
 
         CausticPath path = caustic_path(scene_, receiver_, at_x, wi);
-        for (; path.count < chain.count; ++path.count)
-            path.vertices[path.count] = {chain.hits[path.count],
-                                         chain.vertices[path.count].interaction, 0.0f};
+        for (uint32_t i = 0; i < chain.count; ++i)
+            path.append({chain.hits[i], chain.vertices[i].interaction, 0.0f,
+                         scene_.material_of(chain.hits[i]).interface().is_rough()});
+        if (path.is_rough() != among_facets) return Spectrum(0.0f);
         const Spectrum throughput = chain_throughput(scene_, path, end_of(y_));
         if (is_black(throughput) || !manifold_owns(techniques_, path)) return Spectrum(0.0f);
-        const std::optional<CausticDensities> densities =
-            caustic_densities(techniques_, path, light_end(y_, away));
+        LightEnd end = light_end(y_, away);
+        if (path.vertices[path.count - 1].rough)
+            end.pdf_direct = pdf_direct(lights_, scene_, last, y_);
+        const std::optional<CausticDensities> densities = caustic_densities(techniques_, path, end);
         if (!densities || !(densities->geometry > 0.0)) return Spectrum(0.0f);
         const double scale = missed && densities->missed_are_apart()
                                  ? densities->missed_scale()
-                                 : manifold_worth(techniques_) * densities->scale();
-        return at_x.f_cos * throughput * radiance * passes(chain) * static_cast<float>(scale);
+                                 : manifold_worth(techniques_, path) * densities->scale();
+        const Spectrum f_cos =
+            among_facets ? at_x.f_cos
+                         : left_by_rough_chains(techniques_,
+                                                {receiver_.rough_before, receiver_.hit,
+                                                 *receiver_.closures, receiver_.ng, receiver_.wo},
+                                                wi, kAllKinds,
+                                                std::span(path.vertices.data(), path.count), end);
+        return f_cos * throughput * radiance * passes(chain) * static_cast<float>(scale);
     }
 
     // Fraction of light that passes along all segments of a chain.
@@ -322,6 +348,16 @@ Spectrum manifold_radiance(const Techniques& techniques, const Receiver& receive
     const Caster& caster = casters.casters[choice.index];
     return techniques.manifold.biased ? estimate.biased(caster, pcg)
                                       : estimate.unbiased(caster, pcg);
+}
+
+Spectrum rough_chain_radiance(const Techniques& techniques, const Receiver& receiver,
+                              const Sampler& sampler, ManifoldStats& stats) {
+    const Vec3 u = sampler[Domain::rough_chain_light].three();
+    Pcg pcg(sampler[Domain::rough_chain_seeds].stream_seed());
+    const std::optional<LightPoint> y = sample_light_point(techniques.lights, techniques.scene, u);
+    if (!y) return Spectrum(0.0f);
+    ++stats.estimates;
+    return Estimate(techniques, receiver, *y, stats).by_facets(pcg);
 }
 
 bool manifold_misses(const Techniques& techniques, const LightSheets& sheets,

@@ -28,6 +28,7 @@ struct Receiver {
     BounceCounts before;  // see CausticPath
     // What irradiance adds to the pixel's radiance, about; largest channel.
     float importance;
+    const CausticPath* rough_before;  // see RoughVisit
 };
 
 // The path of light that arrives from the direction wi, without its chain and its light: `at_x`
@@ -38,6 +39,10 @@ CausticPath caustic_path(const Scene& scene, const Receiver& receiver, const Clo
 // One estimate of the radiance from `receiver` towards its wo.
 Spectrum manifold_radiance(const Techniques& techniques, const Receiver& receiver,
                            const LightSheets& sheets, const Sampler& sampler, ManifoldStats& stats);
+
+// The same of chains with rough vertices alone, each at a facet that is drawn anew.
+Spectrum rough_chain_radiance(const Techniques& techniques, const Receiver& receiver,
+                              const Sampler& sampler, ManifoldStats& stats);
 
 // Whether no lead of the sheets, or no fixed start, comes to the path's chain: not of walks, which
 // may come to any.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "manifold/ownership.h"
 
+#include "manifold/facet.h"
+
 namespace spc {
 
 namespace {
@@ -28,6 +30,16 @@ bool within_limits(const BounceLimits& limits, const BounceCounts& before, const
         ++(path.vertices[i].interaction == Interaction::reflection ? glossy : transmission);
     return before.total + path.count <= limits.total && before.diffuse < limits.diffuse &&
            glossy <= limits.glossy && transmission <= limits.transmission;
+}
+
+// Whether light paths may find a chain with rough vertices: where the camera comes to x as they do,
+// and the chain has no deltas between x and its last rough vertex. They scatter at rough surfaces,
+// and do not turn again.
+bool light_paths_may_find(const Techniques& techniques, const CausticPath& path) {
+    if (techniques.light_tracing.guide == nullptr || path.film_per_area == 0.0f) return false;
+    const auto begin = path.vertices.begin(), end = begin + path.count;
+    const auto smooth = std::find_if(begin, end, [](const CausticVertex& v) { return !v.rough; });
+    return std::none_of(smooth, end, [](const CausticVertex& v) { return v.rough; });
 }
 
 // Whether an estimate comes to the path's first caster by choose_caster().
@@ -59,6 +71,31 @@ double probability_from_light(const Scene& scene, const CausticPath& path,
                                     .probability);
     }
     return product;
+}
+
+// What a ray scatters as that turns so.
+uint32_t kinds_of(Interaction interaction) {
+    return kind_bit(interaction == Interaction::reflection ? BounceKind::glossy
+                                                           : BounceKind::transmission);
+}
+
+float facet_pdf_at(const Scene& scene, const SurfaceHit& hit, Interaction interaction,
+                   const Vec3& wi, const Vec3& wo) {
+    const SpecularInterface& interface = scene.material_of(hit).interface();
+    const CasterPatch patch = evaluate_caster(scene, hit, false);
+    return facet_pdf(interface, patch, interaction, eta_seen_from(patch.ng, wi, interface.ior), wi,
+                     wo);
+}
+
+// Of next event estimation at x, or at the last vertex, which is at `last`. `before`: chances of the
+// other lobes.
+double direct_density(const CausticPath& path, double before, const Vec3& last, const LightEnd& end,
+                      double geometry) {
+    const auto pdf = static_cast<double>(end.pdf_direct);
+    if (path.count == 0) return pdf * (end.delta ? 1.0 : geometry);
+    const double squared =
+        end.delta && !end.end.distant ? static_cast<double>(length_squared(end.end.p - last)) : 1.0;
+    return static_cast<double>(path.pdf_omega) * before * pdf * geometry * squared;
 }
 
 }  // namespace
@@ -94,6 +131,9 @@ uint32_t most_scatterings(const BounceLimits& limits) {
 bool manifold_owns(const Techniques& techniques, const CausticPath& path) {
     return techniques.manifold.enabled && path.receiver && !path.through_caster &&
            looks_for(techniques.manifold, path) &&
+           (!path.is_rough() ||
+            (path.begins_rough && techniques.manifold.finder != ChainFinder::mnee &&
+             !light_paths_may_find(techniques, path))) &&
            allowed(techniques.manifold, path.vertices[0].interaction) &&
            within_limits(techniques.limits, path.before, path);
 }
@@ -105,9 +145,10 @@ bool light_tracing_owns(const Techniques& techniques, const CausticPath& path) {
     const BounceCounts whichever{
         .total = n, .diffuse = n, .glossy = n, .transmission = n, .transparent = 0};
     const bool all_seen = techniques.manifold.reflections && techniques.manifold.refractions;
-    const bool by_casters =
-        path.count > 0 ? path.receiver && allowed(techniques.manifold, path.vertices[0].interaction)
-                       : path.rough_caster && path.scatterings > 0;
+    const bool by_casters = path.count > 0
+                                ? path.receiver && !path.is_rough() &&
+                                      allowed(techniques.manifold, path.vertices[0].interaction)
+                                : path.rough_caster && path.scatterings > 0;
     return techniques.light_tracing.guide != nullptr && by_casters && path.film_per_area > 0.0f &&
            std::isfinite(path.film_per_area) && (path.scatterings == 0 || all_seen) &&
            within_limits(techniques.limits, whichever, path);
@@ -130,10 +171,19 @@ Spectrum chain_throughput(const Scene& scene, CausticPath& path, const ChainEnd&
         } else {
             to_light = end.from(from, unused);
         }
-        const DeltaLobe lobe = delta_lobe(surface.closures, surface.ng, surface.wo, to_light,
-                                          vertex.interaction == Interaction::refraction);
-        vertex.probability = lobe.probability;
-        throughput *= lobe.throughput;
+        if (vertex.rough) {
+            const ClosureEval at = eval(surface.closures, surface.ng, surface.wo, to_light,
+                                        kinds_of(vertex.interaction));
+            vertex.probability = at.pdf_omega;
+            vertex.facet_pdf =
+                facet_pdf_at(scene, vertex.hit, vertex.interaction, surface.wo, to_light);
+            throughput *= at.f_cos;
+        } else {
+            const DeltaLobe lobe = delta_lobe(surface.closures, surface.ng, surface.wo, to_light,
+                                              vertex.interaction == Interaction::refraction);
+            vertex.probability = lobe.probability;
+            throughput *= lobe.throughput;
+        }
         if (is_black(throughput)) break;
     }
     return throughput;
@@ -144,13 +194,27 @@ std::optional<CausticDensities> caustic_densities(const Techniques& techniques,
     const Scene& scene = techniques.scene;
     std::array<ChainVertex, kLongestChain> storage;
     const std::span<ChainVertex> chain(storage.data(), path.count);
-    double probability = 1.0;
+    double probability = 1.0, before_last = 1.0, facets = 1.0;
     Vec3 from = path.x;
     for (uint32_t i = 0; i < path.count; ++i) {
         const CausticVertex& vertex = path.vertices[i];
-        const CasterPatch patch = evaluate_caster(scene, vertex.hit, false);
-        const float ior = scene.material_of(vertex.hit).specular.ior;
-        chain[i] = {vertex.interaction, eta_seen_from(patch.ng, from - patch.p, ior), patch};
+        CasterPatch patch = evaluate_caster(scene, vertex.hit, false);
+        const float eta =
+            eta_seen_from(patch.ng, from - patch.p, scene.material_of(vertex.hit).interface().ior);
+        if (vertex.rough) {
+            float unused;
+            const Vec3 to_light =
+                i + 1 < path.count
+                    ? normalize(surface_position(scene, path.vertices[i + 1].hit) - patch.p)
+                    : end.end.from(patch.p, unused);
+            const std::optional<Vec2> slope =
+                facet_between(patch, vertex.interaction, eta, normalize(from - patch.p), to_light);
+            if (!slope) return std::nullopt;
+            lean(patch, *slope);
+            facets *= static_cast<double>(vertex.facet_pdf);
+        }
+        chain[i] = {vertex.interaction, eta, patch};
+        before_last = probability;
         probability *= static_cast<double>(vertex.probability);
         from = patch.p;
     }
@@ -162,18 +226,20 @@ std::optional<CausticDensities> caustic_densities(const Techniques& techniques,
     const bool by_manifold = manifold_owns(techniques, path);
     if (by_manifold) {
         const ManifoldSettings& manifold = techniques.manifold;
-        p.manifold = manifold_worth(techniques) * static_cast<double>(end.pdf);
-        if (manifold.finder == ChainFinder::sheets)
+        p.manifold = manifold_worth(techniques, path) * static_cast<double>(end.pdf) * facets;
+        if (path.is_rough()) {
+            // Nothing else than random walks looks for these.
+        } else if (manifold.finder == ChainFinder::sheets)
             p.missed = CausticDensities::kMissedWorth * static_cast<double>(end.pdf);
         if (manifold.finder == ChainFinder::mnee && !manifold.biased) p.missed = 0.0;
-        if (chooses_caster(manifold, path)) {
+        if (!path.is_rough() && chooses_caster(manifold, path)) {
             const uint32_t caster = techniques.casters.of_instance[path.vertices[0].hit.instance];
             p.manifold *= static_cast<double>(
                 caster_probability(techniques.casters, caster, path.x, path.sides, end.end));
         }
     }
-    if (path.count == 0)
-        p.direct = static_cast<double>(end.pdf_direct) * (end.delta ? 1.0 : p.geometry);
+    if (path.count == 0 || path.vertices[path.count - 1].rough)
+        p.direct = direct_density(path, before_last, from, end, p.geometry);
     // Rays do not look through what a lamp without shadow shines through: they leave such a light
     // to those who connect to it.
     const bool by_rays = !is_seen_through(techniques.lights, end.light);
@@ -198,6 +264,45 @@ std::optional<CausticDensities> caustic_densities(const Techniques& techniques,
                               derivative->geometry * derivative->etendue * cos_x;
     }
     return p;
+}
+
+std::optional<CausticVertex> rough_vertex(const Techniques& techniques, const SurfaceHit& hit,
+                                          const ClosureList& closures, const Vec3& ng,
+                                          const Vec3& wo, const Vec3& wi) {
+    if (techniques.rough_chain_casters.empty() ||
+        techniques.rough_chain_casters.of_instance[hit.instance] == kNone)
+        return std::nullopt;
+    const SpecularInterface& interface = techniques.scene.material_of(hit).interface();
+    const Interaction interaction =
+        dot(ng, wi) > 0.0f ? Interaction::reflection : Interaction::refraction;
+    if (!interface.is_rough() || !has_interaction(interface, interaction)) return std::nullopt;
+    return CausticVertex{hit, interaction, eval(closures, ng, wo, wi).pdf_omega, true,
+                         facet_pdf_at(techniques.scene, hit, interaction, wo, wi)};
+}
+
+float rough_chain_share(const Techniques& techniques, const CausticPath& path, const LightEnd& end) {
+    if (!(end.pdf > 0.0f) || !(end.cosine > 0.0f) || !manifold_owns(techniques, path)) return 0.0f;
+    const std::optional<CausticDensities> p = caustic_densities(techniques, path, end);
+    return p && p->manifold > 0.0 ? static_cast<float>(p->manifold / p->sum()) : 0.0f;
+}
+
+Spectrum left_by_rough_chains(const Techniques& techniques, const RoughVisit& visit, const Vec3& wi,
+                              uint32_t kinds, std::span<const CausticVertex> behind,
+                              const LightEnd& end) {
+    const auto f_cos = [&](uint32_t some) {
+        return eval(visit.closures, visit.ng, visit.wo, wi, some).f_cos;
+    };
+    const Spectrum all = f_cos(kinds);
+    if (visit.before == nullptr || visit.before->count + 1 + behind.size() > kLongestChain)
+        return all;
+    const std::optional<CausticVertex> here =
+        rough_vertex(techniques, visit.hit, visit.closures, visit.ng, visit.wo, wi);
+    if (!here) return all;
+    CausticPath path = *visit.before;
+    path.append(*here);
+    for (const CausticVertex& vertex : behind) path.append(vertex);
+    const float share = rough_chain_share(techniques, path, end);
+    return share > 0.0f ? all - f_cos(kinds & kinds_of(here->interaction)) * share : all;
 }
 
 }  // namespace spc

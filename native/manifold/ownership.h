@@ -60,16 +60,21 @@ struct Techniques {
     const Scene& scene;
     const LightSet& lights;
     const CasterSet& casters;
+    const CasterSet& rough_chain_casters;
     const ManifoldSettings& manifold;
     const LightTracing& light_tracing;
     const BounceLimits& limits;
 };
 
-// One interaction by a delta closure of a caster's specular interface.
+// One interaction by a caster's specular interface, or at a facet of a rough one.
 struct CausticVertex {
     SurfaceHit hit;
     Interaction interaction;
-    float probability;  // of its lobe for a path from the receiver, as delta_lobe() states it
+    // Of a delta lobe for a path from the receiver, as delta_lobe() states it; at a rough vertex
+    // ClosureEval::pdf_omega, 1/sr.
+    float probability;
+    bool rough = false;
+    float facet_pdf = 0.0f;  // of a rough vertex, see there
 };
 
 inline constexpr uint32_t kLongestChain = 12;
@@ -90,6 +95,9 @@ struct CausticPath {
     float pdf_omega = 0.0f;     // of the scattering at x towards the chain
     bool receiver = false;      // x has the role, the closure and the bounces left
     bool rough_caster = false;  // x lies on one
+    // Whether a chain with rough vertices may begin at x. Not on a rough surface that is reached by
+    // a scattering: there a chain that has begun before goes on.
+    bool begins_rough = true;
     // Straight through a transparent part of any caster, between x and the first vertex or between
     // vertices.
     bool through_caster = false;
@@ -107,6 +115,12 @@ struct CausticPath {
     float film_per_area = 0.0f;
     uint32_t count = 0;
     std::array<CausticVertex, kLongestChain> vertices;  // from the receiver on; `count` are valid
+
+    void append(const CausticVertex& vertex) { vertices[count++] = vertex; }
+    bool is_rough() const {
+        return std::any_of(vertices.begin(), vertices.begin() + count,
+                           [](const CausticVertex& vertex) { return vertex.rough; });
+    }
 };
 
 // Where the path ends.
@@ -116,7 +130,8 @@ struct LightEnd {
     bool delta;
     float cosine;  // at y; 1 for distant lights and points
     float pdf;     // LightPoint::pdf, the choice of the light included
-    // For a path without vertices: of next event estimation at x, as DirectSample::density has it.
+    // Where the last vertex is rough, or there is none: of next event estimation there, or at x, as
+    // DirectSample::density has it.
     float pdf_direct = 0.0f;
 };
 LightEnd light_end(const LightPoint& y, const Vec3& away);
@@ -137,8 +152,10 @@ bool light_tracing_owns(const Techniques& techniques, const CausticPath& path);
 // much of the worth of a sample that was drawn with the same density: walks choose one of many
 // solutions and count trials, sheets cost more than a light path and miss some chains. Where fixed
 // starts find a chain, nothing but y is left to chance; but what they take from light paths of the
-// chains that they miss is left to path tracing.
-inline double manifold_worth(const Techniques& techniques) {
+// chains that they miss is left to path tracing. Chains with rough vertices are left to chance alone,
+// the more so the longer they are.
+inline double manifold_worth(const Techniques& techniques, const CausticPath& path) {
+    if (path.is_rough()) return std::exp2(1.0 - 2.0 * path.count);
     switch (techniques.manifold.finder) {
         case ChainFinder::walks: return 1.0 / 32;
         case ChainFinder::sheets: return 1.0 / 8;
@@ -153,7 +170,7 @@ struct CausticDensities {
     double geometry = 0.0;  // |dw_x/dA_y|, the cosine at y included
     double path_tracing =
         0.0;  // p_bsdf(w) |dw_x/dA_y| times the chances of all lobes; 0 for delta lights
-    double direct = 0.0;         // of next event estimation, for a path without vertices
+    double direct = 0.0;         // of next event estimation
     double manifold = 0.0;       // p_L(y) times the chance of the caster and manifold_worth()
     double light_tracing = 0.0;  // paths p_L(y) p_e(w_y) |dw_y/dA_x| times the chances of all lobes
     // Of the manifold for chains that its definite search misses, where others take its share of
@@ -184,11 +201,36 @@ struct CausticDensities {
     }
     double shared_by_camera() const { return (path_tracing + manifold) / sum(); }
 };
-// Throughput of the chain's vertices as the camera's path comes to them; fills in the chances of
-// their lobes.
+// Throughput of the chain's vertices as the camera's path comes to them, f |cos| of rough ones;
+// fills in the chances of their lobes.
 Spectrum chain_throughput(const Scene& scene, CausticPath& path, const ChainEnd& end);
 // Empty where the chain cannot be, by the accuracy that there is.
 std::optional<CausticDensities> caustic_densities(const Techniques& techniques,
                                                   const CausticPath& path, const LightEnd& end);
+
+// A chain with rough vertices is one of several ways to see the path: from its last rough vertex on
+// it is a path of its own, which those who find it share as ever. What the rough chain takes of the
+// path comes first; they have the rest.
+
+// A rough vertex as part of a chain: where the camera's path comes from wo and goes on along wi.
+// Empty where the surface is none.
+std::optional<CausticVertex> rough_vertex(const Techniques& techniques, const SurfaceHit& hit,
+                                          const ClosureList& closures, const Vec3& ng,
+                                          const Vec3& wo, const Vec3& wi);
+// The share that the manifold has of light which arrives by a path with rough vertices.
+float rough_chain_share(const Techniques& techniques, const CausticPath& path, const LightEnd& end);
+
+// Where a chain that began at an earlier x may go on.
+struct RoughVisit {
+    const CausticPath* before;  // the chain so far; null: there is none
+    const SurfaceHit& hit;
+    const ClosureList& closures;
+    const Vec3 &ng, &wo;
+};
+// f |cos| of closures of `kinds` for light from wi, less what the manifold takes of it: light that
+// arrives by way of the vertices `behind`.
+Spectrum left_by_rough_chains(const Techniques& techniques, const RoughVisit& visit, const Vec3& wi,
+                              uint32_t kinds, std::span<const CausticVertex> behind,
+                              const LightEnd& end);
 
 }  // namespace spc

@@ -11,6 +11,21 @@ float leave(const RayStart& from, const Vec3& w) {
     return 2.0f * from.error / std::max(std::abs(dot(from.ng, w)), kLeastCosine);
 }
 
+// Where light may turn.
+const SpecularInterface& interface_at(const Scene& scene, const SurfaceHit& hit,
+                                      const FrozenFacets* facets) {
+    const Material& material = scene.material_of(hit);
+    return facets != nullptr ? material.interface() : material.specular;
+}
+
+// The surface there, or its facet.
+CasterPatch patch_at(const Scene& scene, const SurfaceHit& hit, const SpecularInterface& interface,
+                     const FrozenFacets* facets, uint32_t vertex) {
+    CasterPatch patch = evaluate_caster(scene, hit, false);
+    if (interface.is_rough()) lean(patch, sample_facet(interface, (*facets)[vertex]));
+    return patch;
+}
+
 // A shot: the ray behind its last vertex, and by how much it misses.
 struct Shot {
     Chain chain;
@@ -26,8 +41,8 @@ struct Shot {
 class Shooter {
 public:
     Shooter(const Scene& scene, const RayStart& x, const ChainEnd& end, const ChainKind& kind,
-            ManifoldStats& stats)
-        : scene_(scene), x_(x), end_(end), kind_(kind), stats_(stats) {}
+            const FrozenFacets* facets, ManifoldStats& stats)
+        : scene_(scene), x_(x), end_(end), kind_(kind), facets_(facets), stats_(stats) {}
 
     // False where the ray does not make it.
     bool fire(const Vec3& w, Shot& shot) const {
@@ -42,12 +57,12 @@ public:
             const std::optional<Hit> hit = scene_.accel->intersect_caster(
                 link.instance, {from.p, d, leave(from, d), kInfinity});
             if (!hit) return false;
-            const SpecularInterface& specular = scene_.material_of(hit->surface).specular;
+            const SpecularInterface& specular = interface_at(scene_, hit->surface, facets_);
             if (!has_interaction(specular, link.interaction)) return false;
             shot.chain.hits[i] = hit->surface;
             ChainVertex& vertex = shot.chain.vertices[i];
             vertex.interaction = link.interaction;
-            vertex.patch = evaluate_caster(scene_, hit->surface, false);
+            vertex.patch = patch_at(scene_, hit->surface, specular, facets_, i);
             vertex.eta = eta_seen_from(vertex.patch.ng, d * -1.0f, specular.ior);
             const Vec3d along = Vec3d(vertex.patch.p) - Vec3d(from.p);
             const double distance = length(along);
@@ -116,6 +131,7 @@ private:
     const RayStart& x_;
     const ChainEnd& end_;
     const ChainKind& kind_;
+    const FrozenFacets* facets_;
     ManifoldStats& stats_;
 };
 
@@ -142,6 +158,12 @@ bool measure_resolution(const Shot& shot, ChainSolution& solution) {
 
 }  // namespace
 
+FrozenFacets freeze_facets(Pcg& pcg) {
+    FrozenFacets facets;
+    for (Vec2& facet : facets) facet = pcg.two();
+    return facets;
+}
+
 ChainKind ChainKind::first(uint32_t n) const {
     ChainKind kind;
     for (uint32_t i = 0; i < n; ++i) kind.append(links[i]);
@@ -156,10 +178,11 @@ ChainKind ChainKind::reversed() const {
 
 std::optional<ChainSolution> shoot(const Scene& scene, const ManifoldSettings& settings,
                                    const RayStart& x, const ChainEnd& end, const ChainKind& kind,
-                                   const Vec3& w, int max_halvings, ManifoldStats& stats) {
+                                   const Vec3& w, int max_halvings, ManifoldStats& stats,
+                                   const FrozenFacets* facets) {
     constexpr float kLongestStep = 0.5f;  // rad
     ++stats.walks;
-    const Shooter shooter(scene, x, end, kind, stats);
+    const Shooter shooter(scene, x, end, kind, facets, stats);
     std::array<Shot, 2> shots;
     Shot *shot = &shots[0], *next = &shots[1];
     if (!shooter.fire(w, *shot)) return std::nullopt;
@@ -188,7 +211,7 @@ std::optional<ChainSolution> shoot(const Scene& scene, const ManifoldSettings& s
 
 std::optional<ChainStart> sample_chain(const Scene& scene, const ManifoldSettings& settings,
                                        const RayStart& x, const CasterSet& casters, uint32_t caster,
-                                       Pcg& pcg, ManifoldStats& stats) {
+                                       Pcg& pcg, ManifoldStats& stats, const FrozenFacets* facets) {
     const Caster& first = casters.casters[caster];
     ChainStart chain;
     const bool by_area = pcg.one() < settings.seeds_by_area;
@@ -204,11 +227,11 @@ std::optional<ChainStart> sample_chain(const Scene& scene, const ManifoldSetting
     ++stats.rays;
     std::optional<Hit> hit = scene.accel->intersect_caster(first.instance, ray);
     while (hit && hit->light == kNone && casters.of_instance[hit->surface.instance] != kNone) {
-        const SpecularInterface& specular = scene.material_of(hit->surface).specular;
+        const SpecularInterface& specular = interface_at(scene, hit->surface, facets);
         const bool reflects = specular.reflects && (!specular.refracts || pcg.one() < 0.5f);
         if (!reflects && !specular.refracts) break;
         const Interaction interaction = reflects ? Interaction::reflection : Interaction::refraction;
-        const CasterPatch patch = evaluate_caster(scene, hit->surface, false);
+        const CasterPatch patch = patch_at(scene, hit->surface, specular, facets, chain.kind.count);
         const float eta = eta_seen_from(patch.ng, ray.direction * -1.0f, specular.ior);
         RayDual dual = ray_dual_from(ray.direction);
         if (!pass_vertex({interaction, eta, patch}, 0.0, dual)) break;

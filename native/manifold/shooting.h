@@ -5,6 +5,7 @@
 #pragma once
 
 #include "manifold/caster.h"
+#include "manifold/facet.h"
 
 namespace spc {
 
@@ -27,6 +28,11 @@ struct ChainKind {
     ChainKind reversed() const;
 };
 
+// For each vertex, from the receiver on, a place in [0, 1)^2: it stands for one facet on whichever
+// rough surface the vertex lies.
+using FrozenFacets = std::array<Vec2, kLongestManifoldChain>;
+FrozenFacets freeze_facets(Pcg& pcg);
+
 // Vertices along a chain, from the receiver on.
 struct Chain {
     uint32_t count = 0;
@@ -44,10 +50,12 @@ struct ChainSolution {
 // Goes on from the unit direction `w` at the receiver to a chain of this kind that leads to `end`.
 // Empty when it diverges, a ray misses its caster or meets total internal reflection or the wrong
 // side of a surface, or on a fold, where solutions cannot be told apart. A step that fails so is
-// halved, `max_halvings` times at most. What stands between the vertices does not matter.
+// halved, `max_halvings` times at most. What stands between the vertices does not matter. Without
+// `facets` rough surfaces are the wrong side of everything.
 std::optional<ChainSolution> shoot(const Scene& scene, const ManifoldSettings& settings,
                                    const RayStart& x, const ChainEnd& end, const ChainKind& kind,
-                                   const Vec3& w, int max_halvings, ManifoldStats& stats);
+                                   const Vec3& w, int max_halvings, ManifoldStats& stats,
+                                   const FrozenFacets* facets = nullptr);
 
 // Where a chain may be looked for.
 struct ChainStart {
@@ -56,10 +64,11 @@ struct ChainStart {
 };
 // Follows a random ray from the receiver to a caster, and on through casters with every interaction
 // left to chance. Half of the rays aim at points uniform over the caster's specular area, half are
-// uniform in the cone of its bounding sphere. Empty where the ray meets nothing.
+// uniform in the cone of its bounding sphere. Empty where the ray meets nothing. `facets`: as above.
 std::optional<ChainStart> sample_chain(const Scene& scene, const ManifoldSettings& settings,
                                        const RayStart& x, const CasterSet& casters, uint32_t caster,
-                                       Pcg& pcg, ManifoldStats& stats);
+                                       Pcg& pcg, ManifoldStats& stats,
+                                       const FrozenFacets* facets = nullptr);
 // Along the segment to the end: refracted by every caster that it crosses, whatever else stands in
 // its way [Hanika15]. Empty where it crosses none, or more than a chain may have.
 std::optional<ChainStart> straight_chain(const Scene& scene, const ManifoldSettings& settings,

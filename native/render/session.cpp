@@ -52,7 +52,7 @@ void RenderStats::add(const RenderStats& other) {
     path.rays += other.path.rays;
     path.glints.add(other.path.glints);
     light.add(other.light);
-    for (size_t i = 0; i < kReceiverDepths; ++i) path.evidence[i].add(other.path.evidence[i]);
+    for (size_t i = 0; i < kEstimates; ++i) path.evidence[i].add(other.path.evidence[i]);
     ManifoldStats& m = path.manifold;
     const ManifoldStats& o = other.path.manifold;
     m.estimates += o.estimates;
@@ -116,7 +116,7 @@ bool Session::should_stop() const {
 void TileEvidence::add(const RenderStats& stats) {
     samples += stats.samples;
     rays += stats.path.rays;
-    for (size_t i = 0; i < kReceiverDepths; ++i) manifold[i].add(stats.path.evidence[i]);
+    for (size_t i = 0; i < kEstimates; ++i) manifold[i].add(stats.path.evidence[i]);
 }
 
 Activation activation_for(const TileEvidence& evidence, std::span<const PixelSums> pixels) {
@@ -145,7 +145,7 @@ Activation activation_for(const TileEvidence& evidence, std::span<const PixelSum
     const double rest = std::max(variance - by_manifold, kLeastRest * variance);
     const double rest_cost = static_cast<double>(evidence.rays) / samples;
     if (!(rest > 0.0)) return chances;
-    for (size_t i = 0; i < kReceiverDepths; ++i) {
+    for (size_t i = 0; i < kEstimates; ++i) {
         const ActivationEvidence& e = evidence.manifold[i];
         if (e.cost == 0.0) continue;
         const double best = std::sqrt(e.second_moment / e.cost * rest_cost / rest);
@@ -227,7 +227,6 @@ Session::Probe Session::probe(uint32_t most, uint32_t rare) const {
     const auto& [x0, y0, width, height] = world_.scene->camera.crop;
     const uint64_t pixels = uint64_t{width} * height;
     PassState always;
-    always.activation.fill(1.0f);
     always.sheets = sheets_;
     const auto count = static_cast<uint32_t>(std::clamp<uint64_t>(pixels / 16, kFewest, most));
     std::vector<double> squares(count);  // of differences, mean of the channels

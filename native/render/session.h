@@ -49,7 +49,7 @@ struct RenderProgress {
 struct TileEvidence {
     uint64_t samples = 0;
     uint64_t rays = 0;  // of path tracing
-    std::array<ActivationEvidence, kReceiverDepths> manifold;
+    std::array<ActivationEvidence, kEstimates> manifold;
     void add(const RenderStats& stats);
 };
 // The chances of manifold estimates for which variance times cost of the tile is least, as

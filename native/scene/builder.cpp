@@ -279,7 +279,7 @@ std::unique_ptr<Scene> SceneBuilder::freeze(uint32_t threads) {
     bound_scene(*scene_);
     scene_->accel = std::make_unique<Accel>(*scene_, threads);
     for (uint32_t i = 0; i < scene_->instances.size(); ++i)
-        if (scene_->instances[i].caster) scene_->accel->prepare_caster(*scene_, i);
+        if (scene_->instances[i].turns_light()) scene_->accel->prepare_caster(*scene_, i);
     return std::move(scene_);
 }
 

@@ -58,9 +58,10 @@ struct Instance {
         uv_layers;  // [slot][layer of the material] -> layer of the mesh, or kNone
     std::vector<Vec3> world_positions;  // of every vertex if the mesh has this instance alone, else empty
     bool caster = false, receiver = false;
-    bool rough_caster = false;  // throws blurred caustics, which light paths find
+    bool rough_caster = false;  // throws blurred caustics
     bool emits = false;
     bool absorbs = false;  // some material has a medium behind it, which all rays meet
+    bool turns_light() const { return caster || rough_caster; }
 };
 
 enum class LightType : uint8_t { point, spot, sun, area };

@@ -11,8 +11,7 @@ void center_on_casters(Scene& scene) {
     constexpr float kFar = 256.0f;  // times the casters' size
     Bounds bounds;
     for (uint32_t i = 0; i < scene.instances.size(); ++i)
-        if (scene.instances[i].caster || scene.instances[i].rough_caster)
-            bounds.extend(scene.bounds_of(i));
+        if (scene.instances[i].turns_light()) bounds.extend(scene.bounds_of(i));
     if (bounds.empty()) return;
     const Vec3 center = (bounds.lower + bounds.upper) * 0.5f;
     if (!(length(center) > kFar * length(bounds.upper - bounds.lower))) return;
@@ -136,11 +135,12 @@ void assign_caustics_roles(Scene& scene) {
         const bool may_cast = asked && seen;
         const bool may_receive = role == CausticsRole::automatic ||
                                  role == CausticsRole::receiver || role == CausticsRole::both;
+        bool chains_turn = false;  // at its facets
         std::string why, why_rough,
             why_not = seen ? "" : "hidden from diffuse, glossy or transmission rays";
         for (const uint32_t index : instance.materials) {
             const Material& material = scene.materials[index];
-            const bool specular = material.specular.reflects || material.specular.refracts;
+            const bool specular = material.specular.exists();
             instance.caster = instance.caster || (may_cast && specular);
             instance.rough_caster =
                 instance.rough_caster || (may_cast && !material.narrow_lobe.empty());
@@ -148,14 +148,14 @@ void assign_caustics_roles(Scene& scene) {
             if (specular && why.empty()) why = material.specular.why;
             if (!specular && why_not.empty()) why_not = material.specular.why_not;
             if (why_rough.empty()) why_rough = material.narrow_lobe;
+            chains_turn = chains_turn || material.rough.exists();
         }
         if (instance.caster)
             scene.report.push_back(fmt::format("{}: caster, manifold ({})", instance.name, why));
         if (instance.rough_caster)
-            scene.report.push_back(
-                fmt::format("{}: caster, light paths alone ({})", instance.name, why_rough));
-        if (!instance.caster && !instance.rough_caster &&
-            (role == CausticsRole::caster || role == CausticsRole::both))
+            scene.report.push_back(fmt::format("{}: caster, light paths{} ({})", instance.name,
+                                               chains_turn ? " and manifold" : " alone", why_rough));
+        if (!instance.turns_light() && (role == CausticsRole::caster || role == CausticsRole::both))
             scene.report.push_back(
                 fmt::format("{}: marked as caster, but path traced: {}", instance.name, why_not));
     }
@@ -163,9 +163,7 @@ void assign_caustics_roles(Scene& scene) {
 
 // A light path does not know yet by which kind of ray the camera's path would come to a surface.
 void check_light_tracing(Scene& scene) {
-    const auto casts = [](const Instance& instance) {
-        return instance.caster || instance.rough_caster;
-    };
+    const auto casts = [](const Instance& instance) { return instance.turns_light(); };
     if (std::none_of(scene.instances.begin(), scene.instances.end(), casts)) return;
     for (const Instance& instance : scene.instances) {
         const uint32_t seen = instance.visibility & kVisibleScattered;

@@ -234,7 +234,7 @@ CasterPatch evaluate_caster(const Scene& scene, const SurfaceHit& hit, bool smoo
     patch.dp_dv = corner[2] - corner[0];
     patch.p = corner[0] + patch.dp_du * hit.u + patch.dp_dv * hit.v;
     patch.p_error = position_error(scene.instances[hit.instance], corner);
-    const bool mapped = material.specular.mapped_normal && !smooth_base;
+    const bool mapped = material.interface().mapped_normal && !smooth_base;
     PointWithHeights<Dual2> at;
     fill_point_seen_from(scene, hit, Dual2(hit.u, 1, 0), Dual2(hit.v, 0, 1), patch.ng,
                          mapped ? material.normal_reads : 0, material, corner, patch.ng, at);

@@ -25,7 +25,7 @@ Spectrum transmittance(const Scene& scene, const RayStart& from, const ChainEnd&
         if (!hit) return through * media.transmittance(reach - passed);
         if (hit->light == kNone) {
             if (transparent_left == 0) return Spectrum(0.0f);
-            if (opaque == Opaque::casters_too && scene.instances[hit->surface.instance].caster)
+            if (opaque == Opaque::casters_too && scene.instances[hit->surface.instance].turns_light())
                 return Spectrum(0.0f);
             --transparent_left;
             through *= surface_transparency(scene, hit->surface, direction * -1.0f) *

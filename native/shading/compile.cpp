@@ -199,8 +199,7 @@ Material Compiler::run() {
     material.name = graph_.name;
     describe(material);
     ProgramRoots roots;
-    material.specular =
-        find_specular_interface(expr, graph_, terms_, roots.caster_normal, warnings_);
+    find_specular_interfaces(expr, graph_, terms_, material, roots.caster_normal, warnings_);
     material.slopes = find_slope_map(expr, glints_, images_, terms_);
     if (material.emits) (is_world_ ? roots.background : roots.emission) = emission;
     for (const ClosureTerm& term : terms_) {

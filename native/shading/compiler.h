@@ -106,11 +106,13 @@ public:
     uint32_t index;
 };
 
+// The widest lobe on which chains turn: beyond it path tracing's noise is the smaller one.
+inline constexpr float kWidestChainAlpha = 0.0901f;  // roughness 0.3
 // Decides what the manifold walks on, marks the terms that belong to it (specular.cpp).
 // `caster_normal` is set to its normal, kNoExpr for the interpolated one.
-SpecularInterface find_specular_interface(const ExprBuilder& expr, const ResolvedGraph& graph,
-                                          std::vector<ClosureTerm>& terms, ExprId& caster_normal,
-                                          std::vector<std::string>& warnings);
+void find_specular_interfaces(const ExprBuilder& expr, const ResolvedGraph& graph,
+                              std::vector<ClosureTerm>& terms, Material& material,
+                              ExprId& caster_normal, std::vector<std::string>& warnings);
 
 // Decides in which normal map glints are looked for, marks the terms that belong to it
 // (slope_map.cpp). Its layers are indices among those of the compiler, in order of first use.

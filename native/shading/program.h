@@ -43,17 +43,21 @@ enum ProgramReads : uint32_t {
     kReadsHeights = 32
 };
 
-// What the manifold needs to know of a material, decided when it is compiled: a delta interface
-// whose index is the same everywhere. Closures with another normal, a varying index or roughness
-// above the delta limit are not part of it (path tracing carries them), and `why_not` says so for
-// the log.
+// What the manifold needs to know of a material, decided when it is compiled: closures of one
+// normal whose index and roughness are the same everywhere. Others are not part of it (path tracing
+// carries them), and `why_not` says so for the log.
 struct SpecularInterface {
     bool reflects = false;
     bool refracts = false;
-    float ior = 1.0f;            // of the far side of a front face
-    bool mapped_normal = false;  // the normal is not simply the mesh's
-    std::string why;             // e.g. "Glass BSDF, roughness 0, IOR 1.33, mapped normal"
-    std::string why_not;         // empty if reflects or refracts
+    float alpha = 0.0f;                            // 0: deltas
+    MicrofacetModel model = MicrofacetModel::ggx;  // of its microfacets, unless they are
+    float ior = 1.0f;                              // of the far side of a front face
+    bool mapped_normal = false;                    // the normal is not simply the mesh's
+    std::string why;      // e.g. "Glass BSDF, roughness 0, IOR 1.33, mapped normal"
+    std::string why_not;  // empty if exists()
+
+    bool exists() const { return reflects || refracts; }
+    bool is_rough() const { return alpha > 0.0f; }
 };
 
 // The normal map of a material whose narrow lobes may glint: a tangent-space Normal Map node fed by
@@ -97,7 +101,10 @@ struct Material {
     bool constant_background =
         false;                     // of the same radiance in every direction, by the graph itself
     std::vector<uint32_t> images;  // that some part of it reads, by index into the scene's
-    SpecularInterface specular;
+    SpecularInterface specular;    // of deltas
+    SpecularInterface rough;       // of a narrow lobe, where there are no deltas
+    // Where chains with rough vertices may turn.
+    const SpecularInterface& interface() const { return specular.exists() ? specular : rough; }
     SlopeMap slopes;
     std::vector<std::string> warnings;  // what falls back, naming material and node
 };

@@ -8,10 +8,14 @@
 namespace spc {
 namespace {
 
+// Why a term may not be part of an interface; an empty string if it may.
+using Refusal = std::string (*)(const ExprBuilder&, const ClosureTerm&);
+
 class Finder {
 public:
-    Finder(const ExprBuilder& expr, const ResolvedGraph& graph, std::vector<ClosureTerm>& terms)
-        : expr_(expr), graph_(graph), terms_(terms) {}
+    Finder(const ExprBuilder& expr, const ResolvedGraph& graph, std::vector<ClosureTerm>& terms,
+           Refusal refusal)
+        : expr_(expr), graph_(graph), terms_(terms), refusal_(refusal) {}
 
     SpecularInterface run(ExprId& caster_normal, std::vector<std::string>& warnings) {
         SpecularInterface result;
@@ -23,19 +27,26 @@ public:
         caster_normal = first->normal();
         result.mapped_normal = caster_normal != kNoExpr;
         if (refracts(*first)) result.ior = expr_.scalar(first->ior());
+        const float alpha = expr_.scalar(first->alpha());
+        if (alpha > kDeltaAlpha) {
+            result.alpha = alpha;
+            result.model = first->modes.model;
+        }
         for (ClosureTerm& term : terms_) {
             if (!why_not(term).empty() || !is_specular(term)) continue;
-            const bool other_normal = term.normal() != caster_normal;
-            if (other_normal || (refracts(term) && expr_.scalar(term.ior()) != result.ior)) {
-                warnings.push_back(where(graph_.name, *graph_.nodes[term.node].graph) + ": " +
-                                   term.label + " has another " + (other_normal ? "normal" : "IOR") +
-                                   " than " + first->label + " and is left to path tracing");
+            const char* other = difference(term, *first, result);
+            if (other != nullptr) {
+                warnings.push_back(
+                    fmt::format("{}: {} has another {} than {} and is left to path tracing",
+                                where(graph_.name, *graph_.nodes[term.node].graph), term.label,
+                                other, first->label));
                 continue;
             }
             term.on_caster_normal = true;
             result.reflects |= reflects(term);
             result.refracts |= refracts(term);
-            result.why += (result.why.empty() ? "" : "; ") + text(term);
+            if (!result.why.empty()) result.why += "; ";
+            result.why += text(term);
         }
         return result;
     }
@@ -51,14 +62,18 @@ private:
         return term.op == ClosureOp::dielectric && term.modes.refracts;
     }
 
-    // Empty for a term that can be walked on.
     std::string why_not(const ClosureTerm& term) const {
-        if (!is_specular(term)) return "";
-        if (!expr_.is_constant(term.alpha())) return "roughness varies";
-        const float alpha = expr_.scalar(term.alpha());
-        if (alpha > kDeltaAlpha) return "roughness " + fmt::format("{:.4g}", std::sqrt(alpha));
-        if (term.op == ClosureOp::dielectric && !expr_.is_constant(term.ior())) return "IOR varies";
-        return "";
+        return is_specular(term) ? refusal_(expr_, term) : "";
+    }
+
+    // In what a term does not belong to the interface of `first`; null if it does.
+    const char* difference(const ClosureTerm& term, const ClosureTerm& first,
+                           const SpecularInterface& interface) const {
+        if (term.normal() != first.normal()) return "normal";
+        if (refracts(term) && expr_.scalar(term.ior()) != interface.ior) return "IOR";
+        const bool same =
+            expr_.scalar(term.alpha()) == interface.alpha && term.modes.model == interface.model;
+        return interface.is_rough() && !same ? "roughness" : nullptr;
     }
 
     // The first that refracts, as only refractions care for the index; else the first that
@@ -90,15 +105,42 @@ private:
     const ExprBuilder& expr_;
     const ResolvedGraph& graph_;
     std::vector<ClosureTerm>& terms_;
+    const Refusal refusal_;
     std::string reasons_;
 };
 
+std::string not_constant(const ExprBuilder& expr, const ClosureTerm& term) {
+    if (!expr.is_constant(term.alpha())) return "roughness varies";
+    if (term.op == ClosureOp::dielectric && !expr.is_constant(term.ior())) return "IOR varies";
+    return "";
+}
+
+std::string not_a_delta(const ExprBuilder& expr, const ClosureTerm& term) {
+    if (!expr.is_constant(term.alpha())) return "roughness varies";
+    const float alpha = expr.scalar(term.alpha());
+    if (alpha > kDeltaAlpha) return "roughness " + fmt::format("{:.4g}", std::sqrt(alpha));
+    return not_constant(expr, term);
+}
+
+std::string not_narrow(const ExprBuilder& expr, const ClosureTerm& term) {
+    if (term.op == ClosureOp::coated) return "weak beside what it covers";
+    const std::string varies = not_constant(expr, term);
+    if (!varies.empty()) return varies;
+    const float alpha = expr.scalar(term.alpha());
+    return alpha > kDeltaAlpha && alpha <= kWidestChainAlpha
+               ? ""
+               : "roughness " + fmt::format("{:.4g}", std::sqrt(alpha));
+}
+
 }  // namespace
 
-SpecularInterface find_specular_interface(const ExprBuilder& expr, const ResolvedGraph& graph,
-                                          std::vector<ClosureTerm>& terms, ExprId& caster_normal,
-                                          std::vector<std::string>& warnings) {
-    return Finder(expr, graph, terms).run(caster_normal, warnings);
+void find_specular_interfaces(const ExprBuilder& expr, const ResolvedGraph& graph,
+                              std::vector<ClosureTerm>& terms, Material& material,
+                              ExprId& caster_normal, std::vector<std::string>& warnings) {
+    material.specular = Finder(expr, graph, terms, not_a_delta).run(caster_normal, warnings);
+    if (material.specular.exists()) return;
+    std::vector<std::string> unsaid;  // light paths find the rest
+    material.rough = Finder(expr, graph, terms, not_narrow).run(caster_normal, unsaid);
 }
 
 }  // namespace spc

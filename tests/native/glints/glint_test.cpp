@@ -189,7 +189,7 @@ TEST(Glints, WithoutAPixelThereAreNone) {
     const Ray ray = world.scene->camera.ray(0.5f, 0.5f, Vec2(0.5f));
     PathStats stats;
     for (uint32_t i = 0; i < 100; ++i)
-        path_radiance(world, test::unlimited(), {1, 1, 1}, ray, Vec2(0.5f), Sampler(1, i, 0), stats);
+        path_radiance(world, test::unlimited(), {}, ray, Vec2(0.5f), Sampler(1, i, 0), stats);
     EXPECT_EQ(stats.glints.estimates, 0u);
 }
 

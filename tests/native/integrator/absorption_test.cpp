@@ -24,7 +24,7 @@ IntegratorSettings direct_only() {
 Spectrum radiance(const RenderScene& world, const Ray& ray,
                   const IntegratorSettings& settings = test::unlimited()) {
     PathStats stats;
-    return path_radiance(world, settings, {1, 1, 1}, ray, Vec2(0.5f), Sampler(1, 0, 0), stats).radiance;
+    return path_radiance(world, settings, {}, ray, Vec2(0.5f), Sampler(1, 0, 0), stats).radiance;
 }
 
 void expect_left(const Spectrum& actual, const Spectrum& sigma, double distance, double full,
@@ -198,9 +198,7 @@ TEST(Absorption, OfAChain) {
     for (uint32_t i = 0; i < 100; ++i) {
         PathStats stats;
         const auto sample = [&](const RenderScene& world) {
-            return path_radiance(world, settings, {1, 1, 1}, ray, Vec2(0.5f), Sampler(1, i, 0),
-                                 stats)
-                .radiance;
+            return path_radiance(world, settings, {}, ray, Vec2(0.5f), Sampler(1, i, 0), stats).radiance;
         };
         const Spectrum full = sample(clear);
         if (is_black(full)) continue;

@@ -242,7 +242,7 @@ TEST(Visibility, MixedFloorsKeepTheColourOfTheHalfThatSees) {
             PathStats stats;
             Spectrum sum(0.0f);
             for (uint32_t i = 0; i < 2000; ++i)
-                sum += path_radiance(world, test::unlimited(), {1, 1, 1}, ray, Vec2(0.5f),
+                sum += path_radiance(world, test::unlimited(), {}, ray, Vec2(0.5f),
                                      Sampler(1, i, 0), stats)
                            .radiance;
             EXPECT_GT(diffuse ? sum.x : sum.z, 100.0f);

@@ -53,7 +53,7 @@ inline Picture render(const RenderScene& world, IntegratorSettings settings, con
     if (method.finder != ChainFinder::walks)
         settings.manifold.longest_chain = kLongestManifoldChain;
     SheetPool sheets;
-    PassState state{{1, 1, 1}};
+    PassState state;
     if (method.finder == ChainFinder::sheets) {
         constexpr float kSure = 0.2f;  // leaves many chains to chance
         if (method.tiles > 0)

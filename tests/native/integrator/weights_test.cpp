@@ -192,7 +192,7 @@ std::optional<CausticDensities> by_manifold(const Bench& bench, const Integrator
     }
     const Media media{};
     const Receiver receiver{x.p,    x.p_error, x.ng,     x.wo,    &x.closures, 16,
-                            &media, x.hit,     approach, bounces, 1.0f};
+                            &media, x.hit,     approach, bounces, 1.0f,        nullptr};
     const Vec3 wi = normalize(root->patch.p - x.p);
     Surface at_root;
     evaluate_surface(scene, root->hit, wi * -1.0f, at_root);
@@ -201,7 +201,7 @@ std::optional<CausticDensities> by_manifold(const Bench& bench, const Integrator
                                       end_of(path.y).from(root->patch.p, unused),
                                       root->interaction == Interaction::refraction);
     CausticPath record = caustic_path(scene, receiver, eval(x.closures, x.ng, x.wo, wi), wi);
-    record.vertices[record.count++] = {root->hit, root->interaction, lobe.probability};
+    record.append({root->hit, root->interaction, lobe.probability});
     return caustic_densities(bench.techniques(settings), record,
                              light_end(path.y, leaving(path.y, root->patch.p)));
 }

@@ -28,9 +28,9 @@ inline Graph single_shader(const std::string& kind, std::vector<GraphInput> inpu
 inline Graph diffuse(float albedo) {
     return single_shader("bsdf_diffuse", {{1, "Color", {albedo, albedo, albedo, 1}}});
 }
-inline Graph mirror() {
+inline Graph mirror(float roughness = 0.0f) {
     return single_shader("bsdf_glossy",
-                         {{1, "Color", {1, 1, 1, 1}}, {1, "Roughness", {0, 0, 0, 0}}});
+                         {{1, "Color", {1, 1, 1, 1}}, {1, "Roughness", {roughness, 0, 0, 0}}});
 }
 inline Graph refraction(float ior, float roughness = 0.0f) {
     return single_shader("bsdf_refraction", {{1, "Color", {1, 1, 1, 1}},

@@ -11,4 +11,5 @@ SCENES = (
     "kettle",
     "displaced",
     "slab",
+    "shop_window",
 )

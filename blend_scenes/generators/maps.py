@@ -219,6 +219,24 @@ def dark_room(height, ambient, lamps):
     return radiance
 
 
+def night_street(height, seed, windows=26):
+    """Equirectangular street at night: linear radiance (height, 2 height, 3).
+
+    A dim blue sky over a darker ground, and soft lit windows in a band above the horizon, on the
+    side of -y. No window is so bright that it would have to be sampled as a lamp.
+    """
+    rng = np.random.default_rng(seed)
+    azimuth, elevation, direction = sky_directions(height)
+    radiance = np.array([0.020, 0.030, 0.065]) * (1.0 + 0.6 * direction[..., 2:])
+    for _ in range(windows):
+        a, e = rng.uniform(-np.pi, 0.0), rng.uniform(-0.05, 0.75)
+        width, tall = rng.uniform(0.05, 0.14), rng.uniform(0.06, 0.22)
+        color = np.array([1.0, 0.72, 0.42]) if rng.uniform() < 0.7 else np.array([0.6, 0.8, 1.0])
+        glow = np.exp(-(((azimuth - a) / width) ** 4) - ((elevation - e) / tall) ** 4)
+        radiance = np.maximum(radiance, rng.uniform(0.15, 0.5) * glow[..., None] * color)
+    return radiance
+
+
 def clear_sky(height, sun_direction, sun_diameter, sun_irradiance, zenith, horizon, ground):
     """Equirectangular sky with a sun disc: linear radiance (height, 2 height, 3).
 

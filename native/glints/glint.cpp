@@ -207,7 +207,7 @@ class GlintSearch {
 public:
     GlintSearch(const GlintPoint& point, const GlintPoint::Target& target, const Vec3& wi,
                 float points, uint64_t seed, GlintStats& stats)
-        : p_(point), field_(*point.field_), target_(target), wi_(wi), pcg_(seed), stats_(stats) {
+        : p_(point), field_(*point.field_), target_(target), wi_(wi), seed_(seed), stats_(stats) {
         const ClosureList& closures = *p_.closures_;
         const float cos_o_h = std::max(dot(p_.wo_, target.half), 0.0f);
         float mean_sum = 0.0f, most_sum = 0.0f;
@@ -223,7 +223,6 @@ public:
         const float most_mass = most_sum * sqr(p_.pixel_.filter->weight(0.0f)) * cells;
         threshold_ = std::max(p_.footprint_.texels_per_pixel() * mean_sum / points,
                               most_mass / kMostCells * clamp01(cells / kMostCells - 1.0f));
-        ticket_ = pcg_.one();
     }
 
     Spectrum run() {
@@ -238,15 +237,16 @@ public:
     }
 
 private:
-    // A rectangle of texels.
+    // A rectangle of texels; `corner` is the lower one of what it was clipped from.
     struct Part {
-        Vec2 lower, upper;
+        Vec2 corner, lower, upper;
         float area() const { return (upper.x - lower.x) * (upper.y - lower.y); }
     };
 
     // What is in the footprint's box of [x0, x1) x [y0, y1).
     Part clipped(const Vec2& lower, const Vec2& upper) const {
-        return {{std::max(lower.x, p_.lower_.x), std::max(lower.y, p_.lower_.y)},
+        return {lower,
+                {std::max(lower.x, p_.lower_.x), std::max(lower.y, p_.lower_.y)},
                 {std::min(upper.x, p_.upper_.x), std::min(upper.y, p_.upper_.y)}};
     }
 
@@ -327,7 +327,7 @@ private:
         const float c = importance(part, patch.bounds());
         if (c == 0.0f) return;
         if (c <= threshold_) return keep(part, c);
-        if (halvings == 0) return evaluate(part, 1.0f);
+        if (halvings == 0) return evaluate(part, random(part), 1.0f);
         const float half = 0.5f * size;
         for (int k = 0; k < 4; ++k)
             search_patch(
@@ -336,19 +336,22 @@ private:
                 half, halvings - 1);
     }
 
-    // Of all parts, one after the other, every one in which the sum of chances passes a whole number:
-    // stratified over the footprint.
-    void keep(const Part& part, float c) {
-        const float chance = c / threshold_;
-        ticket_ += chance;
-        if (ticket_ < 1.0f) return;
-        ticket_ -= 1.0f;
-        evaluate(part, chance);
+    // A part's own numbers, whatever else the search meets: in an animation its noise changes no
+    // faster than what is searched.
+    Pcg random(const Part& part) const {
+        const auto bits = [](float x) { return static_cast<uint64_t>(std::bit_cast<uint32_t>(x)); };
+        return Pcg(seed_ ^ mix_bits(bits(part.corner.x) << 32 | bits(part.corner.y)));
     }
 
-    void evaluate(const Part& part, float chance) {
+    void keep(const Part& part, float c) {
+        Pcg pcg = random(part);
+        const float chance = c / threshold_;
+        if (pcg.one() < chance) evaluate(part, pcg, chance);
+    }
+
+    void evaluate(const Part& part, Pcg pcg, float chance) {
         ++stats_.points;
-        const Vec2 u = pcg_.two();
+        const Vec2 u = pcg.two();
         const Vec2 at = part.lower + (part.upper - part.lower) * u;
         const Vec2 film = film_at(at);
         const float weight = p_.pixel_.filter->weight(film.x) * p_.pixel_.filter->weight(film.y) *
@@ -372,10 +375,10 @@ private:
     const SlopeField& field_;
     const GlintPoint::Target& target_;
     const Vec3& wi_;
-    Pcg pcg_;
+    const uint64_t seed_;
     GlintStats& stats_;
     std::array<float, kMaxGlints> scales_{};
-    float threshold_ = 0.0f, ticket_ = 0.0f;
+    float threshold_ = 0.0f;
     Spectrum sum_{0.0f};
 };
 

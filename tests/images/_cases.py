@@ -27,6 +27,7 @@ class Case:
     sun: float = 0.0  # W/m^2; all lamps become suns, 0: they stay
     texels: int = 1  # the world's image is averaged over squares of so many
     max_bounces: int = 12  # fewer where what follows is noise that no manifold sampling can help
+    glints: str = "AUTO"  # of all materials
     detects: float = 0.10
     detects_together: float = 0.05
     detects_joint: float = 0.15
@@ -90,6 +91,8 @@ DELTA_LIGHTS = {
     "point": Case("ring", (64, 64), 0, 256, light_factor=0.0, max_bounces=1, detects=0.1),
     "sun": Case("ring", (64, 64), 0, 256, sun=10.0, max_bounces=1, detects=0.1),
 }
+# All methods at once, as artists render.
+AUTOMATIC = Case("shop_window", (64, 48), 8192, 64, light_factor=20.0, max_bounces=4)
 WITH_CASTERS = tuple(case for case in CASES.values() if case.biased_samples)
 CORNELL = CASES["cornell"]
 

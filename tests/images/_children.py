@@ -65,6 +65,7 @@ def render(
         "light_factor": case.light_factor,
         "sun": case.sun,
         "texels": case.texels,
+        "glints": case.glints,
         "renders": renders,
         "scene_arrays": scene_arrays,
         "result": str(result),

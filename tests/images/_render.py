@@ -8,6 +8,7 @@ The last argument is a JSON file, the job:
   sun             if given, all lights become suns without a disc, of this irradiance in W/m^2,
                   that shine to the origin from where they were
   texels          the world's image is averaged over squares of so many texels
+  glints          of all materials
   renders         name -> settings: `engine` CYCLES or SPECULA (the default), `samples`, `seed`,
                   `parts`; and for Specula fields of desc.RenderSettings, enumerations by name
   scene_arrays    whether to store what was exported as well
@@ -94,6 +95,9 @@ def prepare(job: dict):
         for obj in lamps:
             obj.rotation_mode = "QUATERNION"
             obj.rotation_quaternion = obj.location.to_track_quat("Z", "Y")
+    for material in bpy.data.materials:
+        material.specula.glints = job.get("glints", "AUTO")
+        material.update_tag()  # 3.4 does not see that a property of an addon has changed
     if job.get("texels", 1) > 1:
         for node in scene.world.node_tree.nodes:
             if node.type == "TEX_ENVIRONMENT":

@@ -11,6 +11,7 @@ what the estimators are held against.
 from __future__ import annotations
 
 import argparse
+import dataclasses
 import tempfile
 import time
 from dataclasses import dataclass
@@ -19,7 +20,7 @@ from pathlib import Path
 import numpy as np
 
 from tests.images import _cases, _children, _reference, _statistics
-from tests.images._cases import CASES, CORNELL, Case
+from tests.images._cases import AUTOMATIC, CASES, CORNELL, Case
 
 PARTS = 8  # of a render, each with a line of progress
 LIMIT = 100_000  # bytes of a file
@@ -35,7 +36,7 @@ class Recipe:
 
 RECIPES = {
     case.name: Recipe(
-        case,
+        dataclasses.replace(case, glints="OFF"),
         "blender",
         {
             "method": "PT",
@@ -46,7 +47,7 @@ RECIPES = {
         },
         "Specula, path tracing, Blender 3.4.1",
     )
-    for case in CASES.values()
+    for case in (*CASES.values(), AUTOMATIC)
 } | {
     "cornell_cycles": Recipe(
         CORNELL,

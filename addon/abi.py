@@ -18,7 +18,7 @@ from ctypes import (
 )
 from enum import IntEnum
 
-API_VERSION = 5  # SPC_API_VERSION that this file mirrors
+API_VERSION = 6  # SPC_API_VERSION that this file mirrors
 
 STATUS_NAMES = (
     "OK",
@@ -202,6 +202,7 @@ RenderSettings = _struct(
     ("constraint", c_uint32),
     ("two_stage", c_uint32),
     ("set_size", c_uint32),
+    ("glint_method", c_uint32),
     ("first_sample", c_uint32),
     ("samples", c_uint32),
     ("time_limit", c_float),
@@ -251,6 +252,8 @@ RenderStats = _struct(
     ("glint_estimates", c_uint64),
     ("glint_nodes", c_uint64),
     ("glint_points", c_uint64),
+    ("glint_capped", c_uint64),
+    ("glint_bytes", c_uint64),
 )
 
 _HANDLE = c_void_p

@@ -63,6 +63,28 @@ GLINTS = (
     ("OFF", "Off", "Look at the normal map at one point for each sample"),
 )
 
+GLINT_METHODS = (
+    ("SEARCH", "Search", "The one to use: the parts of the normal map that reflect the light"),
+    (
+        "WALKS",
+        "Walks Unbiased",
+        "To compare with: Specular Manifold Sampling's random walks on the normal map, "
+        "with a random number of trials",
+    ),
+    (
+        "WALKS_BIASED",
+        "Walks Biased",
+        "To compare with: a fixed number of such walks. Less noise, "
+        "but the glints that these walks miss are lost",
+    ),
+    (
+        "YAN",
+        "Position-Normal Distribution",
+        "To compare with: the normal map as millions of Gaussians. No noise of its own, but an "
+        "approximation that is a little off, and takes memory",
+    ),
+)
+
 FROM_CYCLES = "Taken from the Cycles settings if"
 
 
@@ -97,10 +119,16 @@ class SpeculaSceneSettings(bpy.types.PropertyGroup):
     )
     set_size: IntProperty(
         name="Walks",
-        description="Walks for each estimate of the biased method",
+        description="Walks for each estimate of the biased methods",
         default=16,
         min=1,
         max=4096,
+    )
+    glint_method: EnumProperty(
+        name="Method",
+        description="How light is averaged over what a pixel covers of a normal map. "
+        "All but the search are there for comparison",
+        items=GLINT_METHODS,
     )
     samples: IntProperty(
         name="Samples",

@@ -81,11 +81,13 @@ class Statistics:
 
     def _glints(self) -> str:
         render = self.render_stats
-        estimates = render["glint_estimates"]
+        estimates, capped = render["glint_estimates"], render["glint_capped"]
         return (
             f"{_count(estimates, 'estimate')}, "
             f"{_per(render['glint_nodes'], estimates):.0f} parts of normal maps each, "
-            f"{_per(render['glint_points'], estimates):.1f} points"
+            f"{_per(render['glint_points'], estimates):.1f} points, "
+            f"{render['glint_bytes'] / 1e6:.1f} MB"
+            + (f", {capped:,} stopped at the limit of trials" if capped else "")
         )
 
     def _trials(self) -> str:

@@ -161,6 +161,19 @@ class SPECULA_PT_advanced(SpeculaPanel, bpy.types.Panel):
         column.prop(context.scene.specula, "two_stage")
 
 
+class SPECULA_PT_glints(SpeculaPanel, bpy.types.Panel):
+    bl_label = "Glints"
+    bl_context = "render"
+    bl_parent_id = "SPECULA_PT_sampling"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        column, settings = self.column(), context.scene.specula
+        column.prop(settings, "glint_method")
+        if settings.glint_method == "WALKS_BIASED":
+            column.prop(settings, "set_size")
+
+
 class SPECULA_PT_light_paths(SpeculaPanel, bpy.types.Panel):
     bl_label = "Light Paths"
     bl_context = "render"
@@ -345,6 +358,7 @@ def redraw_properties() -> None:
 PANELS = (
     SPECULA_PT_sampling,
     SPECULA_PT_advanced,
+    SPECULA_PT_glints,
     SPECULA_PT_light_paths,
     SPECULA_PT_film,
     SPECULA_PT_statistics,

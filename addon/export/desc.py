@@ -95,6 +95,13 @@ class Constraint(IntEnum):
     ANGLE_DIFFERENCE = 1
 
 
+class GlintMethod(IntEnum):
+    SEARCH = 0
+    WALKS = 1
+    WALKS_BIASED = 2
+    YAN = 3
+
+
 class PixelFilter(IntEnum):
     BOX = 0
     GAUSSIAN = 1
@@ -259,6 +266,7 @@ class RenderSettings:
     constraint: Constraint = Constraint.ANGLE_DIFFERENCE
     two_stage: bool = True
     set_size: int = 16
+    glint_method: GlintMethod = GlintMethod.SEARCH
     first_sample: int = 0
     samples: int = 64
     time_limit: float = 0.0  # s of rendering, 0: none

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from . import compat
-from .desc import Constraint, LightTracing, Method, PixelFilter, RenderSettings
+from .desc import Constraint, GlintMethod, LightTracing, Method, PixelFilter, RenderSettings
 
 AUTO_METHOD = Method.SHEETS
 PREVIEW_SAMPLES = 16  # of the little renders of material and world previews
@@ -38,6 +38,7 @@ def export_settings(scene, is_preview: bool = False) -> RenderSettings:
         constraint=Constraint[own.constraint],
         two_stage=own.two_stage,
         set_size=own.set_size,
+        glint_method=GlintMethod[own.glint_method],
         threads=scene.render.threads if scene.render.threads_mode == "FIXED" else 0,
         transparent_film=scene.render.film_transparent,
     )

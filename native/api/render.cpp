@@ -26,6 +26,8 @@ void check_settings(const spc_render_settings& s) {
             fmt::format("unknown light tracing {}", s.light_tracing));
     require(s.constraint <= SPC_CONSTRAINT_ANGLE_DIFFERENCE,
             fmt::format("unknown constraint {}", s.constraint));
+    require(s.glint_method <= SPC_GLINT_METHOD_YAN,
+            fmt::format("unknown glint method {}", s.glint_method));
     require(s.pixel_filter <= SPC_FILTER_BLACKMAN_HARRIS,
             fmt::format("unknown pixel filter {}", s.pixel_filter));
     require(s.samples >= 1, "samples must be at least 1");
@@ -66,6 +68,8 @@ RenderSettings to_settings(const spc_render_settings& s) {
     manifold.two_stage = s.two_stage != 0;
     manifold.reflections = s.caustics_reflective != 0;
     manifold.refractions = s.caustics_refractive != 0;
+    integrator.glints.method = static_cast<GlintMethod>(s.glint_method);
+    integrator.glints.set_size = s.set_size;
     settings.light_tracing =
         s.method == SPC_METHOD_LT || (manifold.enabled && s.light_tracing != SPC_LIGHT_TRACING_OFF);
     settings.first_sample = s.first_sample;
@@ -178,7 +182,9 @@ spc_status spc_render_get_stats(spc_session* session, spc_render_stats* stats) {
                   m.missed_energy,
                   s.path.glints.estimates,
                   s.path.glints.nodes,
-                  s.path.glints.points};
+                  s.path.glints.points,
+                  s.path.glints.capped,
+                  s.glint_bytes};
     });
 }
 

@@ -18,8 +18,6 @@ constexpr float kMatchedWidth = 1e-6f;
 constexpr float kMinSampledAlbedo = 1e-3f;
 constexpr float kBelowOne = 0x1.fffffep-1f;
 
-float mean(const Spectrum& c) { return (c.x + c.y + c.z) * (1.0f / 3.0f); }
-
 bool is_delta_kind(const Lambert&) { return false; }
 bool is_delta_kind(const MicrofacetReflection& c) { return c.alpha <= kDeltaAlpha; }
 bool is_delta_kind(const MicrofacetDielectric& c) {

@@ -32,9 +32,14 @@ PixelFilter::PixelFilter(FilterKind kind, float width) {
     for (double& c : cumulative_) c /= total;
     const double cells_per_pixel = kCells / (2.0 * reach_);
     cells_per_pixel_ = static_cast<float>(cells_per_pixel);
-    for (size_t i = 0; i < kCells; ++i)
-        density_.push_back(
-            static_cast<float>((cumulative_[i + 1] - cumulative_[i]) * cells_per_pixel));
+    double variance = 0.0;
+    for (size_t i = 0; i < kCells; ++i) {
+        const double mass = cumulative_[i + 1] - cumulative_[i];
+        const double at = (static_cast<double>(i) + 0.5) / cells_per_pixel - reach_;
+        density_.push_back(static_cast<float>(mass * cells_per_pixel));
+        variance += mass * at * at;
+    }
+    variance_ = static_cast<float>(variance);
 }
 
 // By search instead of a table of the inverse: that would be coarse in the tails, where it is

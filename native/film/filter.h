@@ -27,6 +27,7 @@ public:
                    : 0.0f;
     }
     float reach() const { return static_cast<float>(reach_); }  // offsets lie within +-reach
+    float variance() const { return variance_; }  // of offsets along one axis, pixels^2
 
 private:
     float invert(float u) const;
@@ -34,6 +35,7 @@ private:
     std::vector<double> cumulative_;  // of the density, at equal steps
     std::vector<float> density_;      // between those, 1/pixel
     float cells_per_pixel_;
+    float variance_;
 };
 
 }  // namespace spc

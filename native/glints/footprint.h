@@ -28,6 +28,12 @@ struct SlopeFrame {
     std::array<Vec3, 3> w;  // columns, world
 
     Vec3 normal(const Vec2& slope) const { return w[0] * slope.x + w[1] * slope.y + w[2]; }
+    float det() const { return dot(cross(w[0], w[1]), w[2]); }
+    // What W makes into v.
+    Vec3 coordinates(const Vec3& v) const {
+        return Vec3(dot(cross(w[1], w[2]), v), dot(cross(w[2], w[0]), v), dot(cross(w[0], w[1]), v)) *
+               (1.0f / det());
+    }
 };
 
 // Where a pixel's ray meets the map, in texels as SlopeField counts them, and how that moves with

@@ -4,11 +4,10 @@
 //
 // Far field [Zeltner20 Sec. 4.5]: within a footprint the directions to camera and light, the
 // interpolated normal and the lobe's parameters are those of one point; only the map's normal
-// varies. Unbiased otherwise, for lobes of any width but zero.
+// varies. Unbiased otherwise, for lobes of any width but zero, but for the methods that say so.
 #pragma once
 
-#include "glints/footprint.h"
-#include "glints/slope_field.h"
+#include "glints/estimators.h"
 
 namespace spc {
 
@@ -22,15 +21,17 @@ struct GlintSet {
 // Tells in `report` which materials glint and which do not though they were asked to.
 GlintSet build_glints(const Scene& scene, std::vector<std::string>& report);
 
-struct GlintStats {
-    uint64_t estimates = 0;
-    uint64_t nodes = 0;   // of slope fields that were looked at
-    uint64_t points = 0;  // of the map at which lobes were evaluated
-    void add(const GlintStats& other) {
-        estimates += other.estimates;
-        nodes += other.nodes;
-        points += other.points;
-    }
+enum class GlintMethod : uint8_t {
+    search,        // of a pyramid of slopes
+    walks,         // with a random number of trials
+    walks_biased,  // `set_size` of them: loses the solutions that they miss
+    yan            // [Yan16]: biased; a map, a pixel and a lobe are what Gaussians make of them
+};
+
+struct GlintSettings {
+    GlintMethod method = GlintMethod::search;
+    uint32_t set_size = 16;
+    const FlakeSet* flakes = nullptr;  // of the set's fields, for `yan` alone
 };
 
 // The lobes of a surface over a footprint.
@@ -38,8 +39,9 @@ class GlintPoint {
 public:
     // Empty where there is nothing to average: no such lobe, or a footprint within a texel.
     // `distance` is that of the surface along the ray.
-    static std::optional<GlintPoint> at(const GlintSet& glints, const Scene& scene,
-                                        const Surface& surface, const RayDual& ray, double distance,
+    static std::optional<GlintPoint> at(const GlintSet& glints, const GlintSettings& settings,
+                                        const Scene& scene, const Surface& surface,
+                                        const RayDual& ray, double distance,
                                         const PixelKernel& pixel);
 
     // About the density with which closure sampling, at the points of the footprint, takes the
@@ -47,26 +49,17 @@ public:
     // agree.
     float pdf(const Vec3& wi) const;
 
-    // An estimate of f |cos| averaged over the pixel. Its variance is at most the mean squared over
-    // `points`, where the moments tell the mean: about so many points are evaluated where there
-    // are glints.
+    // An estimate of f |cos| averaged over the pixel. The search's variance is at most the mean
+    // squared over `points`, where the moments tell the mean: it evaluates about so many points
+    // where there are glints. Other methods do not ask.
     Spectrum f_cos(const Vec3& wi, float points, uint64_t seed, GlintStats& stats) const;
 
 private:
-    friend class GlintSearch;
-    struct Target;
+    GlintPoint(const GlintSite& site, const GlintSettings& settings)
+        : site_(site), settings_(settings) {}
 
-    Target target_of(const Vec3& wi) const;
-    float mean_density(const GlintLobe& lobe, const Target& target) const;
-
-    const SlopeField* field_ = nullptr;
-    const ClosureList* closures_ = nullptr;
-    PixelKernel pixel_{};
-    Footprint footprint_{};
-    Vec3 wo_, ng_;
-    Vec2 lower_, upper_;  // box around the footprint, texels
-    SlopeMoments moments_;
-    std::array<Vec2, 2> to_film_;  // rows: film from texels
+    GlintSite site_;
+    GlintSettings settings_;
 };
 
 }  // namespace spc

@@ -9,7 +9,6 @@ namespace {
 constexpr int kFirstSums = 3;
 // Of normals that are not normalised; steeper ones than 1 / kLeastHeight are artefacts of a file.
 constexpr float kLeastHeight = 0.02f;
-constexpr float kSteps = 65535.0f;
 
 int halved(int n) { return (n + 1) / 2; }
 int wrapped(int i, int n) {
@@ -19,10 +18,17 @@ int wrapped(int i, int n) {
 
 }  // namespace
 
-Vec2 SlopePatch::slope(float s, float t) const {
-    const Vec3 lower = corner[0] + (corner[1] - corner[0]) * s;
-    const Vec3 upper = corner[2] + (corner[3] - corner[2]) * s;
-    return slope_of(lower + (upper - lower) * t);
+SlopeJet SlopePatch::jet(float s, float t) const {
+    const Vec3 lower = corner[0] + (corner[1] - corner[0]) * s,
+               upper = corner[2] + (corner[3] - corner[2]) * s,
+               left = corner[0] + (corner[2] - corner[0]) * t,
+               right = corner[1] + (corner[3] - corner[1]) * t;
+    const Vec3 n = lower + (upper - lower) * t;
+    const Vec2 slope = slope_of(n);
+    const auto by = [&](const Vec3& d) {  // of a quotient
+        return (Vec2(d.x, d.y) - slope * d.z) * (1.0f / n.z);
+    };
+    return {slope, by(right - left), by(upper - lower)};
 }
 
 SlopeBounds SlopePatch::bounds() const {
@@ -58,10 +64,8 @@ std::optional<SlopeField> SlopeField::build(const Image& image, float strength) 
             if (!(n.z >= kLeastHeight)) return std::nullopt;
             all.extend(slope_of(n));
         }
-    field.origin_ = all.lower;
-    // A little wider than needed: rounding must not push the last step beyond the end.
-    field.step_ = (all.upper - all.lower) * (1.0001f / kSteps) + Vec2(1e-12f, 1e-12f);
-    field.build_bounds();
+    field.pyramid_ = SlopePyramid(field.width_, field.height_, all,
+                                  [&](int x, int y) { return field.cell(x, y).bounds(); });
     field.build_sums();
     return field;
 }
@@ -85,50 +89,8 @@ SlopePatch SlopeField::cell(int x, int y) const {
     return {{texel(x, y), texel(x + 1, y), texel(x, y + 1), texel(x + 1, y + 1)}};
 }
 
-SlopeBounds SlopeField::bounds(int level, int x, int y) const {
-    const Level& l = levels_[static_cast<size_t>(level - 1)];
-    const Node& node =
-        l.nodes[static_cast<size_t>(y) * static_cast<size_t>(l.width) + static_cast<size_t>(x)];
-    const auto value = [&](const uint16_t(&q)[2]) {
-        return origin_ +
-               Vec2(step_.x * static_cast<float>(q[0]), step_.y * static_cast<float>(q[1]));
-    };
-    return {value(node.lower), value(node.upper)};
-}
-
-void SlopeField::build_bounds() {
-    int w = width_, h = height_;
-    while (w > 1 || h > 1 || levels_.empty()) {
-        const int below_w = w, below_h = h;
-        w = halved(w);
-        h = halved(h);
-        Level level{w, h, {}};
-        level.nodes.reserve(static_cast<size_t>(w) * static_cast<size_t>(h));
-        const int below = static_cast<int>(levels_.size());
-        for (int y = 0; y < h; ++y)
-            for (int x = 0; x < w; ++x) {
-                Node node{{UINT16_MAX, UINT16_MAX}, {0, 0}};
-                for (int k = 0; k < 4; ++k) {
-                    const int cx = 2 * x + (k & 1), cy = 2 * y + (k >> 1);
-                    if (cx >= below_w || cy >= below_h) continue;
-                    const SlopeBounds b = below == 0 ? cell(cx, cy).bounds() : bounds(below, cx, cy);
-                    for (int i = 0; i < 2; ++i) {
-                        // Of the level below they are multiples already, up to rounding.
-                        const float down = (b.lower[i] - origin_[i]) / step_[i],
-                                    up = (b.upper[i] - origin_[i]) / step_[i];
-                        const float slack = below == 0 ? 0.0f : 0.5f;
-                        node.lower[i] =
-                            std::min(node.lower[i], static_cast<uint16_t>(std::clamp(
-                                                        std::floor(down + slack), 0.0f, kSteps)));
-                        node.upper[i] = std::max(
-                            node.upper[i],
-                            static_cast<uint16_t>(std::clamp(std::ceil(up - slack), 0.0f, kSteps)));
-                    }
-                }
-                level.nodes.push_back(node);
-            }
-        levels_.push_back(std::move(level));
-    }
+SlopePatch SlopeField::cell_in_any_tile(int x, int y) const {
+    return cell(wrapped(x, width_), wrapped(y, height_));
 }
 
 void SlopeField::build_sums() {
@@ -200,8 +162,7 @@ SlopeMoments SlopeField::moments(const Vec2& lower, const Vec2& upper) const {
 }
 
 size_t SlopeField::memory_bytes() const {
-    size_t bytes = 0;
-    for (const Level& level : levels_) bytes += level.nodes.size() * sizeof(Node);
+    size_t bytes = pyramid_.memory_bytes();
     for (const SumLevel& level : sums_) bytes += level.nodes.size() * sizeof(Sums);
     return bytes;
 }

@@ -3,21 +3,9 @@
 #pragma once
 
 #include "core/image.h"
-#include "math/vec.h"
+#include "glints/slope_pyramid.h"
 
 namespace spc {
-
-// Slopes (a, b) of a tangent-space normal map: its normal is T a + B b + N. Coordinates are texels
-// between their centres: (0, 0) is the centre of the first texel, (width, height) the same one tile
-// farther. Between texels red, green and blue are interpolated and the slope is a quotient: over
-// any rectangle within a cell it lies in the hull of the slopes at its corners.
-struct SlopeBounds {
-    Vec2 lower, upper;
-    void extend(const Vec2& slope) {
-        lower = {std::min(lower.x, slope.x), std::min(lower.y, slope.y)};
-        upper = {std::max(upper.x, slope.x), std::max(upper.y, slope.y)};
-    }
-};
 
 // Mean and covariance of slopes [Olano10].
 struct SlopeMoments {
@@ -25,17 +13,27 @@ struct SlopeMoments {
     float aa = 0.0f, ab = 0.0f, bb = 0.0f;
 };
 
+// A slope and how it varies with the coordinates.
+struct SlopeJet {
+    Vec2 slope, by_s, by_t;
+};
+
 // The normals at the corners of a rectangle within a cell, not normalised: strength times red and
 // green, and blue. Bilinear in between.
 struct SlopePatch {
     std::array<Vec3, 4> corner;  // lower left and right, upper left and right
 
-    Vec2 slope(float s, float t) const;  // s, t in [0, 1]
+    Vec2 slope(float s, float t) const { return jet(s, t).slope; }  // s, t in [0, 1]
+    SlopeJet jet(float s, float t) const;
     SlopeBounds bounds() const;
     SlopePatch quarter(int i) const;  // in the order of the corners
 };
 inline Vec2 slope_of(const Vec3& n) { return Vec2(n.x, n.y) * (1.0f / n.z); }
 
+// Slopes (a, b) of a tangent-space normal map: its normal is T a + B b + N. Coordinates are texels
+// between their centres: (0, 0) is the centre of the first texel, (width, height) the same one tile
+// farther. Between texels red, green and blue are interpolated and the slope is a quotient: over
+// any rectangle within a cell it lies in the hull of the slopes at its corners.
 class SlopeField {
 public:
     // Of image(texel) as map_normal() reads it. The image must outlive the field. Empty where a
@@ -46,24 +44,17 @@ public:
     int height() const { return height_; }
     // Of one cell, 0 <= x < width, 0 <= y < height; the last ones reach into the next tile.
     SlopePatch cell(int x, int y) const;
+    // Wherever it is: maps repeat.
+    SlopePatch cell_in_any_tile(int x, int y) const;
 
-    // Nodes of level l > 0 have 2^l x 2^l cells, fewer at the upper ends. Level 0 are the cells.
-    int levels() const { return static_cast<int>(levels_.size()) + 1; }
-    SlopeBounds bounds(int level, int x, int y) const;  // level > 0
+    // Of the cells.
+    const SlopePyramid& pyramid() const { return pyramid_; }
     // Of a rectangle, in the same coordinates; from whole nodes of a size below its own.
     SlopeMoments moments(const Vec2& lower, const Vec2& upper) const;
 
     size_t memory_bytes() const;
 
 private:
-    // Steps of a common grid, rounded outwards.
-    struct Node {
-        uint16_t lower[2], upper[2];
-    };
-    struct Level {
-        int width, height;
-        std::vector<Node> nodes;
-    };
     // Sums over texels.
     struct Sums {
         float a, b, aa, ab, bb, count;
@@ -82,14 +73,12 @@ private:
     };
 
     Vec3 texel(int x, int y) const;  // wraps one tile
-    void build_bounds();
     void build_sums();
 
     const Image* image_ = nullptr;
     float strength_ = 1.0f;
     int width_ = 0, height_ = 0;
-    Vec2 origin_{0, 0}, step_{0, 0};  // of the grid
-    std::vector<Level> levels_;
+    SlopePyramid pyramid_;
     std::vector<SumLevel> sums_;  // from level kFirstSums on
 };
 

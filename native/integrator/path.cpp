@@ -283,7 +283,7 @@ struct PathTracer {
     void look_for_glints(const Hit& hit, Surface& surface, const PixelKernel* pixel) {
         glints.reset();
         if (!differential || surface.closures.glint_count == 0) return;
-        glints = GlintPoint::at(world.glints, scene(), surface, *differential,
+        glints = GlintPoint::at(world.glints, settings.glints, scene(), surface, *differential,
                                 static_cast<double>(hit.t), *pixel);
         surface.closures.glints_apart = glints.has_value();
     }

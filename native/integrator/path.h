@@ -23,6 +23,7 @@ struct IntegratorSettings {
     bool transparent_film = false;
     ManifoldSettings manifold;
     LightTracing light_tracing;
+    GlintSettings glints;
 };
 
 inline Techniques techniques_of(const RenderScene& world, const IntegratorSettings& settings) {

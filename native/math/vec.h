@@ -62,6 +62,7 @@ inline float luminance(const Spectrum& c) {
     return 0.2126729f * c.x + 0.7151522f * c.y + 0.0721750f * c.z;
 }
 inline float max_component(const Spectrum& c) { return std::max(c.x, std::max(c.y, c.z)); }
+inline float mean(const Spectrum& c) { return (c.x + c.y + c.z) * (1.0f / 3.0f); }
 inline bool is_black(const Spectrum& c) { return c.x == 0.0f && c.y == 0.0f && c.z == 0.0f; }
 inline bool is_finite(const Vec3& a) {
     return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);

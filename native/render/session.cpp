@@ -52,6 +52,7 @@ void RenderStats::add(const RenderStats& other) {
     path.rays += other.path.rays;
     path.glints.add(other.path.glints);
     light.add(other.light);
+    glint_bytes += other.glint_bytes;
     for (size_t i = 0; i < kEstimates; ++i) path.evidence[i].add(other.path.evidence[i]);
     ManifoldStats& m = path.manifold;
     const ManifoldStats& o = other.path.manifold;
@@ -160,6 +161,7 @@ void Session::work(bool first) {
     _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
     try {
         if (first) {
+            prepare_flakes();
             prepare_sheets();
             learn_light_paths();
             weigh_chains();
@@ -197,6 +199,21 @@ void Session::run_jobs() {
         const std::lock_guard lock(mutex_);
         stats_.add(stats);
     }
+}
+
+void Session::prepare_flakes() {
+    GlintSettings& glints = settings_.integrator.glints;
+    RenderStats stats;
+    stats.glint_bytes = world_.glints.memory_bytes();
+    if (glints.method == GlintMethod::yan) {
+        for (const SlopeField& field : world_.glints.fields) {
+            if (must_stop()) return;
+            stats.glint_bytes += flakes_.emplace_back(field, active_workers_).memory_bytes();
+        }
+        glints.flakes = &flakes_;
+    }
+    const std::lock_guard lock(mutex_);
+    stats_.add(stats);
 }
 
 void Session::learn_light_paths() {

@@ -17,8 +17,9 @@
 namespace spc {
 
 struct RenderSettings {
-    IntegratorSettings integrator;  // but for `light_tracing`, which the session sets
-    bool light_tracing = false;     // where there is a caster that a light reaches
+    // But for `light_tracing` and the flakes of glints, which the session sets.
+    IntegratorSettings integrator;
+    bool light_tracing = false;  // where there is a caster that a light reaches
     uint32_t first_sample = 0, samples = 64;
     float time_limit = 0.0f;  // s, 0 = none
     uint32_t seed = 0;
@@ -33,6 +34,7 @@ struct RenderStats {
     double manifold_energy = 0.0;
     PathStats path;
     LightPathStats light;
+    uint64_t glint_bytes = 0;  // of slope fields and flakes
     void add(const RenderStats& other);
 };
 
@@ -78,6 +80,7 @@ private:
     void run_jobs();
     void fail();
     // Before the first pass, in this order.
+    void prepare_flakes();
     void prepare_sheets();
     void learn_light_paths();
     void weigh_chains();
@@ -117,6 +120,7 @@ private:
     std::unique_ptr<const LightPilot> light_pilot_;
     SheetPool sheet_pool_;
     LightSheets sheets_;  // of the pool
+    FlakeSet flakes_;
     std::latch prepared_{1};
     std::atomic<uint64_t> next_job_{0};
     std::atomic<bool> cancelled_{false}, out_of_time_{false}, failed_{false};

@@ -39,6 +39,7 @@ ENUMS = {
     "SPC_ALPHA_": desc.AlphaMode,
     "SPC_CAUSTICS_": desc.CausticsRole,
     "SPC_GLINTS_": desc.Glints,
+    "SPC_GLINT_METHOD_": desc.GlintMethod,
     "SPC_LIGHT_": desc.LightType,
     "SPC_AREA_": desc.AreaShape,
     "SPC_PROJECTION_": desc.Projection,

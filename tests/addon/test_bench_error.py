@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.bench import _metrics, _schedule, _store
+from tests.bench import _metrics, _scenes, _schedule, _store
 from tests.bench._luxcore_textures import UntranslatedError
-from tests.bench._methods import GROUPS, METHODS
+from tests.bench._methods import GROUPS, METHODS, suited
 from tests.bench._metrics import Slope
 from tests.bench._ratios import MeasurementError
 from tests.bench._scenes import BLENDS, Scene
@@ -208,12 +208,23 @@ def test_light_tracing_is_where_the_name_says():
         if method.family != "specula":
             continue
         settings = method.job["specula"]
-        traced = name == "lt" or name.endswith("-lt")
+        traced = name == "lt" or name.endswith("-lt") or name.startswith("glints-")
         if settings["method"].startswith(("SMS_", "MNEE")):
             assert settings["light_tracing"] == ("ON" if traced else "OFF")
         assert (settings["method"] == "LT") == (name == "lt")
         assert method.correlated == traced
-        assert method.unbiased == ("biased" not in name.split("-") and not method.hidden)
+        biased = "biased" in name.split("-") or name in ("glints-walks-8", "glints-yan")
+        assert method.unbiased == (not biased and not method.hidden)
+
+
+def test_methods_for_glints_run_where_there_are_any():
+    glints = [name for name in METHODS if name.startswith("glints-")]
+    for name, methods in (("shoes", glints), ("kettle", glints), ("cornell", [])):
+        assert suited(glints, _scenes.example(name)) == methods
+    assert suited(glints, Scene("box", Path("box.blend"), None)) == glints, "who knows"
+    scene = _scenes.example("ring")
+    tasks = _schedule.plan([scene], ["pt", *glints], (1.0,), (1,), 2)
+    assert [task.method for task in tasks] == ["pt"]
 
 
 def test_methods_fit_into_their_charts():

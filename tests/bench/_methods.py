@@ -48,7 +48,9 @@ GROUPS = {
     "light": "manifold sampling, light tracing, and both",
     "starts": "random walks and fixed starts",
     "luxcore": "LuxCore",
+    "glints": "ways to average glints over a pixel",
 }
+WITH_GLINTS = ("kettle", "shoes")  # of the example scenes
 
 # Okabe and Ito's colours, which colour-blind readers can tell apart, without their yellow, which
 # is too pale for a line.
@@ -65,6 +67,7 @@ NOTHING_TAKEN_AWAY = {
     "light_sampling_threshold": 0.0,
 }
 
+BIASED_GLINTS = ("WALKS_BIASED", "YAN")
 MNEE_NOTE = (
     "Cycles' walks ignore normal maps, refract only, and drop reflected caustics at receivers"
 )
@@ -84,6 +87,7 @@ class Method:
     correlated: bool = False  # errors of neighbouring pixels depend on each other
     leaves_out: str = ""  # light paths that it does not have by design
     hidden: bool = False  # runs only if it is named: for tests of the bench itself
+    scenes: tuple[str, ...] = ()  # of the example scenes those on which it is anything new; (): all
 
     @property
     def line(self) -> str:
@@ -94,8 +98,11 @@ class Method:
         return f"{FAMILIES[self.family].label} {self.label}"
 
 
-def _specula(name, label, groups, color, marker, light_factor=1.0, **settings) -> Method:
+def _specula(
+    name, label, groups, color, marker, light_factor=1.0, scenes=(), **settings
+) -> Method:
     method = settings["method"]
+    biased = method.endswith("_BIASED") or settings.get("glint_method") in BIASED_GLINTS
     # Only the manifold has it as a setting.
     splats = method == "LT" or settings.get("light_tracing", "OFF") != "OFF"
     return Method(
@@ -106,10 +113,11 @@ def _specula(name, label, groups, color, marker, light_factor=1.0, **settings) -
         groups,
         color,
         marker,
-        unbiased=not method.endswith("_BIASED") and light_factor == 1.0,
+        unbiased=not biased and light_factor == 1.0,
         path_traced=method == "PT",
         correlated=splats,  # the pixel filter shares them among neighbours
         hidden=light_factor != 1.0,
+        scenes=scenes,
     )
 
 
@@ -136,6 +144,22 @@ def _biased(walks: int, color: str, marker: str, *groups: str, light_tracing="OF
 
 def _fixed_starts(name, label, color, marker, method) -> Method:
     return _specula(name, label, ("starts",), color, marker, method=method, light_tracing="OFF")
+
+
+def _glints(name, label, color, marker, glint_method, **settings) -> Method:
+    """As sheets-lt, but for the glints, for which that has the search."""
+    return _specula(
+        name,
+        label,
+        ("glints",),
+        color,
+        marker,
+        scenes=WITH_GLINTS,
+        method="SHEETS",
+        light_tracing="ON",
+        glint_method=glint_method,
+        **settings,
+    )
 
 
 def _cycles(name, label, color, marker, **changes) -> Method:
@@ -176,7 +200,7 @@ METHODS = {
         _specula(
             "pt",
             "path tracing",
-            ("best", "variants", "light", "starts"),
+            ("best", "variants", "light", "starts", "glints"),
             *(BLACK, "o"),
             method="PT",
         ),
@@ -205,7 +229,7 @@ METHODS = {
         _specula(
             "sheets-lt",
             "light sheets + LT",
-            ("best", "light", "luxcore"),
+            ("best", "light", "luxcore", "glints"),
             *(GREEN, "*"),
             method="SHEETS",
             light_tracing="ON",
@@ -227,6 +251,9 @@ METHODS = {
         _biased(32, PURPLE, "P", "sets"),
         _fixed_starts("mnee", "MNEE unbiased", BLUE, "^", "MNEE"),
         _fixed_starts("mnee-biased", "MNEE biased", SKY, "v", "MNEE_BIASED"),
+        _glints("glints-walks", "glints by walks", VERMILLION, "s", "WALKS"),
+        _glints("glints-walks-8", "glints by 8 walks", BLUE, "^", "WALKS_BIASED", set_size=8),
+        _glints("glints-yan", "glints by Gaussians", PURPLE, "X", "YAN"),
         _cycles("cycles-pt", "path tracing", BLUE, "o"),
         _cycles("cycles-guiding", "path guiding", SKY, "^"),
         _cycles("cycles-mnee", "shadow caustics", PURPLE, "X", shadow_caustics=True),
@@ -253,6 +280,16 @@ def other_model(method: str, scene: Scene) -> str:
     if METHODS[method].family == "luxcore" and scene.is_example:
         return _luxcore.DIFFERENT_MODELS.get(scene.name, "")
     return ""
+
+
+def suited(names: Iterable[str], scene: Scene) -> list[str]:
+    """Those that would not only repeat another one on this scene."""
+    return [
+        name
+        for name in names
+        if not (METHODS[name].scenes and scene.is_example)
+        or scene.name in METHODS[name].scenes
+    ]
 
 
 def missing(names: Iterable[str]) -> dict[str, str]:

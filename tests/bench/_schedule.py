@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from tests.bench import _store
 from tests.bench._children import Progress
 from tests.bench._luxcore_textures import UntranslatedError
-from tests.bench._methods import other_model
+from tests.bench._methods import other_model, suited
 from tests.bench._ratios import MeasurementError
 from tests.bench._scenes import Scene
 from tests.bench._store import Record, Task
@@ -26,7 +26,8 @@ def plan(
 ) -> list[Task]:
     """All methods take turns within a scene and budget, each time another one first: what else the
     machine does hits all of them. A seed is complete before the next one starts, so that an
-    interrupted run has whole curves to show. What renders something else is left out."""
+    interrupted run has whole curves to show. What renders something else, or nothing new, is left
+    out."""
     tasks, turn = [], 0
     for seed in seeds:
         for budget in budgets:
@@ -35,7 +36,7 @@ def plan(
                 order = [*methods[first:], *methods[:first]]
                 tasks += [
                     Task(scene, name, budget, seed, threads)
-                    for name in order
+                    for name in suited(order, scene)
                     if not other_model(name, scene)
                 ]
                 turn += 1

@@ -127,7 +127,10 @@ def main() -> int:
     outcome = _schedule.render_all(tasks)
     for (scene, method), why in outcome.failures.items():
         _program.warn("bench", f"{scene}, {method}: {why}")
-    results = [_summary.scene_result(scene, methods, args.budgets, outcome) for scene in scenes]
+    results = [
+        _summary.scene_result(scene, _methods.suited(methods, scene), args.budgets, outcome)
+        for scene in scenes
+    ]
     longest = max(args.budgets)
     checks = _checks.checks(results, longest)
     about = {

@@ -142,6 +142,20 @@ def test_advanced_settings_are_closed_and_only_there_where_they_matter():
         assert not panel.poll.__func__(panel, Context())
 
 
+def test_the_method_of_glints_is_in_a_closed_panel_of_its_own():
+    panel = ui.SPECULA_PT_glints
+    assert panel.bl_parent_id == "SPECULA_PT_sampling"
+    assert panel.bl_options == {"DEFAULT_CLOSED"}
+    for method, shown in (
+        ("SEARCH", ["glint_method"]),
+        ("WALKS", ["glint_method"]),
+        ("WALKS_BIASED", ["glint_method", "set_size"]),
+        ("YAN", ["glint_method"]),
+    ):
+        bpy.context.scene.specula.glint_method = method
+        assert draw(panel, Context()).shown == shown
+
+
 def test_light_tracing_is_offered_beside_the_manifold():
     for method, offered in (
         ("AUTO", True),
@@ -243,6 +257,8 @@ def test_names_that_scripts_rely_on():
         settings.light_tracing = light_tracing
     for constraint in ("HALF_VECTOR", "ANGLE_DIFFERENCE"):
         settings.constraint = constraint
+    for glint_method in ("SEARCH", "WALKS", "WALKS_BIASED", "YAN"):
+        settings.glint_method = glint_method
     settings.two_stage, settings.set_size, settings.time_limit = True, 4, 1.0
     with pytest.raises(TypeError):
         settings.method = "BDPT"

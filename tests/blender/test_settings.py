@@ -3,7 +3,7 @@ import addon_utils
 import bpy
 import pytest
 
-from specula.export.desc import Constraint, LightTracing, Method, PixelFilter
+from specula.export.desc import Constraint, GlintMethod, LightTracing, Method, PixelFilter
 from specula.export.settings import (
     PREVIEW_SAMPLES,
     export_settings,
@@ -88,6 +88,13 @@ def test_method_and_constraint(scene):
     scene.specula.method, scene.specula.constraint = "PT", "ANGLE_DIFFERENCE"
     settings = export_settings(scene)
     assert (settings.method, settings.constraint) == (Method.PT, Constraint.ANGLE_DIFFERENCE)
+
+
+def test_glints_are_searched_for_unless_another_method_is_asked_for(scene):
+    assert export_settings(scene).glint_method == GlintMethod.SEARCH
+    for method in GlintMethod:
+        scene.specula.glint_method = method.name
+        assert export_settings(scene).glint_method == method
 
 
 def test_light_tracing_is_automatic_and_stays_so_with_any_method(scene):

@@ -38,7 +38,7 @@ extern "C" {
 #endif
 
 /* Raised whenever a struct or the meaning of a call changes. */
-#define SPC_API_VERSION 5u
+#define SPC_API_VERSION 6u
 
 /* "No index", where an index is optional. */
 #define SPC_NONE 0xffffffffu
@@ -359,6 +359,17 @@ typedef enum spc_constraint {
     SPC_CONSTRAINT_ANGLE_DIFFERENCE = 1
 } spc_constraint;
 
+/* How light is averaged over what a pixel covers of a normal map. SEARCH is the one to use; the others are
+ * there to compare with. */
+typedef enum spc_glint_method {
+    SPC_GLINT_METHOD_SEARCH = 0,
+    SPC_GLINT_METHOD_WALKS = 1, /* [Zeltner20, Sec. 4.5], with a random number of trials */
+    /* the same with `set_size` walks: loses the light that they miss */
+    SPC_GLINT_METHOD_WALKS_BIASED = 2,
+    /* [Yan16]: biased; Gaussians stand for map, pixel and lobe, and take memory for each session */
+    SPC_GLINT_METHOD_YAN = 3
+} spc_glint_method;
+
 typedef enum spc_pixel_filter {
     SPC_FILTER_BOX = 0,
     SPC_FILTER_GAUSSIAN = 1,
@@ -370,8 +381,10 @@ typedef struct spc_render_settings {
     uint32_t method;        /* spc_method */
     uint32_t light_tracing; /* spc_light_tracing; ignored by PT and LT */
     uint32_t constraint;    /* spc_constraint */
-    uint32_t two_stage;    /* 1: walk on the smooth surface first where a caster has a normal map */
-    uint32_t set_size;     /* walks per estimate of SPC_METHOD_SMS_BIASED, [1, 4096] */
+    uint32_t two_stage; /* 1: walk on the smooth surface first where a caster has a normal map */
+    /* walks per estimate of SPC_METHOD_SMS_BIASED and SPC_GLINT_METHOD_WALKS_BIASED, [1, 4096] */
+    uint32_t set_size;
+    uint32_t glint_method; /* spc_glint_method */
     uint32_t first_sample; /* absolute index; [0,8) and [8,16) together are [0,16): to the bit
                               * for SPC_METHOD_PT, in the mean for methods that learn as they go */
     uint32_t samples;      /* per pixel, >= 1 */
@@ -438,8 +451,10 @@ typedef struct spc_render_stats {
     uint64_t sheet_leads, sheet_chains, missed_chains;
     double missed_energy;
     uint64_t glint_estimates; /* of the light of one direction, over a footprint */
-    uint64_t glint_nodes;     /* parts of normal maps that they looked at */
-    uint64_t glint_points;    /* points of those at which they evaluated a lobe */
+    uint64_t glint_nodes;     /* parts of normal maps that they looked at, or slopes on walks */
+    uint64_t glint_points;    /* points of those, or Gaussians, at which they evaluated a lobe */
+    uint64_t glint_capped; /* estimates of SPC_GLINT_METHOD_WALKS that gave up at the trial cap */
+    uint64_t glint_bytes;  /* of memory that the method has for normal maps, beside the images */
 } spc_render_stats;
 SPC_API spc_status spc_render_get_stats(spc_session* session, spc_render_stats* stats);
 

@@ -102,6 +102,7 @@ TEST(RenderMisuse, Settings) {
     refuses("light tracing",
             [](auto& s) { s.method = SPC_METHOD_PT, s.light_tracing = 0xffffffff; });
     refuses("constraint", [](auto& s) { s.constraint = 2; });
+    refuses("glint method", [](auto& s) { s.glint_method = SPC_GLINT_METHOD_YAN + 1; });
     refuses("filter", [](auto& s) { s.pixel_filter = 3; });
     refuses("samples", [](auto& s) { s.samples = 0; });
     refuses("samples", [](auto& s) { s.first_sample = 0xffffffff, s.samples = 1; });

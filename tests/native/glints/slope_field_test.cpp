@@ -71,9 +71,9 @@ TEST(SlopeField, IsWhatTheTextureGives) {
 TEST(SlopeField, BoundsHoldAndAreTight) {
     for (const Map& map : maps()) {
         const SlopeField field = *SlopeField::build(map.image, map.strength);
-        const SlopeBounds all = field.bounds(field.levels() - 1, 0, 0);
+        const SlopeBounds all = field.pyramid().bounds(field.pyramid().levels() - 1, 0, 0);
         const Vec2 step = (all.upper - all.lower) / 60000.0f;
-        for (int level = 1; level < field.levels(); ++level) {
+        for (int level = 1; level < field.pyramid().levels(); ++level) {
             const int size = 1 << level;
             for (int y = 0; y * size < field.height(); ++y)
                 for (int x = 0; x * size < field.width(); ++x) {
@@ -84,7 +84,7 @@ TEST(SlopeField, BoundsHoldAndAreTight) {
                             exact.extend(cell.lower);
                             exact.extend(cell.upper);
                         }
-                    const SlopeBounds bounds = field.bounds(level, x, y);
+                    const SlopeBounds bounds = field.pyramid().bounds(level, x, y);
                     for (int k = 0; k < 2; ++k) {
                         const float rounding = 0.01f * step[k] + 1e-6f;
                         EXPECT_LE(bounds.lower[k], exact.lower[k] + rounding) << map.name;

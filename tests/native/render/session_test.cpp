@@ -3,7 +3,7 @@
 // gives to manifold estimates.
 #include "render/session.h"
 
-#include "support/radiance.h"
+#include "support/glints.h"
 
 #include <gtest/gtest.h>
 
@@ -95,6 +95,34 @@ TEST(SessionWithLightPaths, PlaceDoesNotShow) {
     for (size_t i = 0; i < a.combined.size(); ++i)
         other += std::abs(a.combined[i] - b.combined[i]) > 0.01f * (a.combined[i] + 0.01f);
     EXPECT_LT(other, a.combined.size() / 10);
+}
+
+// What a method alone has for its maps is there if that method renders.
+TEST(Session, FlakesAreThereForTheirMethodAlone) {
+    const test::GlintFloor floor{
+        test::normal_mapped(test::single_shader("bsdf_glossy", {{1, "Roughness", {0.3f, 0, 0, 0}}}),
+                            {1, 1}),
+        test::plane_normals(128, 5.0 / 128, 0.2, 5), 6.0, 0.5f, [](SceneMaker& maker) {
+            maker.builder.add_light(test::sun_towards({-0.5f, 0.2f, 1.0f}, 0.1f, 1.0f));
+        }};
+    const RenderScene world = test::finish(floor, GlintsMode::on);
+    for (const GlintMethod method :
+         {GlintMethod::search, GlintMethod::walks, GlintMethod::walks_biased, GlintMethod::yan}) {
+        RenderSettings settings;
+        settings.samples = 16;
+        settings.threads = 2;
+        settings.integrator.glints.method = method;
+        Session session(world, settings);
+        EXPECT_EQ(session.wait(60s).state, RenderState::done);
+        EXPECT_EQ(session.failure(), nullptr);
+        const RenderStats stats = session.stats();
+        EXPECT_GT(stats.path.glints.estimates, 0u);
+        EXPECT_EQ(stats.nan_samples, 0u);
+        if (method == GlintMethod::yan)
+            EXPECT_GT(stats.glint_bytes, world.glints.memory_bytes() + size_t{16} * 128 * 128);
+        else
+            EXPECT_EQ(stats.glint_bytes, world.glints.memory_bytes());
+    }
 }
 
 TEST(SessionWithLightPaths, ThreadsDoNotShow) {

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A normal map as a distribution of positions and slopes made of Gaussians [Yan16]: one flake for
+// each cell between four texels, on which the slope is linear, with a weight around its middle.
+#pragma once
+
+#include "glints/slope_field.h"
+
+namespace spc {
+
+// Standard deviation of the weight, texels: as wide at half its height as flakes are apart, so that
+// the weights of all of them sum to about one everywhere [Yan16].
+inline constexpr float kFlakeSigma = 0.42466f;
+// Beyond so many standard deviations a Gaussian is taken for zero; its mass there is exp(-6.1).
+inline constexpr float kGaussianReach = 3.5f;
+
+class FlakeField {
+public:
+    // `threads` 0 = all. The field need not outlive it.
+    FlakeField(const SlopeField& field, uint32_t threads);
+
+    int width() const { return width_; }
+    int height() const { return height_; }
+    // 0 <= x < width, 0 <= y < height; its middle is at (x + 0.5, y + 0.5).
+    SlopeJet flake(int x, int y) const;
+    // Of the flakes, as far as they reach.
+    const SlopePyramid& pyramid() const { return pyramid_; }
+
+    size_t memory_bytes() const;
+
+private:
+    // Derivatives in steps that all flakes share.
+    struct Flake {
+        Vec2 slope;
+        int16_t by_s[2], by_t[2];
+    };
+    SlopeBounds bounds(int x, int y) const;
+
+    int width_, height_;
+    float step_ = 1.0f;
+    std::vector<Flake> flakes_;
+    SlopePyramid pyramid_;
+};
+
+using FlakeSet = std::vector<FlakeField>;  // one for each field of a GlintSet
+
+}  // namespace spc

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What every estimator of glints looks at: the lobes of a surface over the footprint of a pixel, and
+// a direction of light as the slopes of the map see it.
+#pragma once
+
+#include "glints/footprint.h"
+#include "glints/slope_field.h"
+
+namespace spc {
+
+// For the normal n = W (a, b, 1) and the half-vector h, n.h is linear and |n x h|^2 quadratic in
+// (a, b); the latter vanishes at `slope`.
+struct GlintTarget {
+    Vec3 half;             // unit
+    Vec3 linear;           // n.h = a x + b y + z
+    Vec2 slope;            // of h itself
+    bool inside;           // it has one: h is on the side of the interpolated normal
+    float aa, ab, bb;      // of |n x h|^2 around `slope`
+    float x_by_y, y_by_x;  // where that is least along a line of constant y, or x
+
+    GlintTarget(const SlopeFrame& frame, const Vec3& half);
+
+    float dot_at(const Vec2& s) const { return linear.x * s.x + linear.y * s.y + linear.z; }
+    float sine2_at(const Vec2& d) const {
+        return aa * d.x * d.x + 2.0f * ab * d.x * d.y + bb * d.y * d.y;
+    }
+    // Bounds over a box of slopes.
+    float most_dot(const SlopeBounds& b) const;
+    float least_sine2(const SlopeBounds& b) const;
+};
+
+// How the squared angle between a normal and h grows with the distance d of their slopes, next to h:
+// d^T Q d.
+struct SlopeMetric {
+    float scale;  // Q over the target's quadratic form
+    float aa, ab, bb;
+    // Where h has a slope.
+    explicit SlopeMetric(const GlintTarget& target);
+
+    float det() const { return aa * bb - ab * ab; }
+    float product(const Vec2& d, const Vec2& e) const {
+        return aa * d.x * e.x + ab * (d.x * e.y + d.y * e.x) + bb * d.y * e.y;
+    }
+};
+
+struct GlintSite {
+    uint32_t index;  // of the field among those of the scene
+    const SlopeField* field;
+    const ClosureList* closures;
+    PixelKernel pixel;
+    Footprint footprint;
+    Vec3 wo, ng;
+    Vec2 middle, lower, upper;  // of the pixel and the box around its footprint, texels
+    SlopeMoments moments;
+    std::array<Vec2, 2> to_film;  // rows: film from texels
+
+    // From the pixel's centre.
+    Vec2 film_at(const Vec2& texel) const {
+        const Vec2 d = texel - middle;
+        return {to_film[0].dot(d), to_film[1].dot(d)};
+    }
+    // The filter's density there, 1/pixel^2.
+    float filter_at(const Vec2& texel) const {
+        const Vec2 film = film_at(texel);
+        return pixel.filter->weight(film.x) * pixel.filter->weight(film.y);
+    }
+
+    const GlintLobe& lobe(int i) const { return closures->glints[static_cast<size_t>(i)]; }
+    // Of a lobe: weight times Fresnel, mean of the channels; its share in what the lobes give.
+    float scale(int i, float cos_wo_h) const;
+    // Mean over the footprint of the density of a Beckmann lobe's normals at h, if slopes were
+    // distributed normally [Olano10].
+    float normal_slopes_density(float alpha, const GlintTarget& target) const;
+    // Of any lobe: that, and a tail that falls no faster than the lobe's own.
+    float mean_density(const GlintLobe& glint, const GlintTarget& target) const;
+};
+
+}  // namespace spc

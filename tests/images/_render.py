@@ -36,6 +36,7 @@ ENUMERATIONS = {
     "method": "Method",
     "light_tracing": "LightTracing",
     "constraint": "Constraint",
+    "glint_method": "GlintMethod",
 }
 
 

@@ -98,9 +98,7 @@ class Method:
         return f"{FAMILIES[self.family].label} {self.label}"
 
 
-def _specula(
-    name, label, groups, color, marker, light_factor=1.0, scenes=(), **settings
-) -> Method:
+def _specula(name, label, groups, color, marker, light_factor=1.0, scenes=(), **settings) -> Method:
     method = settings["method"]
     biased = method.endswith("_BIASED") or settings.get("glint_method") in BIASED_GLINTS
     # Only the manifold has it as a setting.
@@ -287,8 +285,7 @@ def suited(names: Iterable[str], scene: Scene) -> list[str]:
     return [
         name
         for name in names
-        if not (METHODS[name].scenes and scene.is_example)
-        or scene.name in METHODS[name].scenes
+        if not (METHODS[name].scenes and scene.is_example) or scene.name in METHODS[name].scenes
     ]
 
 

@@ -12,7 +12,7 @@ seed      candidates for seeds
 surface   from a hit to closures; patch: to the local shape with derivatives, as walks ask for it
 sample    of a material's closures; eval: their value and density
 closest   ray casts, from a hundred to a million triangles; occluded: shadow rays
-glints    light averaged over a footprint: by search, and for comparison by random walks and Gaussians
+glints    light averaged over a footprint: by search, random walks, and Gaussians
 
 The exit code is 0 if every kernel came to a number, whether or not the promised one meets its
 target.

@@ -117,10 +117,10 @@ const Vec2 kCentre(0.5f, 0.5f);
 
 // Hypothesis: walks have the mean of rays, whose error is an order less than that of walks.
 TEST(GlintWalksSlow, AgreeWithRays) {
-    constexpr uint32_t kEstimates = 40000;
     struct Case {
         const char* name;
         GlintFloor floor;
+        uint32_t estimates = 40000;
     };
     const Graph plastic = test::normal_mapped(test::principled(0.3f, 0.25f), {1, 1});
     const std::vector<Case> cases{
@@ -129,7 +129,7 @@ TEST(GlintWalksSlow, AgreeWithRays) {
         {"narrow", floor_of(glossy(0.2f), waves(), 4.0)},
         {"several lobes", floor_of(plastic, waves(), 4.0)},
         {"stairs", floor_of(glossy(0.3f), stairs(), 6.0)},
-        {"few texels", floor_of(glossy(0.3f), waves(), 1.5)},
+        {"few texels", floor_of(glossy(0.3f), waves(), 1.5), 100000},
     };
     constexpr int kLights = 2;
     const double significance = test::sidak(kFamily, kLights * int(cases.size()));
@@ -138,14 +138,16 @@ TEST(GlintWalksSlow, AgreeWithRays) {
         for (uint64_t light = 1; light <= kLights; ++light) {
             const Vec3 wi = site.light(light, 0.3f);
             GlintStats stats;
-            const MeanEstimate walks = site.by({GlintMethod::walks}, kCentre, wi, kEstimates, stats);
+            const MeanEstimate walks =
+                site.by({GlintMethod::walks}, kCentre, wi, c.estimates, stats);
             const double rays = site.by_rays(kCentre, wi, 300);
             const double z = (walks.mean() - rays) / walks.standard_error();
             EXPECT_GT(std::erfc(std::abs(z) / std::sqrt(2.0)), significance)
                 << c.name << ": " << walks.mean() << " and " << rays << " +- "
                 << walks.standard_error();
             EXPECT_LT(walks.standard_error(), 0.05 * rays) << c.name << ": too little power";
-            EXPECT_EQ(stats.capped, 0u) << c.name;
+            // Solutions at the very edge of the filter, next to which no walk starts.
+            EXPECT_LE(stats.capped, c.estimates / 10000) << c.name;
         }
     }
 }

@@ -344,7 +344,7 @@ struct PathTracer {
                                 return manifold_radiance(techniques, receiver, pass.sheets, sampler,
                                                          stats.manifold);
                             });
-        if (may_begin_rough_chain(surface))
+        if (may_begin_rough_chain(surface, approach))
             sum += estimate(
                 surface, approach, kReceiverDepths + depth,
                 sampler[Domain::rough_chain_activation].one(), [&](const Receiver& receiver) {
@@ -353,9 +353,12 @@ struct PathTracer {
         return sum;
     }
 
-    // See CausticPath::begins_rough.
-    bool may_begin_rough_chain(const Surface& surface) const {
-        return !world.rough_chain_casters.empty() && settings.manifold.finder != ChainFinder::mnee &&
+    // See CausticPath::begins_rough. Without deltas light paths find all that the camera sees.
+    bool may_begin_rough_chain(const Surface& surface, const CameraApproach& approach) const {
+        const bool all_by_light_paths = settings.light_tracing.guide != nullptr &&
+                                        approach.film_per_area > 0.0f && world.casters.empty();
+        return !world.rough_chain_casters.empty() && !all_by_light_paths &&
+               settings.manifold.finder != ChainFinder::mnee &&
                !(history.stage != PathHistory::Stage::unconnected &&
                  scene().instances[surface.hit.instance].rough_caster);
     }

@@ -47,9 +47,10 @@ struct PathHistory {
                     std::abs(dot(surface.ng, surface.wo) / dot(caustic.sides.ng, surface.wo)),
                 caustic.scatterings + 1};
     }
-    // A chain that comes here, and may go on with a rough vertex; null if there is none.
+    // A chain that comes here, and may go on with a rough vertex; null if there is none, as behind a
+    // transparent part of a caster: CausticPath::through_caster.
     const CausticPath* chain_so_far() const {
-        if (stage == Stage::unconnected) return nullptr;
+        if (stage == Stage::unconnected || passed_caster) return nullptr;
         const CausticPath* chain = rough_chain.count > 0 ? &rough_chain : &caustic;
         return chain->begins_rough && chain->count < kLongestChain ? chain : nullptr;
     }
@@ -61,7 +62,6 @@ struct PathHistory {
             return;
         }
         if (chain != &rough_chain) rough_chain = *chain;
-        rough_chain.through_caster = rough_chain.through_caster || passed_caster;
         rough_chain.append(*vertex);
     }
     // `before`: the path's bounces when it came here.

@@ -452,7 +452,7 @@ struct PathTracer {
     // The density that the manifold's share is computed with: of the surface's own closures, even
     // where switched-off caustics left fewer to sample.
     float lobe_probability(const Surface& surface, const ClosureSample& next) const {
-        if (!next.on_caster_normal) return 0.0f;
+        if (!next.on_caster_normal || history.stage == PathHistory::Stage::unconnected) return 0.0f;
         if (settings.manifold.reflections && settings.manifold.refractions)
             return delta_lobe(surface.closures, surface.ng, surface.wo, next.wi, next.refracted)
                 .probability;

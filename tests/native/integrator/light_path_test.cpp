@@ -222,7 +222,7 @@ void expect_agreement(const std::vector<Setup>& setups,
                       const IntegratorSettings& settings = few_bounces(),
                       CausticsRole floor = CausticsRole::receiver, uint32_t factor = 12,
                       bool from_fixed_starts = false) {
-    constexpr uint32_t kRounds = 1500;
+    constexpr uint32_t kRounds = 2000;
     for (const Setup& setup : setups) {
         SceneMaker maker;
         set_camera(maker);

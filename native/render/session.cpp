@@ -124,6 +124,9 @@ Activation activation_for(const TileEvidence& evidence, std::span<const PixelSum
     // So few samples tell nothing yet; and what they have not met must not come too rarely.
     constexpr uint64_t kLeastSamples = 3;
     constexpr double kLeastChance = 1.0 / 8;
+    // Chains among rough vertices may cost the most where they bring the least: on fine normal maps one
+    // of very many solutions is looked for again.
+    constexpr double kLeastRoughChance = 1.0 / 32;
     // Of the variance that a tile shows, what is left for all but the manifold at least.
     constexpr double kLeastRest = 0.05;
 
@@ -150,7 +153,8 @@ Activation activation_for(const TileEvidence& evidence, std::span<const PixelSum
         const ActivationEvidence& e = evidence.manifold[i];
         if (e.cost == 0.0) continue;
         const double best = std::sqrt(e.second_moment / e.cost * rest_cost / rest);
-        chances[i] = static_cast<float>(std::clamp(best, kLeastChance, 1.0));
+        const double least = i < kReceiverDepths ? kLeastChance : kLeastRoughChance;
+        chances[i] = static_cast<float>(std::clamp(best, least, 1.0));
     }
     return chances;
 }

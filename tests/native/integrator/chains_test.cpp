@@ -295,13 +295,15 @@ std::vector<ChainCase> rough_chain_cases() {
              add_surface(m, 0.6f, metal, rotation_x(0.5f * kPi, {0, 1.1f, 0.8f}), mapped);
          },
          above,
-         {single}},
+         {single},
+         false},
         {"rough R, Beckmann",
          [=](SceneMaker& m, bool mapped) {
              add_surface(m, 0.6f, beckmann(metal), rotation_x(0.5f * kPi, {0, 1.1f, 0.8f}), mapped);
          },
          above,
-         {single}},
+         {single},
+         false},
         // Seen by its diffuse part, too, and by smooth deltas.
         {"rough R of a mixture",
          [=](SceneMaker& m, bool mapped) {

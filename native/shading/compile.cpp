@@ -201,8 +201,6 @@ Material Compiler::run() {
     ProgramRoots roots;
     find_specular_interfaces(expr, graph_, terms_, material, roots.caster_normal, warnings_);
     material.slopes = find_slope_map(expr, glints_, images_, terms_);
-    // Of the very many chains by a map that may glint one is hardly ever found again.
-    if (material.slopes.image != kNone) material.rough = {};
     if (material.emits) (is_world_ ? roots.background : roots.emission) = emission;
     for (const ClosureTerm& term : terms_) {
         if (term.op != ClosureOp::transparent) continue;

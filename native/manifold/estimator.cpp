@@ -133,7 +133,7 @@ public:
         if (sheet != nullptr)
             shoot_leads(scene_, settings_, *sheet, start(), y_, worth, 0.0f, found, stats_);
         if (find(settings_, found, *missed) != nullptr) return sum;
-        const Spectrum value = contribution(missed->chain, true);
+        const Spectrum value = contribution(missed->chain, Found::beside_sheet);
         if (is_black(value)) return sum;
         const uint32_t trials = count_trials([&] {
             const std::optional<ChainSolution> again = random_chain(techniques_.casters, pcg);
@@ -151,7 +151,7 @@ public:
         const FrozenFacets facets = freeze_facets(pcg);
         const std::optional<ChainSolution> found = random_chain(casters, pcg, &facets);
         if (!found) return Spectrum(0.0f);
-        const Spectrum value = contribution(found->chain, false, true);
+        const Spectrum value = contribution(found->chain, Found::among_facets);
         if (is_black(value)) return value;
         return value * static_cast<float>(count_trials([&] {
                    const std::optional<ChainSolution> again = random_chain(casters, pcg, &facets);
@@ -194,9 +194,10 @@ private:
                      settings_.max_halvings, stats_, facets);
     }
 
+    enum class Found : uint8_t { surely, beside_sheet, among_facets };
     // What one solution contributes; zero if something stands in its way. Of chains among facets,
     // those alone that have a rough vertex: the others are found without.
-    Spectrum contribution(const Chain& chain, bool missed = false, bool among_facets = false) {
+    Spectrum contribution(const Chain& chain, Found found = Found::surely) {
         const Vec3 wi = normalize(chain.vertices[0].patch.p - receiver_.p);
         const ClosureEval at_x = eval(*receiver_.closures, receiver_.ng, receiver_.wo, wi);
         if (is_black(at_x.f_cos)) return Spectrum(0.0f);
@@ -210,7 +211,7 @@ private:
         for (uint32_t i = 0; i < chain.count; ++i)
             path.append({chain.hits[i], chain.vertices[i].interaction, 0.0f,
                          scene_.material_of(chain.hits[i]).interface().is_rough()});
-        if (path.is_rough() != among_facets) return Spectrum(0.0f);
+        if (path.is_rough() != (found == Found::among_facets)) return Spectrum(0.0f);
         const Spectrum throughput = chain_throughput(scene_, path, end_of(y_));
         if (is_black(throughput) || !manifold_owns(techniques_, path)) return Spectrum(0.0f);
         LightEnd end = light_end(y_, away);
@@ -218,16 +219,17 @@ private:
             end.pdf_direct = pdf_direct(lights_, scene_, last, y_);
         const std::optional<CausticDensities> densities = caustic_densities(techniques_, path, end);
         if (!densities || !(densities->geometry > 0.0)) return Spectrum(0.0f);
-        const double scale = missed && densities->missed_are_apart()
+        const double scale = found == Found::beside_sheet && densities->missed_are_apart()
                                  ? densities->missed_scale()
                                  : manifold_worth(techniques_, path) * densities->scale();
+        const bool shared = found != Found::among_facets && receiver_.rough_before != nullptr;
         const Spectrum f_cos =
-            among_facets ? at_x.f_cos
-                         : left_by_rough_chains(techniques_,
-                                                {receiver_.rough_before, receiver_.hit,
-                                                 *receiver_.closures, receiver_.ng, receiver_.wo},
-                                                wi, kAllKinds,
-                                                std::span(path.vertices.data(), path.count), end);
+            shared ? left_by_rough_chains(techniques_,
+                                          {receiver_.rough_before, receiver_.hit,
+                                           *receiver_.closures, receiver_.ng, receiver_.wo},
+                                          wi, kAllKinds,
+                                          std::span(path.vertices.data(), path.count), end)
+                   : at_x.f_cos;
         return f_cos * throughput * radiance * passes(chain) * static_cast<float>(scale);
     }
 

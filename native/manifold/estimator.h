@@ -28,7 +28,7 @@ struct Receiver {
     BounceCounts before;  // see CausticPath
     // What irradiance adds to the pixel's radiance, about; largest channel.
     float importance;
-    const CausticPath* rough_before;  // see RoughVisit
+    const CausticPath* rough_before;  // see RoughVisit; null: there is none
 };
 
 // The path of light that arrives from the direction wi, without its chain and its light: `at_x`

@@ -293,8 +293,7 @@ Spectrum left_by_rough_chains(const Techniques& techniques, const RoughVisit& vi
         return eval(visit.closures, visit.ng, visit.wo, wi, some).f_cos;
     };
     const Spectrum all = f_cos(kinds);
-    if (visit.before == nullptr || visit.before->count + 1 + behind.size() > kLongestChain)
-        return all;
+    if (visit.before->count + 1 + behind.size() > kLongestChain) return all;
     const std::optional<CausticVertex> here =
         rough_vertex(techniques, visit.hit, visit.closures, visit.ng, visit.wo, wi);
     if (!here) return all;

@@ -222,7 +222,7 @@ float rough_chain_share(const Techniques& techniques, const CausticPath& path, c
 
 // Where a chain that began at an earlier x may go on.
 struct RoughVisit {
-    const CausticPath* before;  // the chain so far; null: there is none
+    const CausticPath* before;  // the chain so far; null: there is none, nothing to share
     const SurfaceHit& hit;
     const ClosureList& closures;
     const Vec3 &ng, &wo;

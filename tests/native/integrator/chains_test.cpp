@@ -304,7 +304,7 @@ std::vector<ChainCase> rough_chain_cases() {
          above,
          {single},
          false},
-        // Seen by its diffuse part, too, and by smooth deltas.
+        // What its diffuse part scatters is path tracing's.
         {"rough R of a mixture",
          [=](SceneMaker& m, bool) {
              add_surface(m, 0.6f, combined(metal, diffuse(0.7f), 0.5f),

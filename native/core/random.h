@@ -28,7 +28,9 @@ enum class Domain : uint32_t {
     glints,
     rough_chain_light,
     rough_chain_seeds,
-    rough_chain_activation
+    rough_chain_activation,
+    highlight_light,
+    highlight_seeds
 };
 
 inline uint64_t mix_bits(uint64_t x) {  // a bijection with good avalanche, [Stafford11] variant 13
@@ -108,6 +110,14 @@ private:
     uint64_t key_;
     uint32_t index_;
 };
+
+// For what no pixel owns: apart from the pixels' streams, and from those of another `purpose`, by
+// their seed.
+inline Sampler sampler_beside_pixels(uint32_t seed, uint64_t purpose, uint64_t index) {
+    constexpr uint64_t kSequence = 1u << 20;
+    return {static_cast<uint32_t>(mix_bits(seed ^ purpose)),
+            static_cast<uint32_t>(index / kSequence), static_cast<uint32_t>(index % kSequence)};
+}
 
 // PCG32 [ONeill14], for draws without a fixed number: Bernoulli trials.
 class Pcg {

@@ -115,12 +115,13 @@ void Film::store_tile(uint32_t tile, std::span<const PixelSums> pixels) {
     std::copy(pixels.begin(), pixels.end(), out.begin());
 }
 
-void Film::add_light_paths(std::span<const Splat> splats, const PixelFilter& filter, uint64_t paths,
-                           double per_picture) {
-    const std::lock_guard lock(light_mutex_);
-    if (splats_.empty()) splats_.resize(pixels_.size());
-    light_paths_ += static_cast<double>(paths);
-    pictures_ += static_cast<double>(paths) / per_picture;
+void Film::add_splats(SplatSource source, std::span<const Splat> splats, const PixelFilter& filter,
+                      uint64_t estimates, double per_picture) {
+    const std::lock_guard lock(splat_mutex_);
+    SplatLayer& layer = splats_[static_cast<size_t>(source)];
+    if (layer.pixels.empty()) layer.pixels.resize(pixels_.size());
+    layer.estimates += static_cast<double>(estimates);
+    layer.pictures += static_cast<double>(estimates) / per_picture;
     const auto pixels_near = [&](float at, uint32_t size) {
         const float first = std::ceil(at - filter.reach() - 0.5f);
         const float last = std::floor(at + filter.reach() - 0.5f);
@@ -134,7 +135,8 @@ void Film::add_light_paths(std::span<const Splat> splats, const PixelFilter& fil
             const float wy = filter.weight(splat.film.y - static_cast<float>(y) - 0.5f);
             for (int64_t x = x0; x <= x1; ++x) {
                 const float w = wy * filter.weight(splat.film.x - static_cast<float>(x) - 0.5f);
-                SplatSums& sums = splats_[static_cast<size_t>(y) * width_ + static_cast<size_t>(x)];
+                SplatSums& sums =
+                    layer.pixels[static_cast<size_t>(y) * width_ + static_cast<size_t>(x)];
                 for (int c = 0; c < 3; ++c) {
                     const auto value = static_cast<double>(w * splat.value[c]);
                     sums.value[static_cast<size_t>(c)] += value;
@@ -145,16 +147,16 @@ void Film::add_light_paths(std::span<const Splat> splats, const PixelFilter& fil
     }
 }
 
-Film::LightMean Film::light_mean(size_t pixel) const {
-    LightMean mean;
-    const SplatSums& sums = splats_[pixel];
+Film::SplatMean Film::SplatLayer::mean(size_t pixel) const {
+    SplatMean result;
+    const SplatSums& sums = pixels[pixel];
     for (size_t c = 0; c < 3; ++c) {
-        mean.value[c] = sums.value[c] / pictures_;
-        mean.variance[c] =
-            std::max(sums.squared[c] - sums.value[c] * sums.value[c] / light_paths_, 0.0) /
-            (pictures_ * pictures_);
+        result.value[c] = sums.value[c] / pictures;
+        result.variance[c] =
+            std::max(sums.squared[c] - sums.value[c] * sums.value[c] / estimates, 0.0) /
+            (pictures * pictures);
     }
-    return mean;
+    return result;
 }
 
 void Film::read(Pass pass, std::span<float> out) const {
@@ -172,14 +174,17 @@ void Film::read(Pass pass, std::span<float> out) const {
                 if (pixel.count > 0) write_pixel(pass, pixel, out.data() + at * channels);
             }
     }
-    const std::lock_guard lock(light_mutex_);
-    if (splats_.empty()) return;
+    const std::lock_guard lock(splat_mutex_);
     if (pass != Pass::combined && pass != Pass::caustics && pass != Pass::variance) return;
-    for (size_t at = 0; at < splats_.size(); ++at) {
-        const LightMean mean = light_mean(at);
-        for (size_t c = 0; c < 3; ++c)
-            out[at * channels + c] +=
-                static_cast<float>(pass == Pass::variance ? mean.variance[c] : mean.value[c]);
+    for (const SplatSource source : {SplatSource::light_paths, SplatSource::highlights}) {
+        if (pass == Pass::caustics && source == SplatSource::highlights) continue;
+        const SplatLayer& layer = splats_[static_cast<size_t>(source)];
+        for (size_t at = 0; at < layer.pixels.size(); ++at) {
+            const SplatMean mean = layer.mean(at);
+            for (size_t c = 0; c < 3; ++c)
+                out[at * channels + c] +=
+                    static_cast<float>(pass == Pass::variance ? mean.variance[c] : mean.value[c]);
+        }
     }
 }
 

@@ -56,11 +56,13 @@ enum class Pass : uint32_t {
 };
 uint32_t pass_channels(Pass pass);
 
-// What light paths add at a point of the film: radiance times pixels^2.
+// What a path adds at a point of the film: radiance times pixels^2.
 struct Splat {
     Vec2 film;  // pixels of the full frame
     Spectrum value;
 };
+
+enum class SplatSource : uint8_t { light_paths, highlights };
 
 class Film {
 public:
@@ -80,10 +82,10 @@ public:
     std::vector<PixelSums> copy_tile(uint32_t tile) const;
     void store_tile(uint32_t tile, std::span<const PixelSums> pixels);
 
-    // A picture is the sum over `per_picture` light paths, and the mean over all that were added.
-    // `splats` of `paths` of them, relative to the film's corner.
-    void add_light_paths(std::span<const Splat> splats, const PixelFilter& filter, uint64_t paths,
-                         double per_picture);
+    // Of each source a picture is the sum over `per_picture` estimates, and the mean over all that
+    // were added. `splats` of `estimates` of them, relative to the film's corner.
+    void add_splats(SplatSource source, std::span<const Splat> splats, const PixelFilter& filter,
+                    uint64_t estimates, double per_picture);
 
     // float[height][width][channels], bottom row first.
     void read(Pass pass, std::span<float> out) const;
@@ -96,17 +98,20 @@ private:
     std::vector<PixelSums> pixels_;  // tile after tile; one block: too large a frame fails at once
     mutable std::vector<std::mutex> mutexes_;  // of each tile
 
-    // Of light paths, row after row; empty until there are some.
+    // Row after row; no pixels until there are some.
     struct SplatSums {
         std::array<double, 3> value{}, squared{};
     };
-    struct LightMean {  // of a pixel
+    struct SplatMean {  // of a pixel
         std::array<double, 3> value{}, variance{};
     };
-    LightMean light_mean(size_t pixel) const;
-    mutable std::mutex light_mutex_;  // guards all of this
-    std::vector<SplatSums> splats_;
-    double light_paths_ = 0.0, pictures_ = 0.0;
+    struct SplatLayer {
+        std::vector<SplatSums> pixels;
+        double estimates = 0.0, pictures = 0.0;
+        SplatMean mean(size_t pixel) const;
+    };
+    mutable std::mutex splat_mutex_;    // guards them
+    std::array<SplatLayer, 2> splats_;  // of each SplatSource
 };
 
 }  // namespace spc

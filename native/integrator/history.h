@@ -28,7 +28,7 @@ struct PathHistory {
     enum class Stage : uint8_t {
         unconnected,  // from the camera through deltas alone, or beyond a chain that nobody else can find
         scattered,  // one smooth scattering at x: shared with next event estimation
-        chain       // then interactions with casters
+        chain  // then, or from the camera where that may see highlights, interactions with casters
     };
     Stage stage = Stage::unconnected;
     CausticPath caustic;  // as far as it has come
@@ -40,6 +40,12 @@ struct PathHistory {
     float pdf_direct = 0.0f;
     bool glints = false;
 
+    void begin_at_camera(const Camera& camera, const Ray& ray) {
+        stage = Stage::chain;
+        caustic = camera_path(camera, ray.origin, ray.direction);
+    }
+    // Whether all that is since then has begun with a smooth scattering.
+    bool has_scattered() const { return stage != Stage::unconnected && !caustic.from_camera; }
     // Of the camera's path to a surface that it meets after the last one.
     CameraApproach approach_to(const Surface& surface) const {
         if (stage != Stage::scattered) return {};
@@ -67,7 +73,7 @@ struct PathHistory {
     // `before`: the path's bounces when it came here.
     void append_smooth(const Scene& scene, const Surface& surface, const ClosureSample& sample,
                        bool may_receive, const CameraApproach& approach, const BounceCounts& before) {
-        const bool reached_by_scattering = stage != Stage::unconnected;
+        const bool reached_by_scattering = has_scattered();
         stage = Stage::scattered;
         pdf_direct = sample.pdf_omega;
         glints = false;
@@ -76,6 +82,7 @@ struct PathHistory {
         caustic.sides = {surface.ng, has_smooth_transmission(surface.closures)};
         caustic.pdf_omega = sample.pdf_omega;
         caustic.receiver = may_receive;
+        caustic.from_camera = false;
         caustic.rough_caster = scene.instances[surface.hit.instance].rough_caster;
         caustic.begins_rough = !(reached_by_scattering && caustic.rough_caster);
         caustic.through_caster = passed_caster = false;

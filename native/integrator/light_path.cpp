@@ -124,7 +124,7 @@ private:
         const Vec3 p = surface_position(scene_, hit);
         const Vec2 lens = sampler_.vertex(segment_)[Domain::lens].two();
         const std::optional<CameraView> view = scene_.camera.view(p, lens);
-        if (!view || !is_near_crop(view->film)) return;
+        if (!view || !scene_.camera.is_near_crop(view->film, margin_)) return;
         Surface surface;
         evaluate_surface(scene_, hit, normalize(view->origin - p), surface);
         std::optional<LightHistory::Arrival> arrival =
@@ -147,15 +147,6 @@ private:
         const double square = static_cast<double>(dot(value, value) * (1.0f / 3.0f));
         (is_thinned() ? stats_.squares_behind : stats_.squares) += square;
         splats_.push_back({view->film, value});
-    }
-
-    bool is_near_crop(const Vec2& film) const {
-        const auto& [x0, y0, width, height] = scene_.camera.crop;
-        const auto inside = [this](float at, uint32_t begin, uint32_t size) {
-            return at >= static_cast<float>(begin) - margin_ &&
-                   at < static_cast<float>(begin + size) + margin_;
-        };
-        return inside(film.x, x0, width) && inside(film.y, y0, height);
     }
 
     // Fraction of the light that passes from the surface to the camera.
@@ -192,11 +183,8 @@ private:
     uint64_t rays_before_ = 0;   // counted until the path scattered at its receiver
 };
 
-// Streams of light paths: apart from those of pixels, by their seed.
 Sampler light_sampler(uint32_t seed, uint64_t index) {
-    constexpr uint64_t kSequence = 1u << 20;
-    return {static_cast<uint32_t>(mix_bits(seed ^ 0x6c69676874ull)),
-            static_cast<uint32_t>(index / kSequence), static_cast<uint32_t>(index % kSequence)};
+    return sampler_beside_pixels(seed, 0x6c69676874ull, index);
 }
 
 // Paths of the pilot, the same number on each of several guides, each of which learns from the one

@@ -87,7 +87,8 @@ struct PathTracer {
 
     // Whether weight_of() asks for the density of light points.
     bool light_points_count() const {
-        return history.stage == PathHistory::Stage::chain || history.rough_chain.count > 0 ||
+        return (history.stage == PathHistory::Stage::chain && history.caustic.count > 0) ||
+               history.rough_chain.count > 0 ||
                (history.stage == PathHistory::Stage::scattered && history.caustic.rough_caster);
     }
 
@@ -97,6 +98,7 @@ struct PathTracer {
         if (!(end.pdf > 0.0f) ||
             !(manifold_owns(techniques, path) || light_tracing_owns(techniques, path)))
             return 1.0f;
+        if (path.from_camera && !settings.highlights->has(end.light)) return 1.0f;
         const std::optional<CausticDensities> p = caustic_densities(techniques, path, end);
         if (!p || p->manifold + p->light_tracing == 0.0) return 1.0f;
         const bool missed = p->missed_are_apart() &&
@@ -359,8 +361,7 @@ struct PathTracer {
                                         approach.film_per_area > 0.0f && world.casters.empty();
         return !world.rough_chain_casters.empty() && !all_by_light_paths &&
                settings.manifold.finder != ChainFinder::mnee &&
-               !(history.stage != PathHistory::Stage::unconnected &&
-                 scene().instances[surface.hit.instance].rough_caster);
+               !(history.has_scattered() && scene().instances[surface.hit.instance].rough_caster);
     }
 
     // Of kind `i` of Activation; `u` decides whether there is one.
@@ -486,6 +487,8 @@ PathSample path_radiance(const RenderScene& world, const IntegratorSettings& set
     if (pixel != nullptr && !world.glints.fields.empty())
         path.differential =
             camera_differential(world.scene->camera, *pixel, lens, camera_ray.direction);
+    if (settings.highlights != nullptr)
+        path.history.begin_at_camera(world.scene->camera, camera_ray);
     PathSample out;
     Surface surface;
     for (uint32_t vertex = 0;; ++vertex) {

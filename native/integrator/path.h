@@ -23,12 +23,14 @@ struct IntegratorSettings {
     bool transparent_film = false;
     ManifoldSettings manifold;
     LightTracing light_tracing;
+    const Highlights* highlights = nullptr;  // null: path tracing alone finds them
     GlintSettings glints;
 };
 
 inline Techniques techniques_of(const RenderScene& world, const IntegratorSettings& settings) {
-    return {*world.scene,      world.lights,           world.casters,  world.rough_chain_casters,
-            settings.manifold, settings.light_tracing, settings.limits};
+    return {
+        *world.scene,      world.lights,           world.casters,       world.rough_chain_casters,
+        settings.manifold, settings.light_tracing, settings.highlights, settings.limits};
 }
 
 // Receivers by how often the path has scattered before: 0, 1, 2 or more times.

@@ -11,8 +11,10 @@ constexpr float kLeastCosine = 1e-3f;
 ChainEnd end_of(const LightPoint& y) { return {y.distant, y.p, y.direction}; }
 
 ReceiverSides sides_of(const Receiver& receiver) {
-    return {receiver.ng, has_smooth_transmission(*receiver.closures)};
+    return {receiver.ng, receiver.camera == nullptr && has_smooth_transmission(*receiver.closures)};
 }
+
+RayStart start_of(const Receiver& receiver) { return {receiver.p, receiver.ng, receiver.p_error}; }
 
 struct FoundChain {
     ChainSolution solution;
@@ -64,6 +66,20 @@ std::optional<ChainSolution> shoot_from_fixed_start(const Techniques& techniques
                                          : central_reflection(x, casters.casters[caster]);
     if (!start) return std::nullopt;
     return shoot(scene, settings, x, end, start->kind, start->w, settings.max_halvings, stats);
+}
+
+// Adds the chains between x and y to which leads of highlights come.
+void shoot_leads(const Techniques& techniques, const RayStart& x, const LightPoint& y,
+                 FoundChains& found, ManifoldStats& stats) {
+    const ManifoldSettings& settings = techniques.manifold;
+    for (const HighlightLead& lead : techniques.highlights->leads[y.light]) {
+        ++stats.leads;
+        const std::optional<ChainSolution> solution =
+            shoot(techniques.scene, settings, x, end_of(y), lead.kind, lead.w,
+                  settings.lead_halvings, stats);
+        if (solution && find(settings, found, *solution) == nullptr)
+            found.push_back({*solution, 1.0f});
+    }
 }
 
 // One estimate: a receiver and a light point, and chains between them.
@@ -159,6 +175,21 @@ public:
                }));
     }
 
+    void highlights(std::vector<Highlight>& out) {
+        FoundChains found;
+        shoot_leads(techniques_, start(), y_, found, stats_);
+        for (const FoundChain& one : found) {
+            const Spectrum value = contribution(one.solution.chain);
+            if (!is_black(value)) out.push_back({one.solution.chain.vertices[0].patch.p, value});
+        }
+    }
+
+    std::optional<ChainSolution> random_highlight(Pcg& pcg) {
+        std::optional<ChainSolution> found = random_chain(techniques_.casters, pcg);
+        if (found && is_black(contribution(found->chain))) found.reset();
+        return found;
+    }
+
     // The solution to which the straight line leads, and that from the middle of a caster.
     Spectrum from_fixed_starts(uint32_t caster) {
         Spectrum sum(0.0f);
@@ -178,7 +209,7 @@ private:
         return chain;
     }
 
-    RayStart start() const { return {receiver_.p, receiver_.ng, receiver_.p_error}; }
+    RayStart start() const { return start_of(receiver_); }
 
     // From a random direction towards a random caster, with every interaction on the way left to
     // chance: finds any chain with some probability.
@@ -199,7 +230,7 @@ private:
     // those alone that have a rough vertex: the others are found without.
     Spectrum contribution(const Chain& chain, Found found = Found::surely) {
         const Vec3 wi = normalize(chain.vertices[0].patch.p - receiver_.p);
-        const ClosureEval at_x = eval(*receiver_.closures, receiver_.ng, receiver_.wo, wi);
+        const ClosureEval at_x = scattering_at_x(wi);
         if (is_black(at_x.f_cos)) return Spectrum(0.0f);
         const Vec3& last = chain.vertices[chain.count - 1].patch.p;
         float distance_y = 0.0f;
@@ -207,7 +238,9 @@ private:
         const Spectrum radiance = radiance_at(lights_, scene_, y_, away);
         if (is_black(radiance)) return Spectrum(0.0f);
 
-        CausticPath path = caustic_path(scene_, receiver_, at_x, wi);
+        CausticPath path = receiver_.camera != nullptr
+                               ? camera_path(*receiver_.camera, receiver_.p, wi)
+                               : caustic_path(scene_, receiver_, at_x, wi);
         for (uint32_t i = 0; i < chain.count; ++i)
             path.append({chain.hits[i], chain.vertices[i].interaction, 0.0f,
                          scene_.material_of(chain.hits[i]).interface().is_rough()});
@@ -218,7 +251,8 @@ private:
         if (path.vertices[path.count - 1].rough)
             end.pdf_direct = pdf_direct(lights_, scene_, last, y_);
         const std::optional<CausticDensities> densities = caustic_densities(techniques_, path, end);
-        if (!densities || !(densities->geometry > 0.0)) return Spectrum(0.0f);
+        if (!densities || !(densities->geometry > 0.0) || !(densities->manifold > 0.0))
+            return Spectrum(0.0f);
         const double scale = found == Found::beside_sheet && densities->missed_are_apart()
                                  ? densities->missed_scale()
                                  : manifold_worth(techniques_, path) * densities->scale();
@@ -231,6 +265,14 @@ private:
                                           std::span(path.vertices.data(), path.count), end)
                    : at_x.f_cos;
         return f_cos * throughput * radiance * passes(chain) * static_cast<float>(scale);
+    }
+
+    // The camera takes the film for what scatters.
+    ClosureEval scattering_at_x(const Vec3& wi) const {
+        if (receiver_.camera == nullptr)
+            return eval(*receiver_.closures, receiver_.ng, receiver_.wo, wi);
+        const float density = receiver_.camera->film_per_solid_angle(wi);
+        return {Spectrum(density), density};
     }
 
     // Fraction of light that passes along all segments of a chain.
@@ -247,7 +289,9 @@ private:
         if (dot(receiver_.ng, first) < 0.0f) media.cross(scene_, receiver_.hit, first);
         Spectrum through(1.0f);
         RayStart from = start();
-        uint32_t kind = kVisibleDiffuse;
+        if (receiver_.camera != nullptr)  // nothing nearer is in its way
+            from.p += first * (receiver_.camera->clip_near / dot(receiver_.ng, first));
+        uint32_t kind = receiver_.camera != nullptr ? kVisibleCamera : kVisibleDiffuse;
         for (uint32_t i = 0; i < chain.count; ++i) {
             const CasterPatch& patch = chain.vertices[i].patch;
             // Chains that look through a caster are path tracing's: CausticPath::through_caster.
@@ -362,6 +406,36 @@ Spectrum rough_chain_radiance(const Techniques& techniques, const Receiver& rece
     return Estimate(techniques, receiver, *y, stats).by_facets(pcg);
 }
 
+void find_highlights(const Techniques& techniques, const Receiver& camera, const Sampler& sampler,
+                     std::vector<Highlight>& found, ManifoldStats& stats) {
+    const std::optional<LightPoint> y = sample_light_point(
+        techniques.lights, techniques.scene, sampler[Domain::highlight_light].three());
+    if (!y || !techniques.highlights->has(y->light)) return;
+    ++stats.estimates;
+    Estimate(techniques, camera, *y, stats).highlights(found);
+}
+
+std::optional<RandomHighlight> random_highlight(const Techniques& techniques, const Receiver& camera,
+                                                const Sampler& sampler, ManifoldStats& stats) {
+    const std::optional<LightPoint> y = sample_light_point(
+        techniques.lights, techniques.scene, sampler[Domain::highlight_light].three());
+    if (!y) return std::nullopt;
+    Pcg pcg(sampler[Domain::highlight_seeds].stream_seed());
+    const std::optional<ChainSolution> found =
+        Estimate(techniques, camera, *y, stats).random_highlight(pcg);
+    if (!found) return std::nullopt;
+    return RandomHighlight{*y, *found};
+}
+
+bool leads_to(const Techniques& techniques, const Receiver& camera, const HighlightLead& lead,
+              const RandomHighlight& highlight, ManifoldStats& stats) {
+    const ManifoldSettings& settings = techniques.manifold;
+    const std::optional<ChainSolution> solution =
+        shoot(techniques.scene, settings, start_of(camera), end_of(highlight.y), lead.kind, lead.w,
+              settings.lead_halvings, stats);
+    return solution && same_solution(settings, *solution, highlight.solution);
+}
+
 bool manifold_misses(const Techniques& techniques, const LightSheets& sheets,
                      const CausticPath& path, const LightEnd& end, ManifoldStats& stats) {
     const Scene& scene = techniques.scene;
@@ -380,7 +454,9 @@ bool manifold_misses(const Techniques& techniques, const LightSheets& sheets,
         shoot(scene, settings, x, end.end, kind, w, settings.max_halvings, stats);
     if (!own) return true;
     FoundChains found;
-    if (settings.finder == ChainFinder::sheets) {
+    if (path.from_camera) {
+        shoot_leads(techniques, x, y, found, stats);
+    } else if (settings.finder == ChainFinder::sheets) {
         const LightSheet* sheet = nearest_sheet(sheets, y);
         if (sheet == nullptr) return true;
         shoot_leads(scene, settings, *sheet, x, y, std::numeric_limits<float>::max(), 0.0f, found,

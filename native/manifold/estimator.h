@@ -14,7 +14,8 @@
 
 namespace spc {
 
-// What a path knows of the vertex where a chain may begin.
+// What a path knows of the vertex where a chain may begin. Where that is the camera, `ng` is its
+// viewing axis, `importance` and `approach` say nothing, and there are no closures.
 struct Receiver {
     Vec3 p;
     float p_error;  // m, see RayStart
@@ -29,6 +30,7 @@ struct Receiver {
     // What irradiance adds to the pixel's radiance, about; largest channel.
     float importance;
     const CausticPath* rough_before;  // see RoughVisit; null: there is none
+    const Camera* camera = nullptr;
 };
 
 // The path of light that arrives from the direction wi, without its chain and its light: `at_x`
@@ -44,8 +46,28 @@ Spectrum manifold_radiance(const Techniques& techniques, const Receiver& receive
 Spectrum rough_chain_radiance(const Techniques& techniques, const Receiver& receiver,
                               const Sampler& sampler, ManifoldStats& stats);
 
-// Whether no lead of the sheets, or no fixed start, comes to the path's chain: not of walks, which
-// may come to any.
+// What the camera sees of a light in casters.
+struct Highlight {
+    Vec3 p;          // of the chain's first vertex
+    Spectrum value;  // radiance times pixels^2
+};
+// One estimate of those that leads come to: appends them.
+void find_highlights(const Techniques& techniques, const Receiver& camera, const Sampler& sampler,
+                     std::vector<Highlight>& found, ManifoldStats& stats);
+
+// One that was come upon by chance, as techniques.highlights would share it if it had leads to it.
+struct RandomHighlight {
+    LightPoint y;
+    ChainSolution solution;
+};
+std::optional<RandomHighlight> random_highlight(const Techniques& techniques, const Receiver& camera,
+                                                const Sampler& sampler, ManifoldStats& stats);
+// Whether the lead comes to it.
+bool leads_to(const Techniques& techniques, const Receiver& camera, const HighlightLead& lead,
+              const RandomHighlight& highlight, ManifoldStats& stats);
+
+// Whether no lead of the sheets or of highlights, or no fixed start, comes to the path's chain: not of
+// walks, which may come to any.
 bool manifold_misses(const Techniques& techniques, const LightSheets& sheets,
                      const CausticPath& path, const LightEnd& end, ManifoldStats& stats);
 

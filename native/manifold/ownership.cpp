@@ -25,11 +25,13 @@ bool looks_for(const ManifoldSettings& settings, const CausticPath& path) {
 // Whether path tracing may follow the path to its light, by whichever closure x scatters, after such
 // bounces.
 bool within_limits(const BounceLimits& limits, const BounceCounts& before, const CausticPath& path) {
-    uint32_t glossy = before.glossy + 1, transmission = before.transmission + 1;
+    const uint32_t at_x = path.from_camera ? 0 : 1;
+    uint32_t glossy = before.glossy + at_x, transmission = before.transmission + at_x;
     for (uint32_t i = 0; i + 1 < path.count; ++i)
         ++(path.vertices[i].interaction == Interaction::reflection ? glossy : transmission);
-    return before.total + path.count <= limits.total && before.diffuse < limits.diffuse &&
-           glossy <= limits.glossy && transmission <= limits.transmission;
+    return before.total + at_x + path.count <= limits.total + 1 &&
+           before.diffuse + at_x <= limits.diffuse && glossy <= limits.glossy &&
+           transmission <= limits.transmission;
 }
 
 // Whether light paths may find a chain with rough vertices: where the camera comes to x as they do,
@@ -51,6 +53,13 @@ bool chooses_caster(const ManifoldSettings& settings, const CausticPath& path) {
 
 bool is_seen_through(const LightSet& lights, uint32_t light) {
     return (light_visibility(lights, light) & kVisibleShadow) == 0;
+}
+
+// Lights without size show no highlights; what shines through everything does, to rays, where
+// nothing stands in their way.
+bool shows_highlights(const Techniques& techniques, const LightEnd& end) {
+    return techniques.highlights->has(end.light) && !end.delta &&
+           !is_seen_through(techniques.lights, end.light);
 }
 
 // Product over the vertices of the chance that a path from the light takes the same lobe.
@@ -100,6 +109,16 @@ double direct_density(const CausticPath& path, double before, const Vec3& last, 
 
 }  // namespace
 
+CausticPath camera_path(const Camera& camera, const Vec3& x, const Vec3& w) {
+    CausticPath path;
+    path.x = x;
+    path.sides = {camera.forward(), false};
+    path.pdf_omega = camera.film_per_solid_angle(w);
+    path.receiver = path.from_camera = true;
+    path.begins_rough = false;
+    return path;
+}
+
 LightEnd light_end(const LightPoint& y, const Vec3& away) {
     const bool point = y.distant || y.delta;
     const bool two_sided = y.surface.instance != kNone;  // meshes; lamps shine from one side
@@ -134,7 +153,8 @@ bool manifold_owns(const Techniques& techniques, const CausticPath& path) {
            (!path.is_rough() ||
             (path.begins_rough && techniques.manifold.finder != ChainFinder::mnee &&
              !light_paths_may_find(techniques, path))) &&
-           allowed(techniques.manifold, path.vertices[0].interaction) &&
+           (path.from_camera ? techniques.highlights != nullptr
+                             : allowed(techniques.manifold, path.vertices[0].interaction)) &&
            within_limits(techniques.limits, path.before, path);
 }
 
@@ -223,8 +243,12 @@ std::optional<CausticDensities> caustic_densities(const Techniques& techniques,
 
     CausticDensities p;
     p.geometry = derivative->geometry * static_cast<double>(end.cosine);
-    const bool by_manifold = manifold_owns(techniques, path);
-    if (by_manifold) {
+    const bool by_manifold = manifold_owns(techniques, path) &&
+                             !(path.from_camera && !shows_highlights(techniques, end));
+    if (by_manifold && path.from_camera) {
+        p.manifold = techniques.highlights->estimates * static_cast<double>(end.pdf);
+        p.missed = 0.0;
+    } else if (by_manifold) {
         const ManifoldSettings& manifold = techniques.manifold;
         p.manifold = manifold_worth(techniques, path) * static_cast<double>(end.pdf) * facets;
         if (path.is_rough()) {
@@ -245,6 +269,11 @@ std::optional<CausticDensities> caustic_densities(const Techniques& techniques,
     const bool by_rays = !is_seen_through(techniques.lights, end.light);
     if (!end.delta && (by_rays || !by_manifold))
         p.path_tracing = static_cast<double>(path.pdf_omega) * probability * p.geometry;
+    // Where the camera's rays run into a light as often, they need no help, which is not for nothing.
+    if (path.from_camera && p.manifold <= p.path_tracing) {
+        p.manifold = 0.0;
+        p.missed.reset();
+    }
     if (by_rays && light_tracing_owns(techniques, path)) {
         float unused;
         const Vec3 wi = chain.empty() ? end.end.from(path.x, unused)

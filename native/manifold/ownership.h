@@ -8,6 +8,7 @@
 
 #include "bsdf/closure.h"
 #include "manifold/emission.h"
+#include "manifold/highlights.h"
 
 namespace spc {
 
@@ -63,6 +64,7 @@ struct Techniques {
     const CasterSet& rough_chain_casters;
     const ManifoldSettings& manifold;
     const LightTracing& light_tracing;
+    const Highlights* highlights;  // null: there are none
     const BounceLimits& limits;
 };
 
@@ -90,10 +92,13 @@ struct CameraApproach {
 // vertices it is light that comes straight to x, which a rough caster throws on.
 struct CausticPath {
     Vec3 x{0.0f};
-    float p_error = 0.0f;       // of x, see RayStart
-    ReceiverSides sides{};      // by the side of the path that arrived
-    float pdf_omega = 0.0f;     // of the scattering at x towards the chain
+    float p_error = 0.0f;   // of x, see RayStart
+    ReceiverSides sides{};  // by the side of the path that arrived
+    // Of the scattering at x towards the chain, 1/sr; where x is the camera, pixels^2 of the film
+    // per sr, of which path tracing takes a sample each.
+    float pdf_omega = 0.0f;
     bool receiver = false;      // x has the role, the closure and the bounces left
+    bool from_camera = false;   // x is a point of the camera's lens: a highlight
     bool rough_caster = false;  // x lies on one
     // Whether a chain with rough vertices may begin at x. Not on a rough surface that is reached by
     // a scattering: there a chain that has begun before goes on.
@@ -144,6 +149,9 @@ float film_per_area(const Scene& scene, const CameraApproach& approach, const Su
 // So often may the camera's path scatter before a receiver of light tracing's, at most.
 uint32_t most_scatterings(const BounceLimits& limits);
 
+// The path of which the camera's ray is the beginning.
+CausticPath camera_path(const Camera& camera, const Vec3& x, const Vec3& w);
+
 // What a technique other than path tracing can find. Whatever neither owns is path tracing's alone.
 bool manifold_owns(const Techniques& techniques, const CausticPath& path);
 bool light_tracing_owns(const Techniques& techniques, const CausticPath& path);
@@ -152,9 +160,10 @@ bool light_tracing_owns(const Techniques& techniques, const CausticPath& path);
 // much of the worth of a sample that was drawn with the same density: walks choose one of many
 // solutions and count trials, sheets cost more than a light path and miss some chains. Where fixed
 // starts find a chain, nothing but y is left to chance; but what they take from light paths of the
-// chains that they miss is left to path tracing. Chains with rough vertices are left to chance alone,
-// the more so the longer they are.
+// chains that they miss is left to path tracing. So it is with the leads of highlights. Chains with
+// rough vertices are left to chance alone, the more so the longer they are.
 inline double manifold_worth(const Techniques& techniques, const CausticPath& path) {
+    if (path.from_camera) return 1.0;
     if (path.is_rough()) return std::exp2(1.0 - 2.0 * path.count);
     switch (techniques.manifold.finder) {
         case ChainFinder::walks: return 1.0 / 32;
@@ -170,11 +179,12 @@ struct CausticDensities {
     double geometry = 0.0;  // |dw_x/dA_y|, the cosine at y included
     double path_tracing =
         0.0;  // p_bsdf(w) |dw_x/dA_y| times the chances of all lobes; 0 for delta lights
-    double direct = 0.0;         // of next event estimation
-    double manifold = 0.0;       // p_L(y) times the chance of the caster and manifold_worth()
+    double direct = 0.0;  // of next event estimation
+    // p_L(y) times the chance of the caster and manifold_worth(); of highlights times their estimates.
+    double manifold = 0.0;
     double light_tracing = 0.0;  // paths p_L(y) p_e(w_y) |dw_y/dA_x| times the chances of all lobes
     // Of the manifold for chains that its definite search misses, where others take its share of
-    // them: p_L(y) times kMissedWorth for walks beside sheets; 0 beside fixed starts.
+    // them: p_L(y) times kMissedWorth for walks beside sheets; 0 beside fixed starts and of highlights.
     std::optional<double> missed;
     static constexpr double kMissedWorth = 1.0 / 4096;
 

@@ -59,6 +59,22 @@ struct ManifoldStats {
     uint64_t missed = 0;         // found by walks beside them
     double missed_energy = 0.0;  // luminance that those gave to their estimates
     double capped_energy = 0.0;  // luminance that capped estimates gave to their pixels
+    void add(const ManifoldStats& other) {
+        estimates += other.estimates;
+        walks += other.walks;
+        converged += other.converged;
+        iterations += other.iterations;
+        rays += other.rays;
+        trial_estimates += other.trial_estimates;
+        trials += other.trials;
+        leads += other.leads;
+        roots += other.roots;
+        missed += other.missed;
+        missed_energy += other.missed_energy;
+        max_trials = std::max(max_trials, other.max_trials);
+        capped += other.capped;
+        capped_energy += other.capped_energy;
+    }
 };
 
 }  // namespace spc

@@ -17,8 +17,8 @@ namespace {
 // that a tile's data stays in cache, up to 2^kDoublings.
 constexpr uint32_t kDoublings = 2, kLargestBatch = 1u << kDoublings;
 
-// Light paths in a job.
-constexpr uint64_t kLightJob = 1024;
+// Light paths, or estimates of highlights, in a job.
+constexpr uint64_t kSplatJob = 1024;
 
 uint32_t count_passes(uint32_t samples) {
     if (samples < kLargestBatch) return static_cast<uint32_t>(std::bit_width(samples));
@@ -50,26 +50,11 @@ void RenderStats::add(const RenderStats& other) {
     nan_samples += other.nan_samples;
     manifold_energy += other.manifold_energy;
     path.rays += other.path.rays;
+    path.manifold.add(other.path.manifold);
     path.glints.add(other.path.glints);
     light.add(other.light);
     glint_bytes += other.glint_bytes;
     for (size_t i = 0; i < kEstimates; ++i) path.evidence[i].add(other.path.evidence[i]);
-    ManifoldStats& m = path.manifold;
-    const ManifoldStats& o = other.path.manifold;
-    m.estimates += o.estimates;
-    m.walks += o.walks;
-    m.converged += o.converged;
-    m.iterations += o.iterations;
-    m.rays += o.rays;
-    m.trial_estimates += o.trial_estimates;
-    m.trials += o.trials;
-    m.leads += o.leads;
-    m.roots += o.roots;
-    m.missed += o.missed;
-    m.missed_energy += o.missed_energy;
-    m.max_trials = std::max(m.max_trials, o.max_trials);
-    m.capped += o.capped;
-    m.capped_energy += o.capped_energy;
 }
 
 Session::Session(const RenderScene& world, const RenderSettings& settings)
@@ -168,8 +153,9 @@ void Session::work(bool first) {
             prepare_flakes();
             prepare_sheets();
             learn_light_paths();
+            find_highlights();
             weigh_chains();
-            count_light_paths();
+            count_splats();
         }
     } catch (...) {
         fail();
@@ -194,7 +180,7 @@ void Session::fail() {
 }
 
 void Session::run_jobs() {
-    const uint64_t jobs = static_cast<uint64_t>(light_jobs_ + film_.tile_count()) * pass_count_;
+    const uint64_t jobs = static_cast<uint64_t>(splat_jobs_ + film_.tile_count()) * pass_count_;
     while (!should_stop()) {
         const uint64_t job = next_job_.fetch_add(1);
         if (job >= jobs) break;
@@ -234,11 +220,33 @@ void Session::learn_light_paths() {
     stats_.add(stats);
 }
 
-void Session::count_light_paths() {
-    if (!light_pilot_) return;
-    light_paths_ = light_paths_that_pay(*light_pilot_);
-    light_jobs_ =
-        static_cast<uint32_t>(std::clamp<uint64_t>(light_paths_ / kLightJob, 1, film_.tile_count()));
+// Beside sheets alone: the other ways to find chains are as others have them.
+void Session::find_highlights() {
+    constexpr double kSamplesOfWalk = 32.0, kSecondsOfWalk = 4e-4, kLeastWalks = 1024.0,
+                     kMostOfPixel = 4.0;
+    if (sheets_.all.empty()) return;
+    // As many as are a small part of the work.
+    const auto& crop = world_.scene->camera.crop;
+    const auto pixels = static_cast<double>(uint64_t{crop[2]} * crop[3]);
+    double walks = pixels * std::min(kMostOfPixel, settings_.samples / kSamplesOfWalk);
+    if (settings_.time_limit > 0.0f)
+        walks = std::min(
+            walks, static_cast<double>(settings_.time_limit) * active_workers_ / kSecondsOfWalk);
+    RenderStats stats;
+    highlights_ = learn_highlights(world_, settings_.integrator,
+                                   static_cast<uint32_t>(std::max(walks, kLeastWalks)),
+                                   settings_.seed, active_workers_, cancelled_, stats.path);
+    settings_.integrator.highlights = highlights_.get();
+    const std::lock_guard lock(mutex_);
+    stats_.add(stats);
+}
+
+void Session::count_splats() {
+    if (light_pilot_) light_paths_ = light_paths_that_pay(*light_pilot_);
+    if (highlights_) highlight_estimates_ = static_cast<uint64_t>(highlights_->estimates);
+    if (light_paths_ + highlight_estimates_ == 0) return;
+    splat_jobs_ = static_cast<uint32_t>(std::clamp<uint64_t>(
+        (light_paths_ + highlight_estimates_) / kSplatJob, 1, film_.tile_count()));
     settings_.integrator.light_tracing.paths = static_cast<double>(light_paths_);
 }
 
@@ -290,11 +298,11 @@ uint64_t Session::light_paths_that_pay(const LightPilot& pilot) const {
 
 // Whether the whole job was done.
 bool Session::render_job(uint64_t job, RenderStats& stats) {
-    const uint32_t per_pass = light_jobs_ + film_.tile_count();
+    const uint32_t per_pass = splat_jobs_ + film_.tile_count();
     const auto pass = static_cast<uint32_t>(job / per_pass);
     const auto part = static_cast<uint32_t>(job % per_pass);
-    return part < light_jobs_ ? render_light_paths(pass, part, stats)
-                              : render_tile(pass, part - light_jobs_, stats);
+    return part < splat_jobs_ ? render_splats(pass, part, stats)
+                              : render_tile(pass, part - splat_jobs_, stats);
 }
 
 bool Session::render_tile(uint32_t pass, uint32_t tile, RenderStats& stats) {
@@ -348,28 +356,50 @@ void Session::weigh_chains() {
             static_cast<float>(std::sqrt(kShotOverSample * probe(kPixels, kRare).variance));
 }
 
-// A part of the light paths of a pass.
-bool Session::render_light_paths(uint32_t pass, uint32_t part, RenderStats& stats) {
+// A part of the light paths and of the estimates of highlights of a pass.
+bool Session::render_splats(uint32_t pass, uint32_t part, RenderStats& stats) {
     const auto stop = [&] { return pass > 0 ? should_stop() : must_stop(); };
-    const uint64_t before = (settings_.first_sample + pass_begin(pass)) * light_paths_;
-    const uint64_t count = (pass_begin(pass + 1) - pass_begin(pass)) * light_paths_;
-    const uint64_t begin = before + count * part / light_jobs_,
-                   end = before + count * (part + 1) / light_jobs_;
-    std::vector<Splat> splats;
-    for (uint64_t i = begin; i < end; ++i) {
-        if (stop()) return false;
-        trace_light_path(world_, settings_.integrator, filter_.reach(), settings_.seed, i, splats,
-                         stats.light);
-    }
     const auto& crop = world_.scene->camera.crop;
     const Vec2 corner(static_cast<float>(crop[0]), static_cast<float>(crop[1]));
-    for (Splat& splat : splats) splat.film -= corner;
-    while (light_jobs_done_.load() != uint64_t{pass} * light_jobs_ + part) {
+    struct Part {
+        std::vector<Splat> splats;
+        uint64_t count = 0;
+    };
+    // Empty if there was no time for all.
+    const auto estimate_part = [&](uint64_t per_sample, auto&& estimate) -> std::optional<Part> {
+        const uint64_t before = (settings_.first_sample + pass_begin(pass)) * per_sample;
+        const uint64_t count = (pass_begin(pass + 1) - pass_begin(pass)) * per_sample;
+        const uint64_t begin = before + count * part / splat_jobs_,
+                       end = before + count * (part + 1) / splat_jobs_;
+        Part result{{}, end - begin};
+        for (uint64_t i = begin; i < end; ++i) {
+            if (stop()) return std::nullopt;
+            estimate(i, result.splats);
+        }
+        for (Splat& splat : result.splats) splat.film -= corner;
+        return result;
+    };
+    const IntegratorSettings& integrator = settings_.integrator;
+    const float margin = filter_.reach();
+    const auto light = estimate_part(light_paths_, [&](uint64_t i, std::vector<Splat>& splats) {
+        trace_light_path(world_, integrator, margin, settings_.seed, i, splats, stats.light);
+    });
+    const auto highlights =
+        estimate_part(highlight_estimates_, [&](uint64_t i, std::vector<Splat>& splats) {
+            estimate_highlights(world_, integrator, margin, settings_.seed, i, splats, stats.path);
+        });
+    if (!light || !highlights) return false;
+    while (splat_jobs_done_.load() != uint64_t{pass} * splat_jobs_ + part) {
         if (stop()) return false;
         std::this_thread::yield();
     }
-    film_.add_light_paths(splats, filter_, end - begin, static_cast<double>(light_paths_));
-    ++light_jobs_done_;
+    if (light_paths_ > 0)
+        film_.add_splats(SplatSource::light_paths, light->splats, filter_, light->count,
+                         static_cast<double>(light_paths_));
+    if (highlight_estimates_ > 0)
+        film_.add_splats(SplatSource::highlights, highlights->splats, filter_, highlights->count,
+                         static_cast<double>(highlight_estimates_));
+    ++splat_jobs_done_;
     return true;
 }
 

@@ -5,6 +5,7 @@
 
 #include "film/film.h"
 #include "film/filter.h"
+#include "integrator/highlights.h"
 #include "integrator/light_path.h"
 
 #include <atomic>
@@ -17,7 +18,7 @@
 namespace spc {
 
 struct RenderSettings {
-    // But for `light_tracing` and the flakes of glints, which the session sets.
+    // But for `light_tracing`, `highlights` and the flakes of glints, which the session sets.
     IntegratorSettings integrator;
     bool light_tracing = false;  // where there is a caster that a light reaches
     uint32_t first_sample = 0, samples = 64;
@@ -83,8 +84,9 @@ private:
     void prepare_flakes();
     void prepare_sheets();
     void learn_light_paths();
+    void find_highlights();
     void weigh_chains();
-    void count_light_paths();
+    void count_splats();
     // Variance (mean of the channels) and counted work of one sample of the picture, from two in each
     // of some pixels, `most` at most. Of `rare` of them the one whose bright sample would tell all is
     // left out.
@@ -95,7 +97,7 @@ private:
     uint64_t light_paths_that_pay(const LightPilot& pilot) const;
     bool render_job(uint64_t job, RenderStats& stats);
     bool render_tile(uint32_t pass, uint32_t tile, RenderStats& stats);
-    bool render_light_paths(uint32_t pass, uint32_t part, RenderStats& stats);
+    bool render_splats(uint32_t pass, uint32_t part, RenderStats& stats);
     bool render_pixels(uint32_t tile, uint32_t pass, std::vector<PixelSums>& pixels,
                        RenderStats& stats);
     FilmSample take_sample(uint32_t x, uint32_t y, uint32_t index, const PassState& state,
@@ -113,11 +115,12 @@ private:
     const uint32_t pass_count_;
     std::vector<std::atomic<uint32_t>> tile_passes_;  // passes that each tile has had
     std::vector<TileEvidence> evidence_;              // of each tile, from those passes
-    // Of each pass, beside its tiles. Light paths are added to the film in their order, too.
-    uint32_t light_jobs_ = 0;
-    uint64_t light_paths_ = 0;  // for each sample of the picture
-    std::atomic<uint64_t> light_jobs_done_{0};
+    // Of each pass, beside its tiles. Splats are added to the film in the order of these, too.
+    uint32_t splat_jobs_ = 0;
+    uint64_t light_paths_ = 0, highlight_estimates_ = 0;  // for each sample of the picture
+    std::atomic<uint64_t> splat_jobs_done_{0};
     std::unique_ptr<const LightPilot> light_pilot_;
+    std::unique_ptr<const Highlights> highlights_;
     SheetPool sheet_pool_;
     LightSheets sheets_;  // of the pool
     FlakeSet flakes_;

@@ -32,6 +32,13 @@ LensPoint lens_point(const Camera& camera, const Vec2& lens) {
     return {at, at / camera.focus_distance};
 }
 
+// Pixels per unit of the viewplane.
+Vec2 pixel_scale(const Camera& camera) {
+    const auto& [left, right, bottom, top] = camera.viewplane;
+    return {static_cast<float>(camera.width) / (right - left),
+            static_cast<float>(camera.height) / (top - bottom)};
+}
+
 // The ray of a point of the viewplane, in camera space.
 struct LocalRay {
     Vec2 origin;    // on the plane z = 0
@@ -87,14 +94,27 @@ std::optional<CameraView> Camera::view(const Vec3& p, const Vec2& lens) const {
     const Vec2 film =
         perspective ? from_lens / distance + through.tilt : from_lens + through.tilt * distance;
     const auto [origin, slope, stretch] = local_ray(projection, film, through);
-    const auto& [left, right, bottom, top] = viewplane;
-    const Vec2 scale(static_cast<float>(width) / (right - left),
-                     static_cast<float>(height) / (top - bottom));  // pixels per viewplane
+    const Vec2 corner(viewplane[0], viewplane[2]), scale = pixel_scale(*this);
     // A surface that faces the ray covers `stretch` times its area of a plane across the axis.
     const float viewplane_per_area = stretch / (perspective ? sqr(distance) : 1.0f);
     return CameraView{to_world.point(Vec3(origin.x, origin.y, 0.0f)), clip_near * stretch,
-                      clip_far * stretch, (film - Vec2(left, bottom)) * scale,
+                      clip_far * stretch, (film - corner) * scale,
                       std::abs(scale.x * scale.y) * viewplane_per_area};
+}
+
+float Camera::film_per_solid_angle(const Vec3& w) const {
+    const Vec2 scale = pixel_scale(*this);
+    const float cosine = dot(forward(), w);
+    return std::abs(scale.x * scale.y) / (cosine * cosine * cosine);
+}
+
+bool Camera::is_near_crop(const Vec2& film, float margin) const {
+    const auto& [x0, y0, width_of_crop, height_of_crop] = crop;
+    const auto inside = [margin](float at, uint32_t begin, uint32_t size) {
+        return at >= static_cast<float>(begin) - margin &&
+               at < static_cast<float>(begin + size) + margin;
+    };
+    return inside(film.x, x0, width_of_crop) && inside(film.y, y0, height_of_crop);
 }
 
 float Camera::depth(const Vec3& p) const {

@@ -143,7 +143,13 @@ struct Camera {
     // The way back, through the same point of the lens: a ray through view(p, lens)->film is the
     // one to p. Empty where p is not in front of the camera, or clipped.
     std::optional<CameraView> view(const Vec3& p, const Vec2& lens) const;
-    float depth(const Vec3& p) const;  // along the viewing axis, m
+    // Pixels^2 of the film per sr around the direction `w` through a point of the lens, of a camera
+    // with a perspective.
+    float film_per_solid_angle(const Vec3& w) const;
+    // Within the crop, or less than `margin` pixels beside it.
+    bool is_near_crop(const Vec2& film, float margin) const;
+    Vec3 forward() const { return to_world.column(2) * -1.0f; }  // along the viewing axis
+    float depth(const Vec3& p) const;                            // along the viewing axis, m
 };
 
 struct Environment {

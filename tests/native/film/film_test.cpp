@@ -170,7 +170,7 @@ TEST(FilmOfLightPaths, BoxTakesEachSplatOnce) {
     for (const Vec2& place : places) {
         Film film(4, 4);
         const Splat splat{place, Spectrum(3.0f)};
-        film.add_light_paths({&splat, 1}, box, 1, 1.0);
+        film.add_splats(SplatSource::light_paths, {&splat, 1}, box, 1, 1.0);
         const std::vector<float> combined = read(film, Pass::combined);
         EXPECT_NEAR(combined[4 * (size_t(place.y) * 4 + size_t(place.x))], 3.0f, 1e-5f) << place;
         EXPECT_NEAR(sum_of(combined, 4), 3.0, 1e-5) << place;
@@ -192,10 +192,10 @@ TEST(FilmOfLightPaths, FiltersAsSamplesAre) {
             const float density = 1.0f / (kSize * kSize);
             const Splat splat{place, Spectrum(radiance(place) / density)},
                 inside{Vec2(4.0f, 4.0f) + uniforms.two(), Spectrum(1.0f)};
-            film.add_light_paths({&splat, 1}, filter, 1, 1.0);
+            film.add_splats(SplatSource::light_paths, {&splat, 1}, filter, 1, 1.0);
             by_splats.add(double(read(film, Pass::combined)[4 * (kMiddle * kSize + kMiddle)]));
             Film other(kSize, kSize);
-            other.add_light_paths({&inside, 1}, filter, 1, 1.0);
+            other.add_splats(SplatSource::light_paths, {&inside, 1}, filter, 1, 1.0);
             total.add(sum_of(read(other, Pass::combined), 4));
             const double sample = double(radiance(Vec2(4.5f, 4.5f) + filter.sample(uniforms.two())));
             by_samples.add(sample);
@@ -215,9 +215,9 @@ TEST(FilmOfLightPaths, CropIsAWindow) {
     std::vector<Splat> splats;
     for (int i = 0; i < 300; ++i)
         splats.push_back({{uniforms() * 16.0f - 2.0f, uniforms() * 13.0f - 2.0f}, Spectrum(1.0f)});
-    whole.add_light_paths(splats, filter, 100, 10.0);
+    whole.add_splats(SplatSource::light_paths, splats, filter, 100, 10.0);
     for (Splat& splat : splats) splat.film -= Vec2(3.0f, 2.0f);
-    window.add_light_paths(splats, filter, 100, 10.0);
+    window.add_splats(SplatSource::light_paths, splats, filter, 100, 10.0);
     for (const Pass pass : {Pass::combined, Pass::caustics, Pass::variance}) {
         const size_t channels = pass_channels(pass);
         const std::vector<float> all = read(whole, pass), part = read(window, pass);
@@ -244,7 +244,7 @@ TEST(FilmOfLightPaths, VarianceIsThatOfThePicture) {
             for (uint64_t i = 0; i < kPaths / 2; ++i)
                 if (double(uniforms()) < kChance)
                     splats.push_back({{0.5f, 0.5f}, Spectrum(float(kValue))});
-            film.add_light_paths(splats, box, kPaths / 2, kPerPicture);
+            film.add_splats(SplatSource::light_paths, splats, box, kPaths / 2, kPerPicture);
         }
         const double value = double(read(film, Pass::combined)[0]);
         EXPECT_EQ(read(film, Pass::caustics)[0], float(value));

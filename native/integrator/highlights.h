@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Chains from the camera through casters to the lights that it sees in them: manifold/highlights.h.
+#pragma once
+
+#include "film/film.h"
+#include "integrator/path.h"
+
+#include <atomic>
+
+namespace spc {
+
+// Looks for them by so many random walks. Does not depend on `threads`. Null where there are none, or `cancelled`
+// was set meanwhile.
+std::unique_ptr<const Highlights> learn_highlights(const RenderScene& world,
+                                                   IntegratorSettings settings, uint32_t walks,
+                                                   uint32_t seed, uint32_t threads,
+                                                   const std::atomic<bool>& cancelled,
+                                                   PathStats& stats);
+
+// One estimate; appends what it adds within the camera's crop and `margin` pixels around it.
+void estimate_highlights(const RenderScene& world, const IntegratorSettings& settings, float margin,
+                         uint32_t seed, uint64_t index, std::vector<Splat>& splats,
+                         PathStats& stats);
+
+}  // namespace spc

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Lights that the camera sees in casters: chains from the camera itself. A lamp that is small in the
+// picture is met by a ray in a pixel now and then, as one bright sample. Where chains come to it is
+// learned before rendering.
+#pragma once
+
+#include "manifold/shooting.h"
+
+namespace spc {
+
+// Where a chain to some point of a light was found from the camera.
+struct HighlightLead {
+    ChainKind kind;
+    Vec3 w{0.0f};  // unit, from the camera
+};
+
+struct Highlights {
+    std::vector<std::vector<HighlightLead>> leads;  // of each light
+    double estimates = 0.0;  // for each sample of the picture; each shoots all leads of one light
+    bool has(uint32_t light) const { return !leads[light].empty(); }
+};
+
+}  // namespace spc

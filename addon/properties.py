@@ -59,12 +59,12 @@ CAUSTICS_ROLES = (
 
 GLINTS = (
     ("AUTO", "Automatic", "Where the roughness is constant and at most 0.4"),
-    ("ON", "On", "Wherever the normal map allows it, whatever the roughness"),
-    ("OFF", "Off", "Look at the normal map at one point for each sample"),
+    ("ON", "On", "Wherever the normal map or bump allows it, whatever the roughness"),
+    ("OFF", "Off", "Look at the normal map or bump at one point for each sample"),
 )
 
 GLINT_METHODS = (
-    ("SEARCH", "Search", "The one to use: the parts of the normal map that reflect the light"),
+    ("SEARCH", "Search", "The one to use: the parts of the map that reflect the light"),
     (
         "WALKS",
         "Walks Unbiased",
@@ -172,7 +172,7 @@ class SpeculaMaterialSettings(bpy.types.PropertyGroup):
     glints: EnumProperty(
         name="Glints",
         description="Average glossy reflections of lights over what a pixel covers of the normal "
-        "map: same picture, far less noise where the map is finer than a pixel",
+        "map or bump: same picture, far less noise where the map is finer than a pixel",
         items=GLINTS,
     )
 

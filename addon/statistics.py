@@ -84,7 +84,7 @@ class Statistics:
         estimates, capped = render["glint_estimates"], render["glint_capped"]
         return (
             f"{_count(estimates, 'estimate')}, "
-            f"{_per(render['glint_nodes'], estimates):.0f} parts of normal maps each, "
+            f"{_per(render['glint_nodes'], estimates):.0f} parts of maps each, "
             f"{_per(render['glint_points'], estimates):.1f} points, "
             f"{render['glint_bytes'] / 1e6:.1f} MB"
             + (f", {capped:,} stopped at the limit of trials" if capped else "")

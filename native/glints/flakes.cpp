@@ -20,7 +20,7 @@ FlakeField::FlakeField(const SlopeField& field, uint32_t threads)
     const auto for_each = [&](const auto& act) {
         parallel_for(threads, static_cast<uint32_t>(height_), [&](uint32_t row) {
             const int y = static_cast<int>(row);
-            for (int x = 0; x < width_; ++x) act(x, y, field.cell(x, y).jet(0.5f, 0.5f));
+            for (int x = 0; x < width_; ++x) act(x, y, jet_at(field.cell(x, y), 0.5f, 0.5f));
         });
     };
     std::vector<float> steepest(static_cast<size_t>(height_), 0.0f);
@@ -39,11 +39,7 @@ FlakeField::FlakeField(const SlopeField& field, uint32_t threads)
     });
     SlopeBounds whole = bounds(0, 0);
     for (int y = 0; y < height_; ++y)
-        for (int x = 0; x < width_; ++x) {
-            const SlopeBounds b = bounds(x, y);
-            whole.extend(b.lower);
-            whole.extend(b.upper);
-        }
+        for (int x = 0; x < width_; ++x) whole.extend(bounds(x, y));
     pyramid_ = SlopePyramid(width_, height_, whole, [&](int x, int y) { return bounds(x, y); });
 }
 

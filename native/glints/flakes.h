@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A normal map as a distribution of positions and slopes made of Gaussians [Yan16]: one flake for
+// A map as a distribution of positions and slopes made of Gaussians [Yan16]: one flake for
 // each cell between four texels, on which the slope is linear, with a weight around its middle.
 #pragma once
 

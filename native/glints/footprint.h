@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a pixel covers of a normal map: ray differentials from the camera through mirrors and glass
+// What a pixel covers of a normal or height map: ray differentials from the camera through mirrors and glass
 // to the surface.
 #pragma once
 
 #include "film/filter.h"
+#include "glints/slope_frame.h"
 #include "manifold/chain.h"
 
 namespace spc {
@@ -23,19 +24,6 @@ RayDual camera_differential(const Camera& camera, const PixelKernel& pixel, cons
 bool pass_delta(const Scene& scene, const SurfaceHit& hit, double distance, bool refracted,
                 RayDual& ray);
 
-// The slopes of a map at a point as normals: W (a, b, 1), not normalised, on the side of wo.
-struct SlopeFrame {
-    std::array<Vec3, 3> w;  // columns, world
-
-    Vec3 normal(const Vec2& slope) const { return w[0] * slope.x + w[1] * slope.y + w[2]; }
-    float det() const { return dot(cross(w[0], w[1]), w[2]); }
-    // What W makes into v.
-    Vec3 coordinates(const Vec3& v) const {
-        return Vec3(dot(cross(w[1], w[2]), v), dot(cross(w[2], w[0]), v), dot(cross(w[0], w[1]), v)) *
-               (1.0f / det());
-    }
-};
-
 // Where a pixel's ray meets the map, in texels as SlopeField counts them, and how that moves with
 // the film, per pixel. In the first tile.
 struct Footprint {
@@ -48,7 +36,7 @@ struct Footprint {
     }
 };
 // `map` is that of the material at the hit, with an image of `width` x `height`. Empty where the
-// mesh lacks the UV layers, or the surface is seen edge-on.
+// mesh lacks the UV layers, or the surface is seen edge-on or bumped across its own normal.
 std::optional<Footprint> footprint_at(const Scene& scene, const SlopeMap& map, int width, int height,
                                       const Surface& surface, const RayDual& ray, double distance);
 

@@ -16,6 +16,23 @@ constexpr float kWidestFootprint = 1e6f;
 // Added to the density of directions, 1/sr.
 constexpr float kLeastPdf = 0.01f;
 
+// What tells fields apart.
+struct FieldKey {
+    uint32_t image;
+    Relief relief;
+    float strength;  // of normals; heights have theirs at the surface
+    bool operator==(const FieldKey&) const = default;
+};
+
+FieldKey key_of(const SlopeMap& map) {
+    return {map.image, map.relief, map.relief == Relief::normals ? map.strength : 1.0f};
+}
+
+std::optional<SlopeField> build_field(const Image& image, const FieldKey& key) {
+    if (key.relief == Relief::heights) return SlopeField::of_heights(image);
+    return SlopeField::of_normals(image, key.strength);
+}
+
 }  // namespace
 
 size_t GlintSet::memory_bytes() const {
@@ -29,7 +46,7 @@ GlintSet build_glints(const Scene& scene, std::vector<std::string>& report) {
     std::vector<bool> used(scene.materials.size());
     for (const Instance& instance : scene.instances)
         for (const uint32_t material : instance.materials) used[material] = true;
-    std::vector<std::pair<uint32_t, float>> keys;  // image and strength of each field
+    std::vector<FieldKey> keys;
     for (uint32_t i = 0; i < scene.materials.size(); ++i) {
         const Material& material = scene.materials[i];
         const SlopeMap& map = material.slopes;
@@ -39,13 +56,14 @@ GlintSet build_glints(const Scene& scene, std::vector<std::string>& report) {
         if (map.image == kNone) continue;
         const Image& image = scene.images[map.image];
         set.of_material.resize(scene.materials.size(), kNone);
-        const auto known = std::find(keys.begin(), keys.end(), std::pair(map.image, map.strength));
+        const FieldKey key = key_of(map);
+        const auto known = std::find(keys.begin(), keys.end(), key);
         if (known != keys.end()) {
             set.of_material[i] = static_cast<uint32_t>(known - keys.begin());
-        } else if (std::optional<SlopeField> field = SlopeField::build(image, map.strength)) {
+        } else if (std::optional<SlopeField> field = build_field(image, key)) {
             set.of_material[i] = static_cast<uint32_t>(set.fields.size());
             set.fields.push_back(std::move(*field));
-            keys.emplace_back(map.image, map.strength);
+            keys.push_back(key);
         } else {
             report.push_back(
                 fmt::format("{}: no glints: normals of image \"{}\" point into the surface",
@@ -78,19 +96,20 @@ std::optional<GlintPoint> GlintPoint::at(const GlintSet& glints, const GlintSett
     const Vec2 reach = Vec2(std::abs(dx.x) + std::abs(dy.x), std::abs(dx.y) + std::abs(dy.y)) *
                        pixel.filter->reach();
     if (!(std::max(reach.x, reach.y) < kWidestFootprint)) return std::nullopt;
-    GlintSite site{index,
-                   &field,
-                   &surface.closures,
-                   pixel,
-                   *footprint,
-                   surface.wo,
-                   surface.ng,
-                   middle,
-                   middle - reach,
-                   middle + reach,
-                   // The filter's mass is nearer to the middle than its reach.
-                   field.moments(middle - reach * 0.5f, middle + reach * 0.5f),
-                   {Vec2(dy.y, -dy.x) / det, Vec2(-dx.y, dx.x) / det}};
+    GlintSite site{
+        index,
+        &field,
+        &surface.closures,
+        pixel,
+        *footprint,
+        surface.wo,
+        surface.ng,
+        middle,
+        middle - reach,
+        middle + reach,
+        // The filter's mass is nearer to the middle than its reach.
+        footprint->frame.taken(field.moments(middle - reach * 0.5f, middle + reach * 0.5f)),
+        {Vec2(dy.y, -dy.x) / det, Vec2(-dx.y, dx.x) / det}};
     return GlintPoint(site, settings);
 }
 

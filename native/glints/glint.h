@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Glints: what a narrow lobe on a normal map finer than a pixel does with the light from one
+// Glints: what a narrow lobe on a normal map or bump finer than a pixel does with the light from one
 // direction, averaged over the pixel's footprint.
 //
 // Far field [Zeltner20 Sec. 4.5]: within a footprint the directions to camera and light, the

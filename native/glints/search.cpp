@@ -84,9 +84,10 @@ private:
             weight *= s_.pixel.filter->weight(std::max(nearest, 0.0f));
         }
         if (weight == 0.0f) return 0.0f;
-        const float cos = target_.most_dot(slopes);
+        const SlopeBounds taken = s_.footprint.frame.taken(slopes);
+        const float cos = target_.most_dot(taken);
         if (!(cos > 0.0f)) return 0.0f;
-        const float cos2 = cos * cos, sin2 = target_.least_sine2(slopes);
+        const float cos2 = cos * cos, sin2 = target_.least_sine2(taken);
         float density = 0.0f;
         for (int i = 0; i < s_.closures->glint_count; ++i) {
             const MicrofacetReflection& lobe = s_.lobe(i).lobe;
@@ -125,7 +126,7 @@ private:
                   static_cast<float>(std::min((y + 1) * size, h)));
         const Part part = clipped(tile + lower, tile + upper);
         if (!(part.lower.x < part.upper.x) || !(part.lower.y < part.upper.y)) return;
-        if (level == 0) return search_patch(field_.cell(x, y), tile + lower, 1.0f, kMostHalvings);
+        if (level == 0) return search_cell(x, y, tile + lower);
         const float c = importance(part, pyramid_.bounds(level, x, y));
         if (c == 0.0f) return;
         if (c <= threshold_) return keep(part, c);
@@ -136,8 +137,14 @@ private:
         }
     }
 
+    void search_cell(int x, int y, const Vec2& lower) {
+        std::visit([&](const auto& cell) { search_patch(cell, lower, 1.0f, kMostHalvings); },
+                   field_.cell(x, y));
+    }
+
     // A piece of a cell: the square of `size` at `lower`.
-    void search_patch(const SlopePatch& patch, const Vec2& lower, float size, int halvings) {
+    template <class Patch>
+    void search_patch(const Patch& patch, const Vec2& lower, float size, int halvings) {
         const Part part = clipped(lower, lower + Vec2(size, size));
         const float c = importance(part, patch.bounds());
         if (c == 0.0f) return;
@@ -178,7 +185,8 @@ private:
         };
         int x = 0, y = 0;
         const float s = place(at.x, field_.width(), x), t = place(at.y, field_.height(), y);
-        const Vec3 n = normalize(s_.footprint.frame.normal(field_.cell(x, y).slope(s, t)));
+        const SlopeFrame& frame = s_.footprint.frame;
+        const Vec3 n = normalize(frame.normal(frame.taken(slope_at(field_.cell(x, y), s, t))));
         for (int i = 0; i < s_.closures->glint_count; ++i)
             sum_ += eval_glint(s_.lobe(i), n, s_.wo, wi_) * weight;
     }

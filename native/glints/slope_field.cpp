@@ -12,88 +12,98 @@ constexpr float kLeastHeight = 0.02f;
 
 int halved(int n) { return (n + 1) / 2; }
 int wrapped(int i, int n) {
+    if (static_cast<unsigned>(i) < static_cast<unsigned>(n)) return i;
     const int m = i % n;
     return m < 0 ? m + n : m;
 }
 
-}  // namespace
-
-SlopeJet SlopePatch::jet(float s, float t) const {
-    const Vec3 lower = corner[0] + (corner[1] - corner[0]) * s,
-               upper = corner[2] + (corner[3] - corner[2]) * s,
-               left = corner[0] + (corner[2] - corner[0]) * t,
-               right = corner[1] + (corner[3] - corner[1]) * t;
-    const Vec3 n = lower + (upper - lower) * t;
-    const Vec2 slope = slope_of(n);
-    const auto by = [&](const Vec3& d) {  // of a quotient
-        return (Vec2(d.x, d.y) - slope * d.z) * (1.0f / n.z);
-    };
-    return {slope, by(right - left), by(upper - lower)};
-}
-
-SlopeBounds SlopePatch::bounds() const {
-    const Vec2 first = slope_of(corner[0]);
-    SlopeBounds bounds{first, first};
-    for (size_t i = 1; i < 4; ++i) bounds.extend(slope_of(corner[i]));
-    return bounds;
-}
-
-SlopePatch SlopePatch::quarter(int i) const {
-    const Vec3 left = (corner[0] + corner[2]) * 0.5f, right = (corner[1] + corner[3]) * 0.5f,
-               lower = (corner[0] + corner[1]) * 0.5f, upper = (corner[2] + corner[3]) * 0.5f,
-               middle = (left + right) * 0.5f;
-    switch (i) {
-        case 0: return {{corner[0], lower, left, middle}};
-        case 1: return {{lower, corner[1], middle, right}};
-        case 2: return {{left, middle, corner[2], upper}};
-        default: return {{middle, right, upper, corner[3]}};
-    }
-}
-
-std::optional<SlopeField> SlopeField::build(const Image& image, float strength) {
-    SlopeField field;
-    field.image_ = &image;
-    field.strength_ = strength;
-    field.width_ = static_cast<int>(image.width);
-    field.height_ = static_cast<int>(image.height);
-    const Vec2 first = slope_of(field.texel(0, 0));
-    SlopeBounds all{first, first};
-    for (int y = 0; y < field.height_; ++y)
-        for (int x = 0; x < field.width_; ++x) {
-            const Vec3 n = field.texel(x, y);
-            if (!(n.z >= kLeastHeight)) return std::nullopt;
-            all.extend(slope_of(n));
-        }
-    field.pyramid_ = SlopePyramid(field.width_, field.height_, all,
-                                  [&](int x, int y) { return field.cell(x, y).bounds(); });
-    field.build_sums();
-    return field;
-}
-
-Vec3 SlopeField::texel(int x, int y) const {
-    const int column = x == width_ ? 0 : x, row = y == height_ ? 0 : y;
-    const size_t at =
-        (static_cast<size_t>(row) * static_cast<size_t>(width_) + static_cast<size_t>(column)) *
-        image_->channels;
+Vec3 color(const Image& image, int x, int y) {
+    const int width = static_cast<int>(image.width), height = static_cast<int>(image.height);
+    const size_t at = (static_cast<size_t>(wrapped(y, height)) * image.width +
+                       static_cast<size_t>(wrapped(x, width))) *
+                      image.channels;
     Vec3 c;
     for (int i = 0; i < 3; ++i) {
-        const size_t k = at + (image_->channels == 1 ? 0 : static_cast<size_t>(i));
-        c[i] = image_->bytes.empty() ? image_->floats[k]
-                                     : static_cast<float>(image_->bytes[k]) * (1.0f / 255.0f);
+        const size_t k = at + (image.channels == 1 ? 0 : static_cast<size_t>(i));
+        c[i] = image.bytes.empty() ? image.floats[k]
+                                   : static_cast<float>(image.bytes[k]) * (1.0f / 255.0f);
     }
-    c = c * 2.0f - Vec3(1.0f);
-    return {c.x * strength_, c.y * strength_, 1.0f + (c.z - 1.0f) * clamp01(strength_)};
+    return c;
 }
 
-SlopePatch SlopeField::cell(int x, int y) const {
-    return {{texel(x, y), texel(x + 1, y), texel(x, y + 1), texel(x + 1, y + 1)}};
+// Calls act(x, y) for each texel.
+template <class Act>
+void for_each_texel(const Image& image, const Act& act) {
+    for (int y = 0; y < static_cast<int>(image.height); ++y)
+        for (int x = 0; x < static_cast<int>(image.width); ++x) act(x, y);
 }
 
-SlopePatch SlopeField::cell_in_any_tile(int x, int y) const {
-    return cell(wrapped(x, width_), wrapped(y, height_));
+}  // namespace
+
+Vec3 NormalTexels::normal(int x, int y) const {
+    const Vec3 c = color(*image, x, y) * 2.0f - Vec3(1.0f);
+    return {c.x * strength, c.y * strength, 1.0f + (c.z - 1.0f) * clamp01(strength)};
 }
 
-void SlopeField::build_sums() {
+NormalPatch NormalTexels::cell(int x, int y) const {
+    return {{normal(x, y), normal(x + 1, y), normal(x, y + 1), normal(x + 1, y + 1)}};
+}
+
+std::optional<SlopeBounds> NormalTexels::extent() const {
+    const Vec2 first = slope_of(normal(0, 0));
+    SlopeBounds all{first, first};
+    bool outwards = true;
+    for_each_texel(*image, [&](int x, int y) {
+        const Vec3 n = normal(x, y);
+        outwards = outwards && n.z >= kLeastHeight;
+        all.extend(slope_of(n));
+    });
+    if (!outwards) return std::nullopt;
+    return all;
+}
+
+float HeightTexels::height(int x, int y) const {
+    const Vec3 c = color(*image, x, y);
+    return luminance(Spectrum(c.x, c.y, c.z));
+}
+
+HeightPatch HeightTexels::cell(int x, int y) const {
+    std::array<std::array<float, 4>, 4> heights;
+    for (int j = 0; j < 4; ++j)
+        for (int i = 0; i < 4; ++i)
+            heights[static_cast<size_t>(j)][static_cast<size_t>(i)] = height(x - 1 + i, y - 1 + j);
+    return HeightPatch::of_texels(heights);
+}
+
+SlopeBounds HeightTexels::extent() const {
+    SlopeBounds all = cell(0, 0).bounds();
+    for_each_texel(*image, [&](int x, int y) { all.extend(cell(x, y).bounds()); });
+    return all;
+}
+
+std::optional<SlopeField> SlopeField::of_normals(const Image& image, float strength) {
+    const NormalTexels texels{&image, strength};
+    const std::optional<SlopeBounds> extent = texels.extent();
+    if (!extent) return std::nullopt;
+    return SlopeField(texels, *extent);
+}
+
+SlopeField SlopeField::of_heights(const Image& image) {
+    const HeightTexels texels{&image};
+    return SlopeField(texels, texels.extent());
+}
+
+template <class Texels>
+SlopeField::SlopeField(const Texels& texels, const SlopeBounds& extent)
+    : texels_(texels),
+      width_(static_cast<int>(texels.image->width)),
+      height_(static_cast<int>(texels.image->height)),
+      pyramid_(width_, height_, extent, [&](int x, int y) { return texels.cell(x, y).bounds(); }) {
+    build_sums(texels);
+}
+
+template <class Texels>
+void SlopeField::build_sums(const Texels& texels) {
     int w = width_, h = height_;
     for (int l = 0; l < kFirstSums; ++l) {
         w = halved(w);
@@ -103,7 +113,7 @@ void SlopeField::build_sums() {
                     std::vector<Sums>(static_cast<size_t>(w) * static_cast<size_t>(h), Sums{})};
     for (int y = 0; y < height_; ++y)
         for (int x = 0; x < width_; ++x) {
-            const Vec2 s = slope_of(texel(x, y));
+            const Vec2 s = texels.slope(x, y);
             Sums& sums = finest.nodes[static_cast<size_t>(y >> kFirstSums) * static_cast<size_t>(w) +
                                       static_cast<size_t>(x >> kFirstSums)];
             sums.add({s.x, s.y, s.x * s.x, s.x * s.y, s.y * s.y, 1.0f});

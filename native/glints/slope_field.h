@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The slopes of a normal map: exact at every point, bounded and averaged over regions.
+// The slopes of a normal or height map: exact at every point, bounded and averaged over regions.
 #pragma once
 
 #include "core/image.h"
-#include "glints/slope_pyramid.h"
+#include "glints/slope_patch.h"
 
 namespace spc {
 
@@ -13,39 +13,47 @@ struct SlopeMoments {
     float aa = 0.0f, ab = 0.0f, bb = 0.0f;
 };
 
-// A slope and how it varies with the coordinates.
-struct SlopeJet {
-    Vec2 slope, by_s, by_t;
+// Where a field's slopes come from: the texels of an image, which repeats.
+struct NormalTexels {
+    const Image* image;
+    float strength;
+
+    Vec3 normal(int x, int y) const;  // as map_normal() reads it, not normalised
+    Vec2 slope(int x, int y) const { return slope_of(normal(x, y)); }
+    NormalPatch cell(int x, int y) const;  // whose lower left texel is (x, y)
+    // Of all slopes. Empty where a normal points into the surface, or nearly so.
+    std::optional<SlopeBounds> extent() const;
+};
+struct HeightTexels {
+    const Image* image;
+
+    float height(int x, int y) const;
+    Vec2 slope(int x, int y) const { return cell(x, y).control[0][0]; }
+    HeightPatch cell(int x, int y) const;
+    SlopeBounds extent() const;  // of all slopes
 };
 
-// The normals at the corners of a rectangle within a cell, not normalised: strength times red and
-// green, and blue. Bilinear in between.
-struct SlopePatch {
-    std::array<Vec3, 4> corner;  // lower left and right, upper left and right
-
-    Vec2 slope(float s, float t) const { return jet(s, t).slope; }  // s, t in [0, 1]
-    SlopeJet jet(float s, float t) const;
-    SlopeBounds bounds() const;
-    SlopePatch quarter(int i) const;  // in the order of the corners
-};
-inline Vec2 slope_of(const Vec3& n) { return Vec2(n.x, n.y) * (1.0f / n.z); }
-
-// Slopes (a, b) of a tangent-space normal map: its normal is T a + B b + N. Coordinates are texels
-// between their centres: (0, 0) is the centre of the first texel, (width, height) the same one tile
-// farther. Between texels red, green and blue are interpolated and the slope is a quotient: over
-// any rectangle within a cell it lies in the hull of the slopes at its corners.
+// Slopes (a, b) of a map: its normal is W (a, b, 1) for columns W that depend on the surface
+// (SlopeFrame). Coordinates are texels between their centres: (0, 0) is the centre of the first texel,
+// (width, height) the same one tile farther.
+//
+// Of a normal map in tangent space, red, green and blue are interpolated between texels, and the slope
+// is a quotient. Of a height map the slope is the gradient of the luminance, by texels, filtered as
+// heights of a Bump node are, by cubic B-splines.
 class SlopeField {
 public:
-    // Of image(texel) as map_normal() reads it. The image must outlive the field. Empty where a
-    // normal of the map points into the surface, or nearly so.
-    static std::optional<SlopeField> build(const Image& image, float strength);
+    // The image must outlive the field. Empty where a normal of the map points into the surface, or
+    // nearly so.
+    static std::optional<SlopeField> of_normals(const Image& image, float strength);
+    static SlopeField of_heights(const Image& image);
 
     int width() const { return width_; }
     int height() const { return height_; }
-    // Of one cell, 0 <= x < width, 0 <= y < height; the last ones reach into the next tile.
-    SlopePatch cell(int x, int y) const;
-    // Wherever it is: maps repeat.
-    SlopePatch cell_in_any_tile(int x, int y) const;
+    // Of one cell, in any tile.
+    SlopePatch cell(int x, int y) const {
+        return std::visit([&](const auto& texels) { return SlopePatch(texels.cell(x, y)); },
+                          texels_);
+    }
 
     // Of the cells.
     const SlopePyramid& pyramid() const { return pyramid_; }
@@ -72,12 +80,13 @@ private:
         std::vector<Sums> nodes;
     };
 
-    Vec3 texel(int x, int y) const;  // wraps one tile
-    void build_sums();
+    template <class Texels>
+    SlopeField(const Texels& texels, const SlopeBounds& extent);
+    template <class Texels>
+    void build_sums(const Texels& texels);
 
-    const Image* image_ = nullptr;
-    float strength_ = 1.0f;
-    int width_ = 0, height_ = 0;
+    std::variant<NormalTexels, HeightTexels> texels_;
+    int width_, height_;
     SlopePyramid pyramid_;
     std::vector<SumLevel> sums_;  // from level kFirstSums on
 };

@@ -15,6 +15,10 @@ struct SlopeBounds {
         lower = {std::min(lower.x, slope.x), std::min(lower.y, slope.y)};
         upper = {std::max(upper.x, slope.x), std::max(upper.y, slope.y)};
     }
+    void extend(const SlopeBounds& other) {
+        extend(other.lower);
+        extend(other.upper);
+    }
 };
 
 // Nodes of level l > 0 have 2^l x 2^l leaves, fewer at the upper ends. Level 0 are the leaves

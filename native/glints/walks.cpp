@@ -15,7 +15,7 @@ constexpr float kLongestStep = 2.0f;  // texels
 constexpr float kLastStep = 1e-3f;
 // Solutions that are nearer to each other are one, texels.
 constexpr float kSame = 2e-3f;
-// Where the slopes of a texel would cover less than this share of what the narrowest lobe does, the
+// Where the normals of a texel would cover less than this share of what the narrowest lobe does, the
 // map counts as flat.
 constexpr float kFlat = 0.01f;
 
@@ -39,7 +39,7 @@ public:
             total_ += chance_[static_cast<size_t>(i)];
             narrowest = std::min(narrowest, s_.lobe(i).lobe.alpha);
         }
-        least_det_ = kFlat * kPi * sqr(narrowest);
+        least_det_ = kFlat * kPi * sqr(narrowest) / s_.footprint.frame.angle_per_slope();
         base_x_ = static_cast<int>(std::floor(s_.middle.x));
         base_y_ = static_cast<int>(std::floor(s_.middle.y));
         middle_ = s_.middle - Vec2(static_cast<float>(base_x_), static_cast<float>(base_y_));
@@ -100,10 +100,9 @@ private:
     SlopeJet jet_at(const Vec2& at) {
         ++stats_.nodes;
         const Vec2 cell(std::floor(at.x), std::floor(at.y));
-        return s_.field
-            ->cell_in_any_tile(base_x_ + static_cast<int>(cell.x),
-                               base_y_ + static_cast<int>(cell.y))
-            .jet(at.x - cell.x, at.y - cell.y);
+        const SlopePatch patch =
+            s_.field->cell(base_x_ + static_cast<int>(cell.x), base_y_ + static_cast<int>(cell.y));
+        return s_.footprint.frame.taken(spc::jet_at(patch, at.x - cell.x, at.y - cell.y));
     }
 
     static float det(const SlopeJet& jet) {

@@ -130,9 +130,10 @@ private:
                    last = tile + Vec2(static_cast<float>(std::min((x + 1) * size, w)) - 0.5f,
                                       static_cast<float>(std::min((y + 1) * size, h)) - 0.5f);
         if (!reaches((first + last) * 0.5f, (last - first) * 0.5f)) return;
-        if (level == 0) return add(flakes_.flake(x, y), s_.middle - first);
+        const SlopeFrame& frame = s_.footprint.frame;
+        if (level == 0) return add(frame.taken(flakes_.flake(x, y)), s_.middle - first);
         const float least =
-            target_.least_sine2(flakes_.pyramid().bounds(level, x, y)) * metric_.scale;
+            target_.least_sine2(frame.taken(flakes_.pyramid().bounds(level, x, y))) * metric_.scale;
         if (0.5f * widest_ * least > kMostExponent) return;
         const int half = size / 2;
         for (int k = 0; k < 4; ++k) {

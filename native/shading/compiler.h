@@ -114,7 +114,7 @@ void find_specular_interfaces(const ExprBuilder& expr, const ResolvedGraph& grap
                               std::vector<ClosureTerm>& terms, Material& material,
                               ExprId& caster_normal, std::vector<std::string>& warnings);
 
-// Decides in which normal map glints are looked for, marks the terms that belong to it
+// Decides in which normal or height map glints are looked for, marks the terms that belong to it
 // (slope_map.cpp). Its layers are indices among those of the compiler, in order of first use.
 SlopeMap find_slope_map(const ExprBuilder& expr, GlintsMode mode, std::span<const Image> images,
                         std::vector<ClosureTerm>& terms);

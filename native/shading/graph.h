@@ -33,7 +33,7 @@ struct GraphLink {
     uint32_t to_node;
     std::string to_socket;
 };
-// Whether narrow lobes on a normal map are looked at through the pixel's footprint.
+// Whether narrow lobes on a normal or bump map are looked at through the pixel's footprint.
 enum class GlintsMode : uint8_t { automatic, on, off };
 
 struct Graph {

@@ -60,14 +60,18 @@ struct SpecularInterface {
     bool is_rough() const { return alpha > 0.0f; }
 };
 
-// The normal map of a material whose narrow lobes may glint: a tangent-space Normal Map node fed by
-// an image that a UV layer addresses by an affine map. Lobes with another normal are not part of
-// it. What a lobe's normal is there: (T a + B b + N) for the slope (a, b) of the map, see
-// map_normal().
+// What a SlopeMap's image holds: normals in tangent space for a Normal Map node, see map_normal(), or
+// heights for a Bump node, see bump_normal().
+enum class Relief : uint8_t { normals, heights };
+
+// The map of a material whose narrow lobes may glint: a node that turns their normal, fed by an image
+// that a UV layer addresses by an affine map. Lobes with another normal are not part of it.
 struct SlopeMap {
+    Relief relief = Relief::normals;
     uint32_t image = kNone;                    // kNone: there is none
-    uint32_t uv_layer = 0, tangent_layer = 0;  // of Material::uv_layers
+    uint32_t uv_layer = 0, tangent_layer = 0;  // of Material::uv_layers; of heights one and the same
     float strength = 1.0f;
+    float distance = 1.0f;  // of heights: m, negative where they are inverted
     std::array<Vec2, 2> to_image{Vec2(1, 0),
                                  Vec2(0, 1)};  // rows from (u, v) of the layer to the image's
     Vec2 offset{0, 0};                         // likewise

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// In which normal map of a material glints are looked for.
+// In which normal or height map of a material glints are looked for.
 #include "shading/compiler.h"
 
 #include <fmt/format.h>
@@ -52,7 +52,7 @@ public:
 
 private:
     std::string why_not(const ClosureTerm& term) const {
-        if (term.normal() == kNoExpr) return "no normal map";
+        if (term.normal() == kNoExpr) return "no normal map or bump";
         if (!expr_.is_constant(term.alpha()))
             return mode_ == GlintsMode::on ? "" : "roughness varies";
         const float alpha = expr_.scalar(term.alpha());
@@ -62,25 +62,59 @@ private:
         return "";
     }
 
-    // Fills `map`, or says why that cannot be.
+    // These fill `map`, or say why that cannot be.
     std::string read_normal(ExprId id, SlopeMap& map) const {
         map = {};
         const Expr& normal = expr_[id];
-        if (normal.op != Op::normal_map) return "its normal is not a Normal Map node";
+        if (normal.op == Op::normal_map) return read_normal_map(normal, map);
+        if (normal.op == Op::bump) return read_bump(normal, map);
+        return "its normal is not a Normal Map or Bump node";
+    }
+
+    std::string read_normal_map(const Expr& normal, SlopeMap& map) const {
         if (normal.mode != static_cast<uint8_t>(NormalSpace::tangent))
             return "its normal map is not in tangent space";
-        if (!expr_.is_constant(normal.in[0])) return "the strength of its normal map varies";
-        const float strength = expr_.scalar(normal.in[0]);
-        if (!(strength > 0.0f)) return "the strength of its normal map is 0";
+        const std::string reason = read_strength(normal.in[0], "normal map", map);
+        if (!reason.empty()) return reason;
         const Expr& image = expr_[normal.in[1]];
         if (image.op != Op::image) return "its normal map is not an image alone";
         if (mode_interpolation(image.mode) != Interpolation::linear)
             return "its normal map is not interpolated linearly";
-        if (mode_extension(image.mode) != Extension::repeat)
-            return "its normal map is not repeated";
+        map.tangent_layer = normal.index;
+        return read_image(image, "normal map", map);
+    }
+
+    // However its image would be filtered elsewhere: heights are smooth.
+    std::string read_bump(const Expr& bump, SlopeMap& map) const {
+        if (bump.in[2] != kNoExpr) return "its bump rises from another normal";
+        const std::string reason = read_strength(bump.in[0], "bump", map);
+        if (!reason.empty()) return reason;
+        if (map.strength > 1.0f) return "the strength of its bump is above 1";
+        if (!expr_.is_constant(bump.in[1])) return "the distance of its bump varies";
+        map.distance = expr_.scalar(bump.in[1]) * (bump.mode != 0 ? -1.0f : 1.0f);
+        if (map.distance == 0.0f) return "the distance of its bump is 0";
+        const Expr& height = expr_[static_cast<ExprId>(bump.index)];
+        if (height.op != Op::luminance || expr_[height.in[0]].op != Op::image)
+            return "its height is not the colour of an image alone";
+        map.relief = Relief::heights;
+        const std::string why_not = read_image(expr_[height.in[0]], "height map", map);
+        map.tangent_layer = map.uv_layer;
+        return why_not;
+    }
+
+    std::string read_strength(ExprId strength, const char* of, SlopeMap& map) const {
+        if (!expr_.is_constant(strength)) return fmt::format("the strength of its {} varies", of);
+        map.strength = expr_.scalar(strength);
+        return map.strength > 0.0f ? "" : fmt::format("the strength of its {} is 0", of);
+    }
+
+    // The image, and where it lies on the surface.
+    std::string read_image(const Expr& image, const char* what, SlopeMap& map) const {
+        const auto its = [&](const char* fault) { return fmt::format("its {} {}", what, fault); };
+        if (mode_extension(image.mode) != Extension::repeat) return its("is not repeated");
         const Image& texels = images_[image.index];
-        if (texels.srgb_encoded) return "its normal map is not Non-Color data";
-        if (mode_straight(image.mode) && texels.premultiplied) return "its normal map has an alpha";
+        if (texels.srgb_encoded) return its("is not Non-Color data");
+        if (mode_straight(image.mode) && texels.premultiplied) return its("has an alpha");
         const Expr* at = &expr_[image.in[0]];
         if (at->op == Op::affine) {
             const std::array<float, 12>& m = expr_.matrix(at->index);
@@ -88,12 +122,9 @@ private:
             map.offset = {m[3], m[7]};
             at = &expr_[at->in[0]];
         }
-        if (at->op != Op::uv)
-            return "its normal map is not placed by a UV map and a constant Mapping";
+        if (at->op != Op::uv) return its("is not placed by a UV map and a constant Mapping");
         map.image = image.index;
         map.uv_layer = at->index;
-        map.tangent_layer = normal.index;
-        map.strength = strength;
         return "";
     }
 

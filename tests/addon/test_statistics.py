@@ -71,7 +71,7 @@ def test_the_line_on_light_paths_is_there_if_there_were_any():
 def test_the_line_on_glints_is_there_if_there_were_any():
     assert "Glints" not in dict(statistics(walks=3).rows())
     counts = {"glint_estimates": 1000, "glint_nodes": 300000, "glint_points": 8200}
-    text = "1,000 estimates, 300 parts of normal maps each, 8.2 points, 3.1 MB"
+    text = "1,000 estimates, 300 parts of maps each, 8.2 points, 3.1 MB"
     assert dict(statistics(**counts, glint_bytes=3_100_000).rows())["Glints"] == text
     capped = dict(statistics(**counts, glint_bytes=3_100_000, glint_capped=7).rows())["Glints"]
     assert capped == f"{text}, 7 stopped at the limit of trials"

@@ -3,7 +3,16 @@
 
 import bpy
 import pytest
-from scenes import add_camera, add_light, add_mesh, add_node, new_material, surface
+from scenes import (
+    add_camera,
+    add_light,
+    add_mesh,
+    add_node,
+    add_uv,
+    new_image,
+    new_material,
+    surface,
+)
 
 from specula import forecast, statistics
 
@@ -85,3 +94,43 @@ def test_a_material_says_why(material, casts, reason):
     found = forecast.of_material(MATERIALS[material]())
     assert found.casts == casts
     assert reason in found.reason
+
+
+def bumped(normal_below: bool = False):
+    """A shiny material raised by an image, on top of a normal map or not."""
+    material = material_of("ShaderNodeBsdfGlossy", Roughness=0.2)
+    shader = surface(material).links[0].from_node
+    bump = add_node(material, "ShaderNodeBump", shader.inputs["Normal"])
+    bump.inputs["Distance"].default_value = 0.1
+    image = new_image(size=64)
+    image.colorspace_settings.name = "Non-Color"
+    rows = [[(x * y) % 7 / 7.0 for x in range(64)] for y in range(64)]
+    image.pixels.foreach_set([c for row in rows for h in row for c in (h, h, h, 1.0)])
+    add_node(material, "ShaderNodeTexImage", bump.inputs["Height"], image=image)
+    if normal_below:
+        add_node(material, "ShaderNodeNormalMap", bump.inputs["Normal"])
+    return material
+
+
+@pytest.mark.parametrize(
+    ("glints", "normal_below", "foretold"),
+    [
+        ("AUTO", False, "Glossy BSDF, roughness 0.2"),
+        ("ON", False, "Glossy BSDF, roughness 0.2"),
+        ("OFF", False, "None"),
+        ("ON", True, "None: Glossy BSDF: its bump rises from another normal"),
+    ],
+)
+def test_bumps_glint_as_foretold(glints, normal_below, foretold):
+    material = bumped(normal_below)
+    material.specula.glints = glints
+    obj = add_mesh("Quad", material=material)
+    add_uv(obj.data)
+    add_camera()
+    add_light().location = (0.5, 0.0, 4.0)
+    scene = bpy.context.scene
+    scene.render.resolution_x = scene.render.resolution_y = 8
+    assert forecast.of_material(material).glints == foretold
+    bpy.ops.render.render()
+    estimates = statistics.last["Scene", "ViewLayer"].render_stats["glint_estimates"]
+    assert (estimates > 0) == (not foretold.startswith("None"))

@@ -140,7 +140,7 @@ typedef struct spc_node_link {
     const char* to_socket;
 } spc_node_link;
 
-/* Glints: whether narrow lobes on a normal map are averaged over each pixel's footprint in that map. AUTO: those
+/* Glints: whether narrow lobes on a normal map or bump are averaged over each pixel's footprint in its image. AUTO: those
  * of constant roughness up to 0.4. ON: all that can be; the scene's report says why one cannot. */
 typedef enum spc_glints { SPC_GLINTS_AUTO = 0, SPC_GLINTS_ON = 1, SPC_GLINTS_OFF = 2 } spc_glints;
 
@@ -451,10 +451,10 @@ typedef struct spc_render_stats {
     uint64_t sheet_leads, sheet_chains, missed_chains;
     double missed_energy;
     uint64_t glint_estimates; /* of the light of one direction, over a footprint */
-    uint64_t glint_nodes;     /* parts of normal maps that they looked at, or slopes on walks */
+    uint64_t glint_nodes;     /* parts of maps that they looked at, or slopes on walks */
     uint64_t glint_points;    /* points of those, or Gaussians, at which they evaluated a lobe */
     uint64_t glint_capped; /* estimates of SPC_GLINT_METHOD_WALKS that gave up at the trial cap */
-    uint64_t glint_bytes;  /* of memory that the method has for normal maps, beside the images */
+    uint64_t glint_bytes;  /* of memory that the method has for such maps, beside the images */
 } spc_render_stats;
 SPC_API spc_status spc_render_get_stats(spc_session* session, spc_render_stats* stats);
 

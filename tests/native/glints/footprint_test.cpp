@@ -201,7 +201,7 @@ TEST(Footprint, FrameGivesTheMappedNormals) {
         camera.clip_far = kInfinity;
         maker.builder.set_camera(camera);
         const RenderScene world = maker.finish();
-        const SlopeField field = *SlopeField::build(world.scene->images[0], 0.8f);
+        const SlopeField field = *SlopeField::of_normals(world.scene->images[0], 0.8f);
         test::Uniforms uniforms(6);
         int compared = 0;
         for (int i = 0; i < 100; ++i) {
@@ -211,7 +211,7 @@ TEST(Footprint, FrameGivesTheMappedNormals) {
             const Vec2 at = landing->at;
             const int x = std::min(int(at.x), 63), y = std::min(int(at.y), 63);
             const Vec3 n = normalize(landing->footprint->frame.normal(
-                field.cell(x, y).slope(at.x - float(x), at.y - float(y))));
+                slope_at(field.cell(x, y), at.x - float(x), at.y - float(y))));
             EXPECT_LT(test::angle_between(n, landing->mapped), 2e-3) << path.name;
         }
         EXPECT_GT(compared, 20) << path.name;

@@ -109,6 +109,16 @@ Image flat() {
     return test::normal_image(64, 64, [](double, double) { return Vec2(0.05f, -0.03f); });
 }
 
+// Raised by waves of heights: slopes of 0.2 for a distance of 2 m.
+Image heights() { return test::plane_heights(128, 128, 5.0 / 128, 0.2, 5); }
+Graph raised(float roughness, float strength = 1.0f, float distance = 2.0f) {
+    Graph graph = test::bump_mapped(
+        test::single_shader("bsdf_glossy", {{1, "Roughness", {roughness, 0, 0, 0}}}), {1, 1},
+        distance);
+    graph.inputs.push_back({2, "Strength", {strength, 0, 0, 0}});
+    return graph;
+}
+
 GlintFloor floor_of(const Graph& graph, const Image& map, double pixel_texels) {
     return {graph, map, pixel_texels, 0.5f, sun(0.1f)};
 }
@@ -130,6 +140,8 @@ TEST(GlintWalksSlow, AgreeWithRays) {
         {"several lobes", floor_of(plastic, waves(), 4.0)},
         {"stairs", floor_of(glossy(0.3f), stairs(), 6.0)},
         {"few texels", floor_of(glossy(0.3f), waves(), 1.5), 100000},
+        {"bump", floor_of(raised(0.3f), heights(), 6.0)},
+        {"weak bump", floor_of(raised(0.3f, 0.4f, 5.0f), heights(), 6.0)},
     };
     constexpr int kLights = 2;
     const double significance = test::sidak(kFamily, kLights * int(cases.size()));
@@ -149,6 +161,39 @@ TEST(GlintWalksSlow, AgreeWithRays) {
             // Solutions at the very edge of the filter, next to which no walk starts.
             EXPECT_LE(stats.capped, c.estimates / 10000) << c.name;
         }
+    }
+}
+
+// Hypothesis: the search has the mean of rays on a bump. `excess`: of the relief that rays meet.
+double z_of_search(float strength, float distance, float excess, uint64_t light) {
+    constexpr uint32_t kEstimates = 20000;
+    Site site(floor_of(raised(0.2f, strength, distance), heights(), 6.0));
+    Site truth(floor_of(raised(0.2f, strength, distance * excess), heights(), 6.0));
+    const Vec3 wi = site.light(light, 0.3f);
+    GlintStats stats;
+    const MeanEstimate search = site.by({GlintMethod::search}, kCentre, wi, kEstimates, stats);
+    const double rays = truth.by_rays(kCentre, wi, 600);
+    EXPECT_LT(search.standard_error(), 0.005 * rays) << "too little power";
+    return (search.mean() - rays) / search.standard_error();
+}
+bool agrees(double z, int comparisons) {
+    return std::erfc(std::abs(z) / std::sqrt(2.0)) > test::sidak(kFamily, comparisons);
+}
+TEST(GlintSearchSlow, AgreesWithRaysOnBumps) {
+    constexpr int kLights = 4;
+    for (uint64_t light = 1; light <= kLights; ++light) {
+        const double whole = z_of_search(1.0f, 2.0f, 1.0f, light),
+                     weak = z_of_search(0.4f, 5.0f, 1.0f, light);
+        EXPECT_TRUE(agrees(whole, 2 * kLights)) << light << ": " << whole;
+        EXPECT_TRUE(agrees(weak, 2 * kLights)) << light << ", weak: " << weak;
+    }
+}
+// Its twin: a relief that is 3 % higher.
+TEST(GlintSearchSlow, NoticesALittleRelief) {
+    constexpr int kLights = 4;
+    for (uint64_t light = 1; light <= kLights; ++light) {
+        EXPECT_FALSE(agrees(z_of_search(1.0f, 2.0f, 1.03f, light), 2 * kLights)) << light;
+        EXPECT_FALSE(agrees(z_of_search(0.4f, 5.0f, 1.03f, light), 2 * kLights)) << light;
     }
 }
 
@@ -238,6 +283,12 @@ TEST(FlakesSlow, MeetTheTruthAsFarAsGaussiansDo) {
             EXPECT_LT(std::abs(d.of_mean), 0.03) << texels << " " << distribution;
             EXPECT_LT(d.absolute, 0.04) << texels << " " << distribution;
         }
+    for (const Graph& bump : {raised(0.3f), raised(0.3f, 0.4f, 5.0f)}) {
+        Site site(floor_of(bump, heights(), 6.0));
+        const Deviation d = deviation(site, 0.5f, 100);
+        EXPECT_LT(std::abs(d.of_mean), 0.03) << "bump";
+        EXPECT_LT(d.absolute, 0.04) << "bump";
+    }
 }
 
 // Beyond the number of flakes that are looked at, slopes are one Gaussian: of waves from all sides
@@ -267,11 +318,11 @@ TEST(Flakes, AreTheMapInTheMiddleOfCells) {
         const SlopePatch cell = field.cell(x, y);
         const SlopeJet flake = flakes.flake(x, y);
         constexpr float kStep = 1.0f / 64;
-        const Vec2 by_s = (cell.slope(0.5f + kStep, 0.5f) - cell.slope(0.5f - kStep, 0.5f)) *
+        const Vec2 by_s = (slope_at(cell, 0.5f + kStep, 0.5f) - slope_at(cell, 0.5f - kStep, 0.5f)) *
                           (0.5f / kStep),
-                   by_t = (cell.slope(0.5f, 0.5f + kStep) - cell.slope(0.5f, 0.5f - kStep)) *
+                   by_t = (slope_at(cell, 0.5f, 0.5f + kStep) - slope_at(cell, 0.5f, 0.5f - kStep)) *
                           (0.5f / kStep);
-        EXPECT_LT((flake.slope - cell.slope(0.5f, 0.5f)).length(), 1e-6f);
+        EXPECT_LT((flake.slope - slope_at(cell, 0.5f, 0.5f)).length(), 1e-6f);
         EXPECT_LT((flake.by_s - by_s).length(), 1e-3f);
         EXPECT_LT((flake.by_t - by_t).length(), 1e-3f);
     }

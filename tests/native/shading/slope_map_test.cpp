@@ -45,6 +45,75 @@ TEST(SlopeMap, IsANormalMapOnAnAffineUvMap) {
     EXPECT_EQ(map.why_not, "");
 }
 
+Graph bumped(GlintsMode mode = GlintsMode::on) {
+    Graph graph = test::bump_mapped(
+        test::single_shader("bsdf_glossy", {{1, "Roughness", {0.2f, 0, 0, 0}}}), {2, 3}, 0.3f);
+    graph.glints = mode;
+    return graph;
+}
+
+// However its image would be filtered elsewhere.
+TEST(SlopeMap, IsAHeightMapOnAnAffineUvMap) {
+    Graph graph = bumped(GlintsMode::automatic);
+    graph.inputs.push_back({2, "Strength", {0.5f, 0, 0, 0}});
+    graph.options.push_back({2, "invert", "True"});
+    graph.options.push_back({3, "interpolation", "Closest"});
+    const Material material = compiled(graph);
+    const SlopeMap& map = material.slopes;
+    EXPECT_EQ(map.relief, Relief::heights);
+    EXPECT_EQ(map.image, 0u);
+    EXPECT_EQ(material.uv_layers, std::vector<std::string>{""});
+    EXPECT_EQ(material.reads & kReadsTangent, 0u);
+    EXPECT_FLOAT_EQ(map.strength, 0.5f);
+    EXPECT_FLOAT_EQ(map.distance, -0.3f);
+    EXPECT_EQ(map.to_image[0], Vec2(2, 0));
+    EXPECT_EQ(map.to_image[1], Vec2(0, 3));
+    EXPECT_EQ(map.why, "Glossy BSDF, roughness 0.2");
+    EXPECT_EQ(compiled(bumped(GlintsMode::off)).slopes.image, kNone);
+}
+
+TEST(SlopeMap, SaysWhyNotOfABump) {
+    const auto link = [](const char* node_kind, const char* out, const char* socket) {
+        Graph graph = bumped();
+        const auto node = static_cast<uint32_t>(graph.nodes.size());
+        graph.nodes.push_back(
+            {"New", node_kind, std::string(node_kind) == "image_texture" ? 0 : kNone});
+        std::erase_if(graph.links,
+                      [&](const GraphLink& l) { return l.to_node == 2 && l.to_socket == socket; });
+        graph.links.push_back({node, out, 2, socket});
+        return graph;
+    };
+    const auto constant = [](const char* socket, float value) {
+        Graph graph = bumped();
+        std::erase_if(graph.inputs, [&](const GraphInput& input) {
+            return input.node == 2 && input.socket == socket;
+        });
+        graph.inputs.push_back({2, socket, {value, 0, 0, 0}});
+        return graph;
+    };
+    Graph extended = bumped(), colour = bumped(), elsewhere = bumped();
+    extended.options.push_back({3, "extension", "EXTEND"});
+    colour.nodes[3].image = 1;
+    for (GraphLink& l : elsewhere.links)
+        if (l.to_node == 4) l.from_socket = "Object";
+    const std::pair<Graph, const char*> cases[] = {
+        {link("normal_map", "Normal", "Normal"), "its bump rises from another normal"},
+        {link("image_texture", "Alpha", "Strength"), "the strength of its bump varies"},
+        {link("image_texture", "Alpha", "Distance"), "the distance of its bump varies"},
+        {link("image_texture", "Alpha", "Height"),
+         "its height is not the colour of an image alone"},
+        {constant("Strength", 1.5f), "the strength of its bump is above 1"},
+        {constant("Distance", 0.0f), "the distance of its bump is 0"},
+        {extended, "its height map is not repeated"},
+        {colour, "its height map is not Non-Color data"},
+        {elsewhere, "its height map is not placed by a UV map"}};
+    for (const auto& [graph, why_not] : cases) {
+        const SlopeMap map = compiled(graph).slopes;
+        EXPECT_EQ(map.image, kNone) << why_not;
+        EXPECT_THAT(map.why_not, HasSubstr(why_not));
+    }
+}
+
 TEST(SlopeMap, PrincipledGlintsInItsReflections) {
     Graph graph = test::normal_mapped(test::principled(0.5f, 0.3f), {1, 1});
     const SlopeMap map = compiled(graph).slopes;
@@ -87,8 +156,9 @@ TEST(SlopeMap, SaysWhyNot) {
     diffuse.glints = GlintsMode::on;
     const std::pair<Graph, const char*> cases[] = {
         {glossy(0.0f), "Glossy BSDF: roughness 0"},
-        {none, "Glossy BSDF: no normal map"},
-        {with("texture_coordinate", "Normal", 1, "Normal"), "its normal is not a Normal Map node"},
+        {none, "Glossy BSDF: no normal map or bump"},
+        {with("texture_coordinate", "Normal", 1, "Normal"),
+         "its normal is not a Normal Map or Bump node"},
         {option(2, "space", "OBJECT"), "its normal map is not in tangent space"},
         {with("image_texture", "Alpha", 2, "Strength"), "the strength of its normal map varies"},
         {flat, "the strength of its normal map is 0"},

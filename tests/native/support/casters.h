@@ -13,7 +13,7 @@ struct CausticScene {
     std::function<Vec3(Pcg&)> receiver;  // a random point that the caustic may reach
 };
 
-// Random plane waves in space of one slope each: what a normal map shows of them.
+// Random plane waves in space of one slope each: what a normal map shows of them, or a height map.
 class Waves {
 public:
     explicit Waves(double slope) : slope_(slope) {}
@@ -21,6 +21,12 @@ public:
     Vec3d gradient(const Vec3d& p) const {
         Vec3d sum(0.0);
         for (const Wave& wave : waves_) sum += wave.along * std::cos(dot(wave.k, p) + wave.phase);
+        return sum;
+    }
+    double height(const Vec3d& p) const {
+        double sum = 0.0;
+        for (const Wave& wave : waves_)
+            sum += slope_ / length(wave.k) * std::sin(dot(wave.k, p) + wave.phase);
         return sum;
     }
 
@@ -50,7 +56,7 @@ constexpr int kWaves = 64;
 
 // Periodic waves over the unit square whose slopes have the spectrum of a Gaussian filter, with its
 // peak at `wavelength`; `rms_slope` over both axes.
-inline Image plane_normals(uint32_t size, double wavelength, double rms_slope, uint64_t seed) {
+inline Waves plane_waves(double wavelength, double rms_slope, uint64_t seed) {
     constexpr double kTurn = 2.0 * std::numbers::pi;
     Pcg pcg(seed);
     Waves waves(2.0 * rms_slope / std::sqrt(double(kWaves)));
@@ -65,10 +71,27 @@ inline Image plane_normals(uint32_t size, double wavelength, double rms_slope, u
         waves.add(whole * kTurn, kTurn * double(pcg.one()));
         ++i;
     }
+    return waves;
+}
+
+inline Image plane_normals(uint32_t size, double wavelength, double rms_slope, uint64_t seed) {
+    const Waves waves = plane_waves(wavelength, rms_slope, seed);
     return normal_image(size, size, [&](double u, double v) {
         const Vec3d g = waves.gradient(Vec3d(u, v, 0.0));
         return Vec2(static_cast<float>(g.x), static_cast<float>(g.y));
     });
+}
+
+// The same as heights.
+inline Image plane_heights(uint32_t width, uint32_t height, double wavelength, double rms_slope,
+                           uint64_t seed) {
+    const Waves waves = plane_waves(wavelength, rms_slope, seed);
+    std::vector<float> texels;
+    for (uint32_t y = 0; y < height; ++y)
+        for (uint32_t x = 0; x < width; ++x)
+            texels.push_back(
+                static_cast<float>(waves.height(Vec3d((x + 0.5) / width, (y + 0.5) / height, 0.0))));
+    return image_from_floats("heights", texels, width, height, 1, ColorSpace::data, AlphaMode::none);
 }
 
 // Isotropic bumps on the unit sphere, for with_sphere_uvs(); `wavelength` in radians.
@@ -132,7 +155,17 @@ inline Graph normal_mapped(Graph graph, const Vec2& repeat) {
     return graph;
 }
 
-// The same raised by image 0 times `distance` (m).
+// The same whose image holds heights, times `distance` (m).
+inline Graph bump_mapped(Graph graph, const Vec2& repeat, float distance) {
+    graph = normal_mapped(std::move(graph), repeat);
+    graph.nodes[2] = {"Bump", "bump", kNone};
+    graph.inputs.push_back({2, "Distance", {distance, 0, 0, 0}});
+    for (GraphLink& link : graph.links)
+        if (link.to_node == 2) link.to_socket = "Height";
+    return graph;
+}
+
+// A single_shader() raised by image 0 times `distance` (m), where the UVs have it.
 inline Graph bumped(Graph graph, float distance) {
     graph.name = "bumped " + graph.name;
     graph.nodes.insert(graph.nodes.end(), {{"Bump", "bump", kNone}, {"Image", "image_texture", 0}});

@@ -77,13 +77,13 @@ struct Place {
     Surface surface;
     Footprint footprint;
 };
-std::optional<Place> random_place(const Scene& scene, const Mesh& mesh, test::Uniforms& uniforms) {
+std::optional<Place> random_place(const Scene& scene, test::Uniforms& uniforms) {
     Vec2 at = uniforms.two();
     if (at.x + at.y > 1.0f) at = Vec2(1.0f) - at;
-    const auto triangle = static_cast<uint32_t>(uniforms() * float(mesh.triangles.size()));
+    const size_t triangles = scene.meshes[scene.instances[0].mesh].triangles.size();
+    const auto triangle = static_cast<uint32_t>(uniforms() * float(triangles));
     const SurfaceHit hit{0, triangle, at.x, at.y};
     const Vec3 front = front_normal(scene, 0, triangle), wo = front * (uniforms() < 0.5f ? -1 : 1);
-    if (!(length_squared(front) > 0.5f)) return std::nullopt;  // at a pole
     Place place;
     evaluate_surface(scene, hit, wo, place.surface);
     const Material& material = scene.material_of(hit);
@@ -110,7 +110,7 @@ TEST(BumpFrame, GivesTheNormalsOfShading) {
             int compared = 0;
             double turned = 0.0;
             for (int i = 0; i < 300; ++i) {
-                const std::optional<Place> place = random_place(*world.scene, shape.mesh, uniforms);
+                const std::optional<Place> place = random_place(*world.scene, uniforms);
                 if (!place) continue;
                 ++compared;
                 const Vec2 at = place->footprint.at;

@@ -3,6 +3,8 @@
 
 #include "math/warp.h"
 
+#include <xmmintrin.h>
+
 namespace spc {
 
 namespace {
@@ -56,52 +58,87 @@ void measure_slopes(const Scene& scene, Caster& caster) {
     }
 }
 
-// Bound, up to a factor that is common to all casters, of what a caster throws from `end` at x.
-float contribution_bound(const Caster& caster, const Vec3& x, const ReceiverSides& sides,
-                         const ChainEnd& end) {
-    const Vec3 to_caster = caster.center - x;
-    const Vec3 &half = caster.half_extent, &ng = sides.ng;
-    const float reach = std::abs(half.x * ng.x) + std::abs(half.y * ng.y) + std::abs(half.z * ng.z);
-    const bool wholly_below = dot(to_caster, ng) <= -reach;
-    if (wholly_below && !sides.below) return 0.0f;
-    const float r2 = sqr(caster.radius), d2 = length_squared(to_caster);
-    float cosine = 1.0f, seen = 1.0f;
-    if (d2 > r2) {
-        const float d = std::sqrt(d2), sin_sphere = caster.radius / d,
-                    cos_center = dot(to_caster, ng) / d;
-        // Largest cosine inside the sphere's cone.
-        const float cos_sphere = safe_sqrt(1.0f - sqr(sin_sphere));
-        if (cos_center < cos_sphere && !sides.below)
-            cosine = cos_center * cos_sphere + safe_sqrt(1.0f - sqr(cos_center)) * sin_sphere;
-        seen = r2 / d2;
+constexpr uint32_t kWidth = CasterPacket::kWidth;
+using Lanes = CasterPacket::Lanes;
+
+Lanes all_lanes(float v) { return Lanes{} + v; }
+Lanes min(Lanes a, Lanes b) { return a < b ? a : b; }
+Lanes max(Lanes a, Lanes b) { return a > b ? a : b; }
+Lanes root(Lanes v) { return _mm_sqrt_ps(max(v, Lanes{})); }
+Lanes dot(const Lanes* v, const Vec3& w) { return v[0] * w.x + v[1] * w.y + v[2] * w.z; }
+Lanes squared_length(const Lanes* v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; }
+struct LaneVectors {
+    Lanes v[3];
+};
+LaneVectors from_to(const Vec3& p, const Lanes* v) { return {v[0] - p.x, v[1] - p.y, v[2] - p.z}; }
+
+// Bound, up to a factor that is common to all casters, of what each throws from `end` at x.
+Lanes contribution_bounds(const CasterPacket& casters, const Vec3& x, const ReceiverSides& sides,
+                          const ChainEnd& end) {
+    const Vec3& ng = sides.ng;
+    const Vec3 across(std::abs(ng.x), std::abs(ng.y), std::abs(ng.z));
+    const Lanes one = all_lanes(1.0f), none{};
+    const LaneVectors to_caster = from_to(x, casters.center);
+    const Lanes &r2 = casters.squared_radius, d2 = squared_length(to_caster.v),
+                height = dot(to_caster.v, ng);
+    const auto outside = d2 > r2;
+    const Lanes seen = outside ? r2 / d2 : one;
+    Lanes cosine = one;
+    if (!sides.below) {
+        // The largest inside the sphere's cone.
+        const Lanes tangent = root(d2 - r2);
+        const Lanes largest = (height * tangent + root((d2 - height * height) * r2)) / d2;
+        cosine = outside & (height < tangent) ? largest : one;
+        const auto wholly_below = height <= -dot(casters.half_extent, across);
+        cosine = wholly_below ? none : cosine;
     }
-    const float lit =
-        end.distant ? 1.0f
-                    : std::min(1.0f, r2 / std::max(length_squared(caster.center - end.p), 1e-30f));
-    return std::max(cosine, 0.0f) * seen * lit;
+    Lanes lit = one;
+    if (!end.distant) {
+        const Lanes to_light = squared_length(from_to(end.p, casters.center).v);
+        lit = min(one, r2 / max(to_light, all_lanes(1e-30f)));
+    }
+    return max(cosine, none) * seen * lit * casters.used;
 }
 
 // Share of the probability that is spread evenly over all casters above the horizon: the bound
 // takes every caster for evenly bright, a focus is up to some ten times brighter.
 constexpr float kEvenShare = 0.1f;
 
+// Of several casters.
 struct BoundSum {
     float total = 0.0f;
     uint32_t possible = 0;
-};
-BoundSum sum_bounds(const CasterSet& set, const Vec3& x, const ReceiverSides& sides,
-                    const ChainEnd& end) {
-    BoundSum sum;
-    for (const Caster& caster : set.casters) {
-        const float b = contribution_bound(caster, x, sides, end);
-        sum.total += b;
-        sum.possible += b > 0.0f ? 1 : 0;
+
+    void add(float bound) {
+        total += bound;
+        possible += bound > 0.0f ? 1 : 0;
     }
+    float probability_among(const BoundSum& all) const {
+        if (possible == 0) return 0.0f;
+        return (1.0f - kEvenShare) * total / all.total +
+               kEvenShare * static_cast<float>(possible) / static_cast<float>(all.possible);
+    }
+};
+BoundSum sum_of(Lanes bounds) {
+    BoundSum sum;
+    for (uint32_t lane = 0; lane < kWidth; ++lane) sum.add(bounds[lane]);
     return sum;
 }
-float probability_from(float b, const BoundSum& sum) {
-    if (!(b > 0.0f)) return 0.0f;
-    return (1.0f - kEvenShare) * b / sum.total + kEvenShare / static_cast<float>(sum.possible);
+BoundSum sum_bounds(const CasterSet& set, const Vec3& x, const ReceiverSides& sides,
+                    const ChainEnd& end) {
+    Lanes total{};
+    decltype(total > total) possible{};
+    for (const CasterPacket& packet : set.packets) {
+        const Lanes bounds = contribution_bounds(packet, x, sides, end);
+        total += bounds;
+        possible -= bounds > Lanes{};
+    }
+    BoundSum sum;
+    for (uint32_t lane = 0; lane < kWidth; ++lane) {
+        sum.total += total[lane];
+        sum.possible += static_cast<uint32_t>(possible[lane]);
+    }
+    return sum;
 }
 
 // Of those triangles whose material `takes` says so.
@@ -116,7 +153,16 @@ Caster caster_of(const Scene& scene, uint32_t instance, const Takes& takes) {
 
 void add_caster(CasterSet& set, Caster caster) {
     if (caster.triangles.empty()) return;
-    set.of_instance[caster.instance] = static_cast<uint32_t>(set.casters.size());
+    const size_t index = set.casters.size(), lane = index % kWidth;
+    if (lane == 0) set.packets.emplace_back();
+    CasterPacket& packet = set.packets.back();
+    for (int i = 0; i < 3; ++i) {
+        packet.center[i][lane] = caster.center[i];
+        packet.half_extent[i][lane] = caster.half_extent[i];
+    }
+    packet.squared_radius[lane] = sqr(caster.radius);
+    packet.used[lane] = 1.0f;
+    set.of_instance[caster.instance] = static_cast<uint32_t>(index);
     set.casters.push_back(std::move(caster));
 }
 
@@ -178,24 +224,38 @@ Vec3 towards_caster(const Caster& caster, const Vec3& x, const Vec2& u) {
 
 CasterChoice choose_caster(const CasterSet& set, const Vec3& x, const ReceiverSides& sides,
                            const ChainEnd& end, float u) {
-    const BoundSum sum = sum_bounds(set, x, sides, end);
-    CasterChoice choice;
-    float cumulative = 0.0f;
-    for (uint32_t i = 0; i < set.casters.size(); ++i) {
-        const float probability =
-            probability_from(contribution_bound(set.casters[i], x, sides, end), sum);
+    const BoundSum all = sum_bounds(set, x, sides, end);
+    // First the packet, then the caster. The last possible one also takes what rounding leaves over.
+    Lanes bounds{};
+    uint32_t first = 0;
+    float before = 0.0f, cumulative = 0.0f;
+    for (uint32_t i = 0; i < set.packets.size() && !(u < cumulative); ++i) {
+        const Lanes here = contribution_bounds(set.packets[i], x, sides, end);
+        const float probability = sum_of(here).probability_among(all);
         if (probability == 0.0f) continue;
-        choice = {i, probability};  // the last possible one also takes what rounding leaves over
+        bounds = here;
+        first = kWidth * i;
+        before = cumulative;
         cumulative += probability;
-        if (u < cumulative) break;
+    }
+    CasterChoice choice;
+    for (uint32_t lane = 0; lane < kWidth; ++lane) {
+        BoundSum one;
+        one.add(bounds[lane]);
+        const float probability = one.probability_among(all);
+        if (probability == 0.0f) continue;
+        choice = {first + lane, probability};
+        before += probability;
+        if (u < before) break;
     }
     return choice;
 }
 
 float caster_probability(const CasterSet& set, uint32_t caster, const Vec3& x,
                          const ReceiverSides& sides, const ChainEnd& end) {
-    return probability_from(contribution_bound(set.casters[caster], x, sides, end),
-                            sum_bounds(set, x, sides, end));
+    BoundSum one;
+    one.add(contribution_bounds(set.packets[caster / kWidth], x, sides, end)[caster % kWidth]);
+    return one.probability_among(sum_bounds(set, x, sides, end));
 }
 
 }  // namespace spc

@@ -21,8 +21,17 @@ struct Caster {
     Vec2 slope_mean{0.0f}, slope_deviation{0.0f};
 };
 
+// Spheres and boxes around several casters, by lanes: what choose_caster() looks at of each.
+struct CasterPacket {
+    static constexpr uint32_t kWidth = 4;
+    using Lanes = float __attribute__((vector_size(4 * kWidth)));
+    Lanes center[3]{}, half_extent[3]{}, squared_radius{};
+    Lanes used{};  // 1 or 0
+};
+
 struct CasterSet {
     std::vector<Caster> casters;
+    std::vector<CasterPacket> packets;  // of `casters`, in their order
     std::vector<uint32_t> of_instance;  // index into `casters`, or kNone
     // With narrow lobes: nothing to walk on, but light paths aim at them, too. An instance may be
     // both.

@@ -31,9 +31,11 @@ struct PathHistory {
         chain  // then, or from the camera where that may see highlights, interactions with casters
     };
     Stage stage = Stage::unconnected;
-    CausticPath caustic;  // as far as it has come
+    CausticPath caustic;  // as far as it has come, without the chances of its vertices' lobes
     // Where that began on a rough surface: the chain from an earlier x to there and on; else empty.
     CausticPath rough_chain;
+    Surface surface;             // at x
+    CameraApproach approach{};   // to it
     bool passed_caster = false;  // straight through a part of one, since the last vertex
     // Of the scattering at x, for its share with next event estimation: of its direction or, of
     // closures with glints, a mean over the footprint.
@@ -46,11 +48,24 @@ struct PathHistory {
     }
     // Whether all that is since then has begun with a smooth scattering.
     bool has_scattered() const { return stage != Stage::unconnected && !caustic.from_camera; }
+    // The path goes from x in the direction wi: as those see it who know its vertices alone. Rays
+    // start beside theirs.
+    void set_direction(const Scene& scene, const Vec3& wi) {
+        if (stage != Stage::scattered) return;
+        caustic.pdf_omega = eval(surface.closures, surface.ng, surface.wo, wi).pdf_omega;
+        caustic.film_per_area = film_per_area(scene, approach, surface.hit, surface.wo, wi);
+        if (!glints) pdf_direct = caustic.pdf_omega;
+    }
+    void set_next(const Scene& scene, const Vec3& p) {
+        const Vec3 along = p - caustic.x;
+        if (length_squared(along) > 0.0f) set_direction(scene, normalize(along));
+    }
     // Of the camera's path to a surface that it meets after the last one.
-    CameraApproach approach_to(const Surface& surface) const {
+    CameraApproach approach_to(const Surface& next) const {
         if (stage != Stage::scattered) return {};
+        const Vec3 along = next.p - caustic.x;
         return {caustic.film_per_area * caustic.pdf_omega *
-                    std::abs(dot(surface.ng, surface.wo) / dot(caustic.sides.ng, surface.wo)),
+                    std::abs(dot(next.ng, along) / dot(caustic.sides.ng, along)),
                 caustic.scatterings + 1};
     }
     // A chain that comes here, and may go on with a rough vertex; null if there is none, as behind a
@@ -71,34 +86,39 @@ struct PathHistory {
         rough_chain.append(*vertex);
     }
     // `before`: the path's bounces when it came here.
-    void append_smooth(const Scene& scene, const Surface& surface, const ClosureSample& sample,
-                       bool may_receive, const CameraApproach& approach, const BounceCounts& before) {
+    void append_smooth(const Scene& scene, const Surface& at, const ClosureSample& sample,
+                       bool may_receive, const CameraApproach& approach_to_it,
+                       const BounceCounts& before) {
         const bool reached_by_scattering = has_scattered();
         stage = Stage::scattered;
         pdf_direct = sample.pdf_omega;
         glints = false;
-        caustic.x = surface.p;
-        caustic.p_error = surface.p_error;
-        caustic.sides = {surface.ng, has_smooth_transmission(surface.closures)};
+        caustic.x = at.p;
+        caustic.p_error = at.p_error;
+        caustic.sides = {at.ng, has_smooth_transmission(at.closures)};
         caustic.pdf_omega = sample.pdf_omega;
         caustic.receiver = may_receive;
         caustic.from_camera = false;
-        caustic.rough_caster = scene.instances[surface.hit.instance].rough_caster;
+        caustic.rough_caster = scene.instances[at.hit.instance].rough_caster;
         caustic.begins_rough = !(reached_by_scattering && caustic.rough_caster);
         caustic.through_caster = passed_caster = false;
         caustic.before = before;
-        caustic.scatterings = approach.scatterings;
-        caustic.film_per_area = film_per_area(scene, approach, surface.hit, surface.wo, sample.wi);
+        caustic.scatterings = approach_to_it.scatterings;
+        caustic.film_per_area = 0.0f;
         caustic.count = 0;
+    }
+    // After append_smooth(), for set_direction(): where nobody shares paths, nobody needs that.
+    void keep(const Surface& at, const CameraApproach& approach_to_it) {
+        surface = at;
+        approach = approach_to_it;
     }
     // After append_smooth(): the scattering was by closures with glints.
     void set_glints(float mean_pdf) {
         pdf_direct = mean_pdf;
         glints = true;
     }
-    // The chain goes on with this delta interaction, if it can. `probability`: of its lobe.
-    void append_delta(const SurfaceHit& hit, const ClosureSample& sample, float probability,
-                      const CasterSet& casters) {
+    // The chain goes on with this delta interaction, if it can.
+    void append_delta(const SurfaceHit& hit, const ClosureSample& sample, const CasterSet& casters) {
         const bool goes_on = stage != Stage::unconnected && sample.on_caster_normal &&
                              casters.of_instance[hit.instance] != kNone &&
                              caustic.count < kLongestChain;
@@ -108,8 +128,7 @@ struct PathHistory {
         passed_caster = false;
         if (goes_on) {
             const CausticVertex vertex{
-                hit, sample.refracted ? Interaction::refraction : Interaction::reflection,
-                probability};
+                hit, sample.refracted ? Interaction::refraction : Interaction::reflection};
             caustic.append(vertex);
             if (rough_chain.count > 0 && rough_chain.count < kLongestChain)
                 rough_chain.append(vertex);

@@ -22,7 +22,8 @@ struct PathTracer {
     PathStats& stats;
     Vec2 lens;
     Ray ray;
-    Media media;  // that the ray is in
+    Media media;             // that the ray is in
+    Vec3 from = ray.origin;  // the path's last vertex, beside which the ray starts
     Spectrum throughput{1.0f};
     PathHistory history{};
     BounceCounts bounces{};
@@ -44,9 +45,26 @@ struct PathTracer {
     // What the path finds at a surface, as far as it is allowed to see it.
     void evaluate(const Hit& hit, Surface& surface) const {
         evaluate_surface(scene(), hit.surface, ray.direction * -1.0f, surface);
+        const Vec3 back = from - surface.p;
+        if (dot(back, surface.ng) > 0.0f) surface.wo = normalize(back);
         const ManifoldSettings& caustics = settings.manifold;
         if (ray_kind == kVisibleDiffuse && !(caustics.reflections && caustics.refractions))
             drop_caustics(surface.closures, caustics.reflections, caustics.refractions);
+    }
+
+    // Whether somebody else may find what path tracing does.
+    bool shares() const {
+        return (settings.manifold.enabled && has_chain_casters()) ||
+               settings.light_tracing.guide != nullptr;
+    }
+    bool has_chain_casters() const {
+        return !(world.casters.empty() && world.rough_chain_casters.empty());
+    }
+    void go_towards(const Vec3& wi) {
+        if (shares()) history.set_direction(scene(), wi);
+    }
+    void come_to(const Vec3& p) {
+        if (shares()) history.set_next(scene(), p);
     }
 
     // ---- light that the path runs into. Each is weighed against the estimator that could have
@@ -94,11 +112,12 @@ struct PathTracer {
 
     float weight_of_chain(const LightEnd& end) const {
         const Techniques techniques = techniques_of(world, settings);
-        const CausticPath& path = history.caustic;
+        CausticPath path = history.caustic;
         if (!(end.pdf > 0.0f) ||
             !(manifold_owns(techniques, path) || light_tracing_owns(techniques, path)))
             return 1.0f;
         if (path.from_camera && !settings.highlights->has(end.light)) return 1.0f;
+        if (is_black(chain_throughput(scene(), path, end.end))) return 1.0f;
         const std::optional<CausticDensities> p = caustic_densities(techniques, path, end);
         if (!p || p->manifold + p->light_tracing == 0.0) return 1.0f;
         const bool missed = p->missed_are_apart() &&
@@ -302,9 +321,7 @@ struct PathTracer {
     }
 
     bool may_receive(const Surface& surface) const {
-        return (settings.manifold.enabled || settings.light_tracing.guide != nullptr) &&
-               !(world.casters.empty() && world.rough_chain_casters.empty()) &&
-               has_smooth_closure(surface.closures) &&
+        return shares() && has_chain_casters() && has_smooth_closure(surface.closures) &&
                scene().instances[surface.hit.instance].receiver &&
                bounces.leaves_room_for_chain(settings.limits);
     }
@@ -419,11 +436,13 @@ struct PathTracer {
         if (!next.delta) {
             history.append_rough(rough_vertex_at(surface, next));
             history.append_smooth(scene(), surface, next, receives, approach, before);
+            if (shares()) history.keep(surface, approach);
             if (next.glints) history.set_glints(glints->pdf(next.wi));
         } else {
-            history.append_delta(surface.hit, next, lobe_probability(surface, next), world.casters);
+            history.append_delta(surface.hit, next, world.casters);
         }
         ray_kind = ray_kind_after(next.kind);
+        from = surface.p;
         if (dot(surface.ng, next.wi) < 0.0f) media.cross(scene(), surface.hit, next.wi);
         ray = {offset_origin({surface.p, surface.ng, surface.p_error}, next.wi), next.wi, 0.0f,
                kInfinity};
@@ -446,20 +465,7 @@ struct PathTracer {
         if (next.kind == BounceKind::diffuse || next.glints ||
             rough_visit(surface).before == nullptr)
             return std::nullopt;
-        return rough_vertex(techniques_of(world, settings), surface.hit, surface.closures,
-                            surface.ng, surface.wo, next.wi);
-    }
-
-    // The density that the manifold's share is computed with: of the surface's own closures, even
-    // where switched-off caustics left fewer to sample.
-    float lobe_probability(const Surface& surface, const ClosureSample& next) const {
-        if (!next.on_caster_normal || history.stage == PathHistory::Stage::unconnected) return 0.0f;
-        if (settings.manifold.reflections && settings.manifold.refractions)
-            return delta_lobe(surface.closures, surface.ng, surface.wo, next.wi, next.refracted)
-                .probability;
-        Surface whole;
-        evaluate_surface(scene(), surface.hit, surface.wo, whole);
-        return delta_lobe(whole.closures, whole.ng, whole.wo, next.wi, next.refracted).probability;
+        return rough_vertex(techniques_of(world, settings), surface.hit, surface.ng, next.wi);
     }
 };
 
@@ -499,15 +505,18 @@ PathSample path_radiance(const RenderScene& world, const IntegratorSettings& set
             break;
         }
         if (!hit) {
+            path.go_towards(path.ray.direction);
             out.radiance += path.throughput * path.emission_from_afar();
             break;
         }
         if (hit->light != kNone) {  // lamps are looked through, as in Cycles
+            path.come_to(path.ray.origin + path.ray.direction * hit->t);
             out.radiance += path.throughput * path.emission_of_lamp(*hit);
             path.ray.t_near = past(hit->t);
             continue;
         }
         path.evaluate(*hit, surface);
+        path.come_to(surface.p);
         out.radiance += path.throughput * path.emission_of_surface(*hit, surface);
         if (path.bounces.exhausted(settings.limits)) {
             if (path.look_for_lights_behind(*hit, surface)) continue;

@@ -296,8 +296,7 @@ std::optional<CausticDensities> caustic_densities(const Techniques& techniques,
 }
 
 std::optional<CausticVertex> rough_vertex(const Techniques& techniques, const SurfaceHit& hit,
-                                          const ClosureList& closures, const Vec3& ng,
-                                          const Vec3& wo, const Vec3& wi) {
+                                          const Vec3& ng, const Vec3& wi) {
     if (techniques.rough_chain_casters.empty() ||
         techniques.rough_chain_casters.of_instance[hit.instance] == kNone)
         return std::nullopt;
@@ -305,12 +304,12 @@ std::optional<CausticVertex> rough_vertex(const Techniques& techniques, const Su
     const Interaction interaction =
         dot(ng, wi) > 0.0f ? Interaction::reflection : Interaction::refraction;
     if (!interface.is_rough() || !has_interaction(interface, interaction)) return std::nullopt;
-    return CausticVertex{hit, interaction, eval(closures, ng, wo, wi).pdf_omega, true,
-                         facet_pdf_at(techniques.scene, hit, interaction, wo, wi)};
+    return CausticVertex{hit, interaction, 0.0f, true};
 }
 
-float rough_chain_share(const Techniques& techniques, const CausticPath& path, const LightEnd& end) {
+float rough_chain_share(const Techniques& techniques, CausticPath path, const LightEnd& end) {
     if (!(end.pdf > 0.0f) || !(end.cosine > 0.0f) || !manifold_owns(techniques, path)) return 0.0f;
+    if (is_black(chain_throughput(techniques.scene, path, end.end))) return 0.0f;
     const std::optional<CausticDensities> p = caustic_densities(techniques, path, end);
     return p && p->manifold > 0.0 ? static_cast<float>(p->manifold / p->sum()) : 0.0f;
 }
@@ -323,8 +322,7 @@ Spectrum left_by_rough_chains(const Techniques& techniques, const RoughVisit& vi
     };
     const Spectrum all = f_cos(kinds);
     if (visit.before->count + 1 + behind.size() > kLongestChain) return all;
-    const std::optional<CausticVertex> here =
-        rough_vertex(techniques, visit.hit, visit.closures, visit.ng, visit.wo, wi);
+    const std::optional<CausticVertex> here = rough_vertex(techniques, visit.hit, visit.ng, wi);
     if (!here) return all;
     CausticPath path = *visit.before;
     path.append(*here);

@@ -74,7 +74,7 @@ struct CausticVertex {
     Interaction interaction;
     // Of a delta lobe for a path from the receiver, as delta_lobe() states it; at a rough vertex
     // ClosureEval::pdf_omega, 1/sr.
-    float probability;
+    float probability = 0.0f;
     bool rough = false;
     float facet_pdf = 0.0f;  // of a rough vertex, see there
 };
@@ -212,7 +212,8 @@ struct CausticDensities {
     double shared_by_camera() const { return (path_tracing + manifold) / sum(); }
 };
 // Throughput of the chain's vertices as the camera's path comes to them, f |cos| of rough ones;
-// fills in the chances of their lobes.
+// fills in the chances of their lobes. By the places of the vertices alone, so that all techniques
+// have the same.
 Spectrum chain_throughput(const Scene& scene, CausticPath& path, const ChainEnd& end);
 // Empty where the chain cannot be, by the accuracy that there is.
 std::optional<CausticDensities> caustic_densities(const Techniques& techniques,
@@ -222,13 +223,13 @@ std::optional<CausticDensities> caustic_densities(const Techniques& techniques,
 // it is a path of its own, which those who find it share as ever. What the rough chain takes of the
 // path comes first; they have the rest.
 
-// A rough vertex as part of a chain: where the camera's path comes from wo and goes on along wi.
-// Empty where the surface is none.
+// A rough vertex as part of a chain, but for what chain_throughput() fills in: where the camera's
+// path goes on along wi, ng being on the side that it comes from. Empty where the surface is none.
 std::optional<CausticVertex> rough_vertex(const Techniques& techniques, const SurfaceHit& hit,
-                                          const ClosureList& closures, const Vec3& ng,
-                                          const Vec3& wo, const Vec3& wi);
-// The share that the manifold has of light which arrives by a path with rough vertices.
-float rough_chain_share(const Techniques& techniques, const CausticPath& path, const LightEnd& end);
+                                          const Vec3& ng, const Vec3& wi);
+// The share that the manifold has of light which arrives by a path with rough vertices, without the
+// chances of their lobes.
+float rough_chain_share(const Techniques& techniques, CausticPath path, const LightEnd& end);
 
 // Where a chain that began at an earlier x may go on.
 struct RoughVisit {

@@ -18,7 +18,7 @@ namespace {
 constexpr uint32_t kInCasters = kVisibleGlossy | kVisibleTransmission | kVisibleShadow;
 constexpr Vec3 kEye(0.0f, -3.0f, 2.0f);
 constexpr Vec2 kLens(0.5f);
-constexpr double kPaths = 10.0;
+constexpr double kPaths = 0.03;  // of light: so few that all techniques have a share
 
 IntegratorSettings settings_for(const EmissionGuide* guide) {
     IntegratorSettings settings;
@@ -61,15 +61,18 @@ public:
         Traced path;
         path.ray = scene.camera.ray(film.x, film.y, kLens);
         Ray ray = path.ray;
+        Vec3 from = ray.origin;
         for (uint32_t vertex = 0;; ++vertex) {
             const std::optional<Hit> hit = scene.accel->intersect(ray, kVisibleGlossy);
             if (hit && hit->light == kNone && !shines(*hit)) {
                 Surface surface;
-                evaluate_surface(scene, hit->surface, ray.direction * -1.0f, surface);
+                evaluate_surface(scene, hit->surface,
+                                 normalize(from - surface_position(scene, hit->surface)), surface);
                 const std::optional<ClosureSample> next =
                     sample(surface.closures, surface.ng, surface.wo,
                            sampler.vertex(vertex)[Domain::closure].three());
                 if (!next || !append(path, surface, *next)) return std::nullopt;
+                from = surface.p;
                 ray = {offset_origin({surface.p, surface.ng, surface.p_error}, next->wi), next->wi,
                        0.0f, kInfinity};
                 continue;
@@ -88,20 +91,20 @@ private:
     bool append(Traced& path, const Surface& surface, const ClosureSample& next) const {
         if (!next.delta) {
             if (!path.chain.empty() || path.smooth.size() == 3) return false;
+            path.history.set_next(*world_.scene, surface.p);
             CameraApproach approach = path.history.approach_to(surface);
             if (path.smooth.empty()) {
                 const std::optional<CameraView> view = world_.scene->camera.view(surface.p, kLens);
                 approach.film_per_area = view->film_per_area * std::abs(dot(surface.ng, surface.wo));
             }
             path.history.append_smooth(*world_.scene, surface, next, true, approach, {});
+            path.history.keep(surface, approach);
             path.smooth.push_back(surface);
             return true;
         }
         if (path.smooth.empty() || path.chain.size() == 3) return false;
         path.chain.push_back(
-            {surface.hit, next.refracted ? Interaction::refraction : Interaction::reflection,
-             delta_lobe(surface.closures, surface.ng, surface.wo, next.wi, next.refracted)
-                 .probability});
+            {surface.hit, next.refracted ? Interaction::refraction : Interaction::reflection});
         path.corners.push_back(surface.p);
         return true;
     }
@@ -188,26 +191,24 @@ std::optional<CausticDensities> by_manifold(const Bench& bench, const Integrator
         next.wi = normalize((&surface + 1)->p - surface.p);
         next.pdf_omega = eval(surface.closures, surface.ng, surface.wo, next.wi).pdf_omega;
         before.append_smooth(scene, surface, next, true, approach, bounces);
+        before.keep(surface, approach);
+        before.set_direction(scene, next.wi);
         bounces.add(BounceKind::diffuse);
     }
     const Media media{};
     const Receiver receiver{x.p,    x.p_error, x.ng,     x.wo,    &x.closures, 16,
                             &media, x.hit,     approach, bounces, 1.0f,        nullptr};
-    const Vec3 wi = normalize(root->patch.p - x.p);
-    Surface at_root;
-    evaluate_surface(scene, root->hit, wi * -1.0f, at_root);
-    float unused;
-    const DeltaLobe lobe = delta_lobe(at_root.closures, at_root.ng, at_root.wo,
-                                      end_of(path.y).from(root->patch.p, unused),
-                                      root->interaction == Interaction::refraction);
+    const Vec3 wi = normalize(path.corners[0] - x.p);
     CausticPath record = caustic_path(scene, receiver, eval(x.closures, x.ng, x.wo, wi), wi);
-    record.append({root->hit, root->interaction, lobe.probability});
+    record.append(path.chain[0]);
+    if (is_black(chain_throughput(scene, record, end_of(path.y)))) return std::nullopt;
     return caustic_densities(bench.techniques(settings), record,
-                             light_end(path.y, leaving(path.y, root->patch.p)));
+                             light_end(path.y, leaving(path.y, path.corners[0])));
 }
 
-// What a light path makes of it that leaves the light for its last vertex. Empty where rounding
-// leads it elsewhere.
+// What a light path makes of it that leaves the light for its last vertex. Its rays meet the path's
+// vertices but for rounding, which is not to be told from a wrong record next to folds: the record is
+// of the path's own. Empty where rounding leads it elsewhere.
 std::optional<CausticDensities> by_light(const Bench& bench, const IntegratorSettings& settings,
                                          const Traced& path, float wrong) {
     const Scene& scene = *bench.world().scene;
@@ -222,15 +223,21 @@ std::optional<CausticDensities> by_light(const Bench& bench, const IntegratorSet
     LightHistory history;
     Pcg pcg(3);
     Surface surface;
-    const auto meet = [&] {
+    Vec3 from = end.end.p;
+    // Whether it comes there, where it then is.
+    const auto comes_to = [&](const Vec3& p, const SurfaceHit& there, float accuracy) {
         std::optional<Hit> hit = scene.accel->intersect(ray, kVisibleGlossy);
         for (; hit && hit->light != kNone; hit = scene.accel->intersect(ray, kVisibleGlossy))
             ray.t_near = past(hit->t);
-        if (hit) evaluate_surface(scene, hit->surface, ray.direction * -1.0f, surface);
-        return hit.has_value();
+        if (!hit || length(surface_position(scene, hit->surface) - p) > accuracy) return false;
+        const bool from_afar = end.end.distant && &there == &path.chain.back().hit;
+        evaluate_surface(scene, there, from_afar ? ray.direction * -1.0f : normalize(from - p),
+                         surface);
+        from = p;
+        return true;
     };
     for (size_t k = path.chain.size(); k-- > 0;) {
-        if (!meet() || length(surface.p - path.corners[k]) > 1e-4f) return std::nullopt;
+        if (!comes_to(path.corners[k], path.chain[k].hit, 1e-4f)) return std::nullopt;
         const bool refracted = path.chain[k].interaction == Interaction::refraction;
         std::optional<ClosureSample> next;
         for (int tries = 0; tries < 1000 && !(next && next->refracted == refracted); ++tries)
@@ -241,7 +248,7 @@ std::optional<CausticDensities> by_light(const Bench& bench, const IntegratorSet
                kInfinity};
     }
     for (size_t i = path.smooth.size(); i-- > 0;) {
-        if (!meet() || length(surface.p - path.smooth[i].p) > 1e-3f) return std::nullopt;
+        if (!comes_to(path.smooth[i].p, path.smooth[i].hit, 1e-3f)) return std::nullopt;
         const Vec3 target = i > 0 ? path.smooth[i - 1].p : path.ray.origin;
         const Vec3 towards = normalize(target - surface.p);
         Surface from_camera;
@@ -371,14 +378,11 @@ Deviations deviations(uint32_t tries, float wrong = 1.0f) {
     return result;
 }
 
-double beyond(const std::vector<double>& deviations, double limit) {
-    const auto count = std::count_if(deviations.begin(), deviations.end(),
-                                     [&](double d) { return !(d <= limit); });
-    return double(count) / double(deviations.size());
+double largest(const std::vector<double>& deviations) {
+    return *std::max_element(deviations.begin(), deviations.end());
 }
 
-// Rounding, which folds and fine slopes magnify, parts the records of few paths by more.
-constexpr double kRounding = 1e-5, kMagnified = 1e-2;
+constexpr double kRounding = 1e-5;
 
 TEST(CausticWeightsSlow, SumToOneOverTheirOwnRecords) {
     const Deviations all = deviations(600000);
@@ -388,8 +392,7 @@ TEST(CausticWeightsSlow, SumToOneOverTheirOwnRecords) {
                                  std::to_string(kind[1]) + " interactions, " +
                                  std::to_string(found.size()) + " paths";
         EXPECT_GE(found.size(), 20u) << what;
-        EXPECT_LT(beyond(found, kRounding), 0.15) << what;
-        EXPECT_EQ(beyond(found, kMagnified), 0.0) << what;
+        EXPECT_LE(largest(found), kRounding) << what;
     }
 }
 
@@ -428,7 +431,7 @@ TEST(CausticWeightsSlow, OfChainsThatFixedStartsMissSumToOne) {
 // A record that differs by a hundredth shows.
 TEST(CausticWeightsSlow, ComparisonNoticesAWrongRecord) {
     for (const auto& [kind, found] : deviations(200000, 1.01f))
-        EXPECT_GT(beyond(found, kRounding), 0.5);
+        EXPECT_GT(largest(found), 100.0 * kRounding);
 }
 
 }  // namespace

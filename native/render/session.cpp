@@ -105,9 +105,8 @@ void TileEvidence::add(const RenderStats& stats) {
     for (size_t i = 0; i < kEstimates; ++i) manifold[i].add(stats.path.evidence[i]);
 }
 
-Activation activation_for(const TileEvidence& evidence, std::span<const PixelSums> pixels) {
-    // So few samples tell nothing yet; and what they have not met must not come too rarely.
-    constexpr uint64_t kLeastSamples = 3;
+Activation activation_for(const TileEvidence& evidence, double variance) {
+    // What has not been met must not come too rarely.
     constexpr double kLeastChance = 1.0 / 8;
     // Chains among rough vertices may cost the most where they bring the least: on fine normal maps one
     // of very many solutions is looked for again.
@@ -115,19 +114,7 @@ Activation activation_for(const TileEvidence& evidence, std::span<const PixelSum
     // Of the variance that a tile shows, what is left for all but the manifold at least.
     constexpr double kLeastRest = 0.05;
 
-    Activation chances;
-    chances.fill(1.0f);
-    if (evidence.samples < kLeastSamples * pixels.size()) return chances;
-    double variance = 0.0;  // of one sample
-    for (const PixelSums& pixel : pixels) {
-        const double n = pixel.count;
-        if (n < 2.0) return chances;
-        for (size_t c = 0; c < 3; ++c) {
-            const double mean = pixel.radiance[c] / n;
-            variance += (pixel.radiance_squared[c] / n - mean * mean) * (n / (n - 1.0));
-        }
-    }
-    variance /= 3.0 * static_cast<double>(pixels.size());
+    Activation chances = kAlways;
     const auto samples = static_cast<double>(evidence.samples);
     double by_manifold = 0.0;
     for (const ActivationEvidence& e : evidence.manifold) by_manifold += e.second_moment / samples;
@@ -142,6 +129,21 @@ Activation activation_for(const TileEvidence& evidence, std::span<const PixelSum
         chances[i] = static_cast<float>(std::clamp(best, least, 1.0));
     }
     return chances;
+}
+
+Activation activation_for(const TileEvidence& evidence, std::span<const PixelSums> pixels) {
+    constexpr uint64_t kLeastSamples = 3;  // fewer tell nothing yet
+    if (evidence.samples < kLeastSamples * pixels.size()) return kAlways;
+    double variance = 0.0;
+    for (const PixelSums& pixel : pixels) {
+        const double n = pixel.count;
+        if (n < 2.0) return kAlways;
+        for (size_t c = 0; c < 3; ++c) {
+            const double mean = pixel.radiance[c] / n;
+            variance += (pixel.radiance_squared[c] / n - mean * mean) * (n / (n - 1.0));
+        }
+    }
+    return activation_for(evidence, variance / (3.0 * static_cast<double>(pixels.size())));
 }
 
 void Session::work(bool first) {
@@ -274,10 +276,27 @@ Session::Probe Session::probe(uint32_t most, uint32_t rare) const {
     RenderStats all;
     for (const RenderStats& one : stats) all.add(one);
     const double samples = 2.0 * static_cast<double>(count);
-    return {
+    Probe probe{
         std::accumulate(squares.begin(), squares.end(), 0.0) / samples,
         static_cast<double>(all.path.rays + all.path.manifold.rays + all.path.manifold.iterations) /
-            samples};
+            samples,
+        {}};
+    probe.evidence.add(all);
+    return probe;
+}
+
+// As if its manifold estimates came by the chances that tiles will give them.
+Session::Probe Session::thinned(const Probe& whole) {
+    Probe result = whole;
+    const Activation chances = activation_for(whole.evidence, whole.variance);
+    const auto samples = static_cast<double>(whole.evidence.samples);
+    for (size_t i = 0; i < kEstimates; ++i) {
+        const auto chance = static_cast<double>(chances[i]);
+        const ActivationEvidence& e = whole.evidence.manifold[i];
+        result.variance += e.second_moment / samples * (1.0 / chance - 1.0);
+        result.work -= e.cost / samples * (1.0 - chance);
+    }
+    return result;
 }
 
 // For each sample of the picture: so many that a ray more lowers the picture's variance alike,
@@ -289,11 +308,12 @@ uint64_t Session::light_paths_that_pay(const LightPilot& pilot) const {
     const auto& crop = world_.scene->camera.crop;
     const auto pixels = static_cast<double>(uint64_t{crop[2]} * crop[3]);
     constexpr uint32_t kPixels = 2048, kRare = 1024;
-    const auto [variance, work] = probe(kPixels, kRare);
+    const Probe camera = thinned(probe(kPixels, kRare));
     const double best =
-        std::sqrt(pilot.squares * spread(filter_) * work / (pilot.rays * variance)) / pixels;
+        std::sqrt(pilot.squares * spread(filter_) * camera.work / (pilot.rays * camera.variance)) /
+        pixels;
     return static_cast<uint64_t>(
-        std::ceil(pixels * (variance > 0.0 ? std::clamp(best, kLeast, kMost) : kMost)));
+        std::ceil(pixels * (camera.variance > 0.0 ? std::clamp(best, kLeast, kMost) : kMost)));
 }
 
 // Whether the whole job was done.

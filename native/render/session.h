@@ -57,6 +57,8 @@ struct TileEvidence {
 };
 // The chances of manifold estimates for which variance times cost of the tile is least, as
 // efficiency-optimised Russian roulette has it [Rath22].
+// `variance`: of one sample; else it is that of the tile's pixels, if they have samples enough.
+Activation activation_for(const TileEvidence& evidence, double variance);
 Activation activation_for(const TileEvidence& evidence, std::span<const PixelSums> pixels);
 
 class Session {
@@ -92,8 +94,10 @@ private:
     // left out.
     struct Probe {
         double variance, work;
+        TileEvidence evidence;
     };
     Probe probe(uint32_t most, uint32_t rare) const;
+    static Probe thinned(const Probe& whole);
     uint64_t light_paths_that_pay(const LightPilot& pilot) const;
     bool render_job(uint64_t job, RenderStats& stats);
     bool render_tile(uint32_t pass, uint32_t tile, RenderStats& stats);

@@ -124,6 +124,7 @@ private:
         }
         history.append_rough(vertex);
         history.append_smooth(scene(), at, next, true, visit.approach, {});
+        history.keep(at, visit.approach);
         return true;
     }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "glints/slope_field.h"
 
+#include "core/parallel.h"
+
 namespace spc {
 
 namespace {
@@ -31,11 +33,19 @@ Vec3 color(const Image& image, int x, int y) {
     return c;
 }
 
-// Calls act(x, y) for each texel.
-template <class Act>
-void for_each_texel(const Image& image, const Act& act) {
-    for (int y = 0; y < static_cast<int>(image.height); ++y)
-        for (int x = 0; x < static_cast<int>(image.width); ++x) act(x, y);
+// The bounds of what bounds_at(x, y) gives for all texels.
+template <class BoundsAt>
+SlopeBounds bounds_of_all(const Image& image, const BoundsAt& bounds_at) {
+    std::vector<SlopeBounds> rows(image.height);
+    parallel_for(0, image.height, [&](uint32_t row) {
+        const int y = static_cast<int>(row);
+        SlopeBounds bounds = bounds_at(0, y);
+        for (int x = 1; x < static_cast<int>(image.width); ++x) bounds.extend(bounds_at(x, y));
+        rows[row] = bounds;
+    });
+    SlopeBounds all = rows[0];
+    for (const SlopeBounds& row : rows) all.extend(row);
+    return all;
 }
 
 }  // namespace
@@ -50,13 +60,11 @@ NormalPatch NormalTexels::cell(int x, int y) const {
 }
 
 std::optional<SlopeBounds> NormalTexels::extent() const {
-    const Vec2 first = slope_of(normal(0, 0));
-    SlopeBounds all{first, first};
-    bool outwards = true;
-    for_each_texel(*image, [&](int x, int y) {
+    std::atomic<bool> outwards{true};
+    const SlopeBounds all = bounds_of_all(*image, [&](int x, int y) {
         const Vec3 n = normal(x, y);
-        outwards = outwards && n.z >= kLeastHeight;
-        all.extend(slope_of(n));
+        if (!(n.z >= kLeastHeight)) outwards = false;
+        return SlopeBounds{slope_of(n), slope_of(n)};
     });
     if (!outwards) return std::nullopt;
     return all;
@@ -76,9 +84,7 @@ HeightPatch HeightTexels::cell(int x, int y) const {
 }
 
 SlopeBounds HeightTexels::extent() const {
-    SlopeBounds all = cell(0, 0).bounds();
-    for_each_texel(*image, [&](int x, int y) { all.extend(cell(x, y).bounds()); });
-    return all;
+    return bounds_of_all(*image, [&](int x, int y) { return cell(x, y).bounds(); });
 }
 
 std::optional<SlopeField> SlopeField::of_normals(const Image& image, float strength) {
@@ -111,13 +117,16 @@ void SlopeField::build_sums(const Texels& texels) {
     }
     SumLevel finest{w, h,
                     std::vector<Sums>(static_cast<size_t>(w) * static_cast<size_t>(h), Sums{})};
-    for (int y = 0; y < height_; ++y)
-        for (int x = 0; x < width_; ++x) {
-            const Vec2 s = texels.slope(x, y);
-            Sums& sums = finest.nodes[static_cast<size_t>(y >> kFirstSums) * static_cast<size_t>(w) +
-                                      static_cast<size_t>(x >> kFirstSums)];
-            sums.add({s.x, s.y, s.x * s.x, s.x * s.y, s.y * s.y, 1.0f});
-        }
+    parallel_for(0, static_cast<uint32_t>(h), [&](uint32_t row) {
+        const int first = static_cast<int>(row) << kFirstSums;
+        for (int y = first; y < std::min(first + (1 << kFirstSums), height_); ++y)
+            for (int x = 0; x < width_; ++x) {
+                const Vec2 s = texels.slope(x, y);
+                Sums& sums = finest.nodes[static_cast<size_t>(row) * static_cast<size_t>(w) +
+                                          static_cast<size_t>(x >> kFirstSums)];
+                sums.add({s.x, s.y, s.x * s.x, s.x * s.y, s.y * s.y, 1.0f});
+            }
+    });
     sums_.push_back(std::move(finest));
     while (w > 1 || h > 1) {
         const SumLevel& below = sums_.back();

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "glints/slope_pyramid.h"
 
+#include "core/parallel.h"
+
 namespace spc {
 
 namespace {
@@ -37,9 +39,9 @@ SlopePyramid::SlopePyramid(int width, int height, const SlopeBounds& all,
         const int below_w = w, below_h = h;
         w = (w + 1) / 2;
         h = (h + 1) / 2;
-        Level level{w, h, {}};
-        level.nodes.reserve(static_cast<size_t>(w) * static_cast<size_t>(h));
-        for (int y = 0; y < h; ++y)
+        Level level{w, h, std::vector<Node>(static_cast<size_t>(w) * static_cast<size_t>(h))};
+        parallel_for(0, static_cast<uint32_t>(h), [&](uint32_t row) {
+            const int y = static_cast<int>(row);
             for (int x = 0; x < w; ++x) {
                 Node node{{UINT16_MAX, UINT16_MAX}, {0, 0}};
                 for (int k = 0; k < 4; ++k) {
@@ -47,8 +49,10 @@ SlopePyramid::SlopePyramid(int width, int height, const SlopeBounds& all,
                     if (cx >= below_w || cy >= below_h) continue;
                     node.extend(levels_.empty() ? rounded(leaf(cx, cy)) : levels_.back().at(cx, cy));
                 }
-                level.nodes.push_back(node);
+                level.nodes[static_cast<size_t>(row) * static_cast<size_t>(w) +
+                            static_cast<size_t>(x)] = node;
             }
+        });
         levels_.push_back(std::move(level));
     }
 }

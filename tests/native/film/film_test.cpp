@@ -260,5 +260,22 @@ TEST(FilmOfLightPaths, VarianceIsThatOfThePicture) {
     EXPECT_TRUE(test::is_mean(told, variance, significance, 3e-3 * variance));
 }
 
+// Each source has its own number of estimates: one that never varies has no variance beside another.
+// Highlights are no caustics.
+TEST(FilmOfHighlights, AreApartFromLightPaths) {
+    const PixelFilter box(FilterKind::box, 1.0f);
+    const std::vector<Splat> steady(64, Splat{{0.5f, 0.5f}, Spectrum(0.25f)}),
+        rare(4, Splat{{0.5f, 0.5f}, Spectrum(2.0f)});
+    Film film(1, 1), light_alone(1, 1);
+    film.add_splats(SplatSource::highlights, steady, box, 64, 8.0);
+    for (Film* each : {&film, &light_alone})
+        each->add_splats(SplatSource::light_paths, rare, box, 100, 50.0);
+    EXPECT_FLOAT_EQ(read(light_alone, Pass::combined)[0], 4.0f);
+    EXPECT_FLOAT_EQ(read(film, Pass::combined)[0], 8 * 0.25f + 4.0f);
+    EXPECT_FLOAT_EQ(read(film, Pass::caustics)[0], 4.0f);
+    EXPECT_FLOAT_EQ(read(film, Pass::variance)[0], read(light_alone, Pass::variance)[0]);
+    EXPECT_GT(read(light_alone, Pass::variance)[0], 0.0f);
+}
+
 }  // namespace
 }  // namespace spc

@@ -140,6 +140,32 @@ TEST(SessionWithLightPaths, ThreadsDoNotShow) {
     }
 }
 
+// With sheets, beside light paths and alone.
+TEST(SessionWithHighlights, ThreadsDoNotShow) {
+    const RenderScene world = scene_of(true);
+    for (const bool light_paths : {true, false}) {
+        const auto settings = [&](uint32_t threads) {
+            RenderSettings result = settings_with(12, threads);
+            result.integrator.manifold.finder = ChainFinder::sheets;
+            result.integrator.manifold.longest_chain = kLongestManifoldChain;
+            result.light_tracing = light_paths;
+            return result;
+        };
+        const Rendered one = render(world, settings(1));
+        for (const uint32_t threads : {2u, 5u}) {
+            const Rendered many = render(world, settings(threads));
+            EXPECT_EQ(many.combined, one.combined) << threads;
+            EXPECT_EQ(many.caustics, one.caustics) << threads;
+            EXPECT_EQ(many.variance, one.variance) << threads;
+            EXPECT_EQ(many.stats.path.manifold.walks, one.stats.path.manifold.walks) << threads;
+        }
+        // Through glass and in the mirror the lamp is a fraction of a pixel.
+        PathStats counted;
+        const std::atomic<bool> cancelled{false};
+        EXPECT_TRUE(learn_highlights(world, settings(1).integrator, 4096, 0, 1, cancelled, counted));
+    }
+}
+
 TEST(SessionWithLightPaths, NeedsCastersAndLight) {
     EXPECT_EQ(render(scene_of(false), settings_with(2)).stats.light.paths, 0u);
     const RenderScene world = scene_of(true);

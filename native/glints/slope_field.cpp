@@ -83,8 +83,13 @@ HeightPatch HeightTexels::cell(int x, int y) const {
     return HeightPatch::of_texels(heights);
 }
 
+// The derivatives of a spline are means of its coefficients' differences.
 SlopeBounds HeightTexels::extent() const {
-    return bounds_of_all(*image, [&](int x, int y) { return cell(x, y).bounds(); });
+    return bounds_of_all(*image, [&](int x, int y) {
+        const float h = height(x, y);
+        const Vec2 differences(height(x + 1, y) - h, height(x, y + 1) - h);
+        return SlopeBounds{differences, differences};
+    });
 }
 
 std::optional<SlopeField> SlopeField::of_normals(const Image& image, float strength) {

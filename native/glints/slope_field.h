@@ -30,7 +30,7 @@ struct HeightTexels {
     float height(int x, int y) const;
     Vec2 slope(int x, int y) const { return cell(x, y).control[0][0]; }
     HeightPatch cell(int x, int y) const;
-    SlopeBounds extent() const;  // of all slopes
+    SlopeBounds extent() const;  // holds all slopes
 };
 
 // Slopes (a, b) of a map: its normal is W (a, b, 1) for columns W that depend on the surface

@@ -112,11 +112,12 @@ struct PathTracer {
 
     float weight_of_chain(const LightEnd& end) const {
         const Techniques techniques = techniques_of(world, settings);
-        CausticPath path = history.caustic;
+        const CausticPath& so_far = history.caustic;
         if (!(end.pdf > 0.0f) ||
-            !(manifold_owns(techniques, path) || light_tracing_owns(techniques, path)))
+            !(manifold_owns(techniques, so_far) || light_tracing_owns(techniques, so_far)))
             return 1.0f;
-        if (path.from_camera && !settings.highlights->has(end.light)) return 1.0f;
+        if (so_far.from_camera && !settings.highlights->has(end.light)) return 1.0f;
+        CausticPath path = so_far;
         if (is_black(chain_throughput(scene(), path, end.end))) return 1.0f;
         const std::optional<CausticDensities> p = caustic_densities(techniques, path, end);
         if (!p || p->manifold + p->light_tracing == 0.0) return 1.0f;

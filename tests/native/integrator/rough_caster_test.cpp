@@ -1,19 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Light that rough mirrors and glass throw on: light paths against path tracing alone.
 #include "integrator/pictures.h"
+#include "support/rough.h"
 
 namespace spc::test {
 namespace {
-
-Graph metal(float roughness) {
-    return single_shader("bsdf_glossy", {{1, "Color", {0.9f, 0.8f, 0.7f, 1}},
-                                         {1, "Roughness", {roughness, 0, 0, 0}}});
-}
-Graph frosted_glass(float roughness) {
-    return single_shader("bsdf_glass", {{1, "Color", {1, 1, 1, 1}},
-                                        {1, "Roughness", {roughness, 0, 0, 0}},
-                                        {1, "IOR", {1.45f, 0, 0, 0}}});
-}
 
 Graph principled(float roughness, float metallic) {
     return single_shader("bsdf_principled", {{1, "Roughness", {roughness, 0, 0, 0}},

@@ -6,7 +6,9 @@
 
 #include "light/bench.h"
 #include "support/casters.h"
+#include "support/lights.h"
 #include "support/radiance.h"
+#include "support/rough.h"
 
 #include <gtest/gtest.h>
 
@@ -129,27 +131,13 @@ private:
     }
 
     bool end_at(Traced& path, const Ray& ray, const std::optional<Hit>& hit) const {
-        const LightSet& lights = world_.lights;
-        LightPoint& y = path.y;
-        y.delta = false;
-        y.distant = !hit;
-        y.direction = ray.direction;
-        if (!hit) {
-            if (lights.disc_suns.empty()) return false;
-            y.light = lights.disc_suns[0];
-            y.pdf = pdf_light_point_sun(lights, y.light, ray.direction);
-        } else {
-            y.light = hit->light;
-            y.p = ray.origin + ray.direction * hit->t;
-            const auto* area = std::get_if<AreaLamp>(&lights.lamps[y.light]);
-            y.n = area != nullptr ? area->normal
-                                  : normalize(y.p - scene().lights[y.light].position());
-            y.pdf = pdf_light_point_lamp(lights, *hit);
-        }
+        const std::optional<LightPoint> y = light_point_met(world_, ray, hit);
+        if (!y) return false;
+        path.y = *y;
         float unused;
-        path.visits.back().wi = end_of(y).from(path.last().at.p, unused);
+        path.visits.back().wi = end_of(path.y).from(path.last().at.p, unused);
         path.history.set_direction(scene(), path.last().wi);
-        return y.pdf > 0.0f;
+        return true;
     }
 
     float wrong_;
@@ -250,16 +238,6 @@ std::optional<double> sum_of_thrown_on(const Bench& bench, const Traced& path) {
 }
 
 // ---- scenes
-
-Graph metal(float roughness) {
-    return single_shader("bsdf_glossy", {{1, "Color", {0.9f, 0.8f, 0.7f, 1}},
-                                         {1, "Roughness", {roughness, 0, 0, 0}}});
-}
-Graph frosted_glass(float roughness) {
-    return single_shader("bsdf_glass", {{1, "Color", {1, 1, 1, 1}},
-                                        {1, "Roughness", {roughness, 0, 0, 0}},
-                                        {1, "IOR", {1.45f, 0, 0, 0}}});
-}
 
 using Add = std::function<void(SceneMaker&)>;
 std::vector<std::pair<const char*, Add>> lights() {

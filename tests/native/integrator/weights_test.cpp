@@ -5,6 +5,7 @@
 
 #include "light/bench.h"
 #include "support/casters.h"
+#include "support/lights.h"
 #include "support/radiance.h"
 
 #include <gtest/gtest.h>
@@ -110,30 +111,9 @@ private:
     }
 
     bool end_at(Traced& path, const Ray& ray, const std::optional<Hit>& hit) const {
-        const LightSet& lights = world_.lights;
-        LightPoint& y = path.y;
-        y.delta = false;
-        y.distant = !hit;
-        y.direction = ray.direction;
-        if (!hit) {
-            if (lights.disc_suns.empty()) return false;
-            y.light = lights.disc_suns[0];
-            y.pdf = pdf_light_point_sun(lights, y.light, ray.direction);
-        } else if (hit->light != kNone) {
-            y.light = hit->light;
-            y.p = ray.origin + ray.direction * hit->t;
-            const auto* area = std::get_if<AreaLamp>(&lights.lamps[y.light]);
-            y.n = area != nullptr ? area->normal
-                                  : normalize(y.p - world_.scene->lights[y.light].position());
-            y.pdf = pdf_light_point_lamp(lights, *hit);
-        } else {
-            y.surface = hit->surface;
-            y.light = lights.of_emitter(lights.emissive_of_instance[hit->surface.instance]);
-            y.p = surface_position(*world_.scene, hit->surface);
-            y.n = front_normal(*world_.scene, hit->surface.instance, hit->surface.triangle);
-            y.pdf = pdf_light_point_surface(lights, hit->surface);
-        }
-        return y.pdf > 0.0f;
+        const std::optional<LightPoint> y = light_point_met(world_, ray, hit);
+        if (y) path.y = *y;
+        return y.has_value();
     }
 
     // The integrator itself, with all techniques and with none, but for light that comes otherwise:

@@ -224,7 +224,12 @@ TEST_P(Cameras, FilmPerAreaIsTheDerivativeOfTheFilm) {
                     by_y = (hit(0, kStep) - hit(0, -kStep)) * (1.0 / step);
         const std::optional<CameraView> view = camera.view(Vec3(p), lens);
         ASSERT_TRUE(view);
-        EXPECT_NEAR_REL(view->film_per_area, 1.0 / length(cross(by_x, by_y)), 1e-3);
+        const double film_per_area = 1.0 / length(cross(by_x, by_y));
+        EXPECT_NEAR_REL(view->film_per_area, film_per_area, 1e-3);
+        if (camera.projection == Projection::perspective) {
+            EXPECT_NEAR_REL(camera.film_per_solid_angle(ray.direction),
+                            film_per_area * std::pow(length(p - Vec3d(ray.origin)), 2), 1e-3);
+        }
     }
 }
 

@@ -40,7 +40,12 @@ FlakeField::FlakeField(const SlopeField& field, uint32_t threads)
     SlopeBounds whole = bounds(0, 0);
     for (int y = 0; y < height_; ++y)
         for (int x = 0; x < width_; ++x) whole.extend(bounds(x, y));
-    pyramid_ = SlopePyramid(width_, height_, whole, [&](int x, int y) { return bounds(x, y); });
+    pyramid_ = SlopePyramid(
+        width_, height_, whole,
+        [&](int y, std::span<SlopeBounds> row) {
+            for (int x = 0; x < width_; ++x) row[static_cast<size_t>(x)] = bounds(x, y);
+        },
+        threads);
 }
 
 SlopeJet FlakeField::flake(int x, int y) const {

@@ -28,9 +28,9 @@ FieldKey key_of(const SlopeMap& map) {
     return {map.image, map.relief, map.relief == Relief::normals ? map.strength : 1.0f};
 }
 
-std::optional<SlopeField> build_field(const Image& image, const FieldKey& key) {
-    if (key.relief == Relief::heights) return SlopeField::of_heights(image);
-    return SlopeField::of_normals(image, key.strength);
+std::optional<SlopeField> build_field(const Image& image, const FieldKey& key, uint32_t threads) {
+    if (key.relief == Relief::heights) return SlopeField::of_heights(image, threads);
+    return SlopeField::of_normals(image, key.strength, threads);
 }
 
 }  // namespace
@@ -41,7 +41,7 @@ size_t GlintSet::memory_bytes() const {
     return bytes;
 }
 
-GlintSet build_glints(const Scene& scene, std::vector<std::string>& report) {
+GlintSet build_glints(const Scene& scene, uint32_t threads, std::vector<std::string>& report) {
     GlintSet set;
     std::vector<bool> used(scene.materials.size());
     for (const Instance& instance : scene.instances)
@@ -60,7 +60,7 @@ GlintSet build_glints(const Scene& scene, std::vector<std::string>& report) {
         const auto known = std::find(keys.begin(), keys.end(), key);
         if (known != keys.end()) {
             set.of_material[i] = static_cast<uint32_t>(known - keys.begin());
-        } else if (std::optional<SlopeField> field = build_field(image, key)) {
+        } else if (std::optional<SlopeField> field = build_field(image, key, threads)) {
             set.of_material[i] = static_cast<uint32_t>(set.fields.size());
             set.fields.push_back(std::move(*field));
             keys.push_back(key);

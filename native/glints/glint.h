@@ -18,8 +18,9 @@ struct GlintSet {
 
     size_t memory_bytes() const;
 };
-// Tells in `report` which materials glint and which do not though they were asked to.
-GlintSet build_glints(const Scene& scene, std::vector<std::string>& report);
+// Tells in `report` which materials glint and which do not though they were asked to. `threads`
+// 0 = all.
+GlintSet build_glints(const Scene& scene, uint32_t threads, std::vector<std::string>& report);
 
 enum class GlintMethod : uint8_t {
     search,        // of a pyramid of slopes

@@ -33,16 +33,12 @@ Vec3 color(const Image& image, int x, int y) {
     return c;
 }
 
-// The bounds of what bounds_at(x, y) gives for all texels.
-template <class BoundsAt>
-SlopeBounds bounds_of_all(const Image& image, const BoundsAt& bounds_at) {
+// The bounds of what bounds_of_row(y) gives for all rows.
+template <class BoundsOfRow>
+SlopeBounds bounds_of_all(const Image& image, uint32_t threads, const BoundsOfRow& bounds_of_row) {
     std::vector<SlopeBounds> rows(image.height);
-    parallel_for(0, image.height, [&](uint32_t row) {
-        const int y = static_cast<int>(row);
-        SlopeBounds bounds = bounds_at(0, y);
-        for (int x = 1; x < static_cast<int>(image.width); ++x) bounds.extend(bounds_at(x, y));
-        rows[row] = bounds;
-    });
+    parallel_for(threads, image.height,
+                 [&](uint32_t y) { rows[y] = bounds_of_row(static_cast<int>(y)); });
     SlopeBounds all = rows[0];
     for (const SlopeBounds& row : rows) all.extend(row);
     return all;
@@ -59,12 +55,35 @@ NormalPatch NormalTexels::cell(int x, int y) const {
     return {{normal(x, y), normal(x + 1, y), normal(x, y + 1), normal(x + 1, y + 1)}};
 }
 
-std::optional<SlopeBounds> NormalTexels::extent() const {
+std::vector<Vec2> NormalTexels::slopes(int y) const {
+    std::vector<Vec2> row(image->width);
+    for (size_t x = 0; x < row.size(); ++x) row[x] = slope_of(normal(static_cast<int>(x), y));
+    return row;
+}
+
+void NormalTexels::bounds(int y, std::span<SlopeBounds> row) const {
+    const std::vector<Vec2> lower = slopes(y), upper = slopes(y + 1);
+    const auto at = [&](size_t x) {
+        SlopeBounds both{lower[x], lower[x]};
+        both.extend(upper[x]);
+        return both;
+    };
+    for (size_t x = 0; x < row.size(); ++x) {
+        row[x] = at(x);
+        row[x].extend(at(x + 1 < row.size() ? x + 1 : 0));
+    }
+}
+
+std::optional<SlopeBounds> NormalTexels::extent(uint32_t threads) const {
     std::atomic<bool> outwards{true};
-    const SlopeBounds all = bounds_of_all(*image, [&](int x, int y) {
-        const Vec3 n = normal(x, y);
-        if (!(n.z >= kLeastHeight)) outwards = false;
-        return SlopeBounds{slope_of(n), slope_of(n)};
+    const SlopeBounds all = bounds_of_all(*image, threads, [&](int y) {
+        SlopeBounds bounds{slope_of(normal(0, y)), slope_of(normal(0, y))};
+        for (int x = 0; x < static_cast<int>(image->width); ++x) {
+            const Vec3 n = normal(x, y);
+            if (!(n.z >= kLeastHeight)) outwards = false;
+            bounds.extend(slope_of(n));
+        }
+        return bounds;
     });
     if (!outwards) return std::nullopt;
     return all;
@@ -76,45 +95,83 @@ float HeightTexels::height(int x, int y) const {
 }
 
 HeightPatch HeightTexels::cell(int x, int y) const {
-    std::array<std::array<float, 4>, 4> heights;
-    for (int j = 0; j < 4; ++j)
-        for (int i = 0; i < 4; ++i)
-            heights[static_cast<size_t>(j)][static_cast<size_t>(i)] = height(x - 1 + i, y - 1 + j);
-    return HeightPatch::of_texels(heights);
+    const auto column = [&](int i) {
+        return HeightPatch::Column(
+            {height(i, y - 1), height(i, y), height(i, y + 1), height(i, y + 2)});
+    };
+    return HeightPatch::of_columns(column(x - 1), column(x), column(x + 1), column(x + 2));
+}
+
+std::vector<float> HeightTexels::heights(int y) const {
+    std::vector<float> row(image->width + 3);
+    for (size_t i = 0; i < row.size(); ++i) row[i] = height(static_cast<int>(i) - 1, y);
+    return row;
+}
+
+// The spline's gradient at texels.
+std::vector<Vec2> HeightTexels::slopes(int y) const {
+    const std::vector<float> below = heights(y - 1), at = heights(y), above = heights(y + 1);
+    const auto across = [&](size_t i) { return (above[i] - below[i]) * 0.5f; };
+    std::vector<Vec2> row(image->width);
+    for (size_t x = 0; x < row.size(); ++x) {
+        const auto along = [&](const std::vector<float>& h) { return (h[x + 2] - h[x]) * 0.5f; };
+        row[x] = Vec2(along(below) + 4.0f * along(at) + along(above),
+                      across(x) + 4.0f * across(x + 1) + across(x + 2)) *
+                 (1.0f / 6.0f);
+    }
+    return row;
+}
+
+void HeightTexels::bounds(int y, std::span<SlopeBounds> row) const {
+    const std::vector<float> h[4] = {heights(y - 1), heights(y), heights(y + 1), heights(y + 2)};
+    const auto column = [&](size_t i) {
+        return HeightPatch::Column({h[0][i], h[1][i], h[2][i], h[3][i]});
+    };
+    std::array<HeightPatch::Column, 4> columns{column(0), column(0), column(1), column(2)};
+    for (size_t x = 0; x < row.size(); ++x) {
+        std::shift_left(columns.begin(), columns.end(), 1);
+        columns[3] = column(x + 3);
+        row[x] = HeightPatch::of_columns(columns[0], columns[1], columns[2], columns[3]).bounds();
+    }
 }
 
 // The derivatives of a spline are means of its coefficients' differences.
-SlopeBounds HeightTexels::extent() const {
-    return bounds_of_all(*image, [&](int x, int y) {
-        const float h = height(x, y);
-        const Vec2 differences(height(x + 1, y) - h, height(x, y + 1) - h);
-        return SlopeBounds{differences, differences};
+SlopeBounds HeightTexels::extent(uint32_t threads) const {
+    return bounds_of_all(*image, threads, [&](int y) {
+        const std::vector<float> at = heights(y), above = heights(y + 1);
+        const auto difference = [&](size_t i) { return Vec2(at[i + 1] - at[i], above[i] - at[i]); };
+        SlopeBounds bounds{difference(1), difference(1)};
+        for (size_t i = 1; i <= image->width; ++i) bounds.extend(difference(i));
+        return bounds;
     });
 }
 
-std::optional<SlopeField> SlopeField::of_normals(const Image& image, float strength) {
+std::optional<SlopeField> SlopeField::of_normals(const Image& image, float strength,
+                                                 uint32_t threads) {
     const NormalTexels texels{&image, strength};
-    const std::optional<SlopeBounds> extent = texels.extent();
+    const std::optional<SlopeBounds> extent = texels.extent(threads);
     if (!extent) return std::nullopt;
-    return SlopeField(texels, *extent);
+    return SlopeField(texels, *extent, threads);
 }
 
-SlopeField SlopeField::of_heights(const Image& image) {
+SlopeField SlopeField::of_heights(const Image& image, uint32_t threads) {
     const HeightTexels texels{&image};
-    return SlopeField(texels, texels.extent());
+    return SlopeField(texels, texels.extent(threads), threads);
 }
 
 template <class Texels>
-SlopeField::SlopeField(const Texels& texels, const SlopeBounds& extent)
+SlopeField::SlopeField(const Texels& texels, const SlopeBounds& extent, uint32_t threads)
     : texels_(texels),
       width_(static_cast<int>(texels.image->width)),
       height_(static_cast<int>(texels.image->height)),
-      pyramid_(width_, height_, extent, [&](int x, int y) { return texels.cell(x, y).bounds(); }) {
-    build_sums(texels);
+      pyramid_(
+          width_, height_, extent,
+          [&](int y, std::span<SlopeBounds> row) { texels.bounds(y, row); }, threads) {
+    build_sums(texels, threads);
 }
 
 template <class Texels>
-void SlopeField::build_sums(const Texels& texels) {
+void SlopeField::build_sums(const Texels& texels, uint32_t threads) {
     int w = width_, h = height_;
     for (int l = 0; l < kFirstSums; ++l) {
         w = halved(w);
@@ -122,15 +179,17 @@ void SlopeField::build_sums(const Texels& texels) {
     }
     SumLevel finest{w, h,
                     std::vector<Sums>(static_cast<size_t>(w) * static_cast<size_t>(h), Sums{})};
-    parallel_for(0, static_cast<uint32_t>(h), [&](uint32_t row) {
+    parallel_for(threads, static_cast<uint32_t>(h), [&](uint32_t row) {
         const int first = static_cast<int>(row) << kFirstSums;
-        for (int y = first; y < std::min(first + (1 << kFirstSums), height_); ++y)
+        for (int y = first; y < std::min(first + (1 << kFirstSums), height_); ++y) {
+            const std::vector<Vec2> slopes = texels.slopes(y);
             for (int x = 0; x < width_; ++x) {
-                const Vec2 s = texels.slope(x, y);
+                const Vec2 s = slopes[static_cast<size_t>(x)];
                 Sums& sums = finest.nodes[static_cast<size_t>(row) * static_cast<size_t>(w) +
                                           static_cast<size_t>(x >> kFirstSums)];
                 sums.add({s.x, s.y, s.x * s.x, s.x * s.y, s.y * s.y, 1.0f});
             }
+        }
     });
     sums_.push_back(std::move(finest));
     while (w > 1 || h > 1) {

@@ -13,24 +13,30 @@ struct SlopeMoments {
     float aa = 0.0f, ab = 0.0f, bb = 0.0f;
 };
 
-// Where a field's slopes come from: the texels of an image, which repeats.
+// Where a field's slopes come from: the texels of an image, which repeats. Rows are read at once.
 struct NormalTexels {
     const Image* image;
     float strength;
 
-    Vec3 normal(int x, int y) const;  // as map_normal() reads it, not normalised
-    Vec2 slope(int x, int y) const { return slope_of(normal(x, y)); }
-    NormalPatch cell(int x, int y) const;  // whose lower left texel is (x, y)
+    Vec3 normal(int x, int y) const;        // as map_normal() reads it, not normalised
+    NormalPatch cell(int x, int y) const;   // whose lower left texel is (x, y)
+    std::vector<Vec2> slopes(int y) const;  // of a row of texels
+    void bounds(int y, std::span<SlopeBounds> row) const;  // of a row of cells
     // Of all slopes. Empty where a normal points into the surface, or nearly so.
-    std::optional<SlopeBounds> extent() const;
+    std::optional<SlopeBounds> extent(uint32_t threads) const;
 };
 struct HeightTexels {
     const Image* image;
 
     float height(int x, int y) const;
-    Vec2 slope(int x, int y) const { return cell(x, y).control[0][0]; }
     HeightPatch cell(int x, int y) const;
-    SlopeBounds extent() const;  // holds all slopes
+    std::vector<Vec2> slopes(int y) const;
+    void bounds(int y, std::span<SlopeBounds> row) const;
+    SlopeBounds extent(uint32_t threads) const;  // holds all slopes
+
+private:
+    // Of a row, with one texel more before it and two after it.
+    std::vector<float> heights(int y) const;
 };
 
 // Slopes (a, b) of a map: its normal is W (a, b, 1) for columns W that depend on the surface
@@ -42,10 +48,11 @@ struct HeightTexels {
 // heights of a Bump node are, by cubic B-splines.
 class SlopeField {
 public:
-    // The image must outlive the field. Empty where a normal of the map points into the surface, or
-    // nearly so.
-    static std::optional<SlopeField> of_normals(const Image& image, float strength);
-    static SlopeField of_heights(const Image& image);
+    // The image must outlive the field. `threads` 0 = all. Empty where a normal of the map points
+    // into the surface, or nearly so.
+    static std::optional<SlopeField> of_normals(const Image& image, float strength,
+                                                uint32_t threads);
+    static SlopeField of_heights(const Image& image, uint32_t threads);
 
     int width() const { return width_; }
     int height() const { return height_; }
@@ -81,9 +88,9 @@ private:
     };
 
     template <class Texels>
-    SlopeField(const Texels& texels, const SlopeBounds& extent);
+    SlopeField(const Texels& texels, const SlopeBounds& extent, uint32_t threads);
     template <class Texels>
-    void build_sums(const Texels& texels);
+    void build_sums(const Texels& texels, uint32_t threads);
 
     std::variant<NormalTexels, HeightTexels> texels_;
     int width_, height_;

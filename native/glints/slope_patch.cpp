@@ -79,19 +79,17 @@ NormalPatch NormalPatch::quarter(int i) const {
     }
 }
 
-HeightPatch HeightPatch::of_texels(const std::array<std::array<float, 4>, 4>& height) {
-    std::array<std::array<float, 4>, 4> value, slope;  // along s, by column
-    for (size_t j = 0; j < 4; ++j) {
-        const std::array<float, 4> v = spline(height[j]), d = spline_derivative(height[j]);
-        for (size_t i = 0; i < 4; ++i) {
-            value[i][j] = v[i];
-            slope[i][j] = d[i];
-        }
-    }
+HeightPatch::Column::Column(const std::array<float, 4>& texels)
+    : height(spline(texels)), slope(spline_derivative(texels)) {}
+
+HeightPatch HeightPatch::of_columns(const Column& a, const Column& b, const Column& c,
+                                    const Column& d) {
     HeightPatch patch;
-    for (size_t i = 0; i < 4; ++i) {
-        const std::array<float, 4> a = spline(slope[i]), b = spline_derivative(value[i]);
-        for (size_t j = 0; j < 4; ++j) patch.control[j][i] = {a[j], b[j]};
+    for (size_t j = 0; j < 4; ++j) {
+        const std::array<float, 4> along = spline_derivative(
+                                       {a.height[j], b.height[j], c.height[j], d.height[j]}),
+                                   across = spline({a.slope[j], b.slope[j], c.slope[j], d.slope[j]});
+        for (size_t i = 0; i < 4; ++i) patch.control[j][i] = {along[i], across[i]};
     }
     return patch;
 }

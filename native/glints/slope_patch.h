@@ -29,11 +29,17 @@ struct NormalPatch {
 // Of a height map that is filtered by cubic B-splines: its gradient, a bicubic Bezier patch. It lies
 // in the hull of the patch's control points.
 struct HeightPatch {
+    // Bezier points, across, of what four texels one above the other give between the middle ones.
+    struct Column {
+        std::array<float, 4> height, slope;
+        explicit Column(const std::array<float, 4>& texels);
+    };
     using Row = std::array<Vec2, 4>;
     std::array<Row, 4> control;  // rows along s, from the lower one
 
-    // `height`: the texels that reach the cell, rows along s; the cell is between the middle ones.
-    static HeightPatch of_texels(const std::array<std::array<float, 4>, 4>& height);
+    // The cell is between the middle ones.
+    static HeightPatch of_columns(const Column& a, const Column& b, const Column& c,
+                                  const Column& d);
 
     SlopeJet jet(float s, float t) const;
     SlopeBounds bounds() const;

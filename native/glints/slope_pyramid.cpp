@@ -29,31 +29,35 @@ SlopePyramid::Node SlopePyramid::rounded(const SlopeBounds& bounds) const {
     return node;
 }
 
-// A little wider than needed: rounding must not push the last step beyond the end.
-SlopePyramid::SlopePyramid(int width, int height, const SlopeBounds& all,
-                           const std::function<SlopeBounds(int x, int y)>& leaf)
+// The grid is a little wider than needed: rounding must not push the last step beyond the end.
+SlopePyramid::SlopePyramid(int width, int height, const SlopeBounds& all, const LeafRow& leaves,
+                           uint32_t threads)
     : origin_(all.lower),
       step_((all.upper - all.lower) * (1.0001f / kSteps) + Vec2(1e-12f, 1e-12f)) {
-    int w = width, h = height;
-    while (w > 1 || h > 1 || levels_.empty()) {
-        const int below_w = w, below_h = h;
-        w = (w + 1) / 2;
-        h = (h + 1) / 2;
-        Level level{w, h, std::vector<Node>(static_cast<size_t>(w) * static_cast<size_t>(h))};
-        parallel_for(0, static_cast<uint32_t>(h), [&](uint32_t row) {
-            const int y = static_cast<int>(row);
-            for (int x = 0; x < w; ++x) {
-                Node node{{UINT16_MAX, UINT16_MAX}, {0, 0}};
-                for (int k = 0; k < 4; ++k) {
-                    const int cx = 2 * x + (k & 1), cy = 2 * y + (k >> 1);
-                    if (cx >= below_w || cy >= below_h) continue;
-                    node.extend(levels_.empty() ? rounded(leaf(cx, cy)) : levels_.back().at(cx, cy));
-                }
-                level.nodes[static_cast<size_t>(row) * static_cast<size_t>(w) +
-                            static_cast<size_t>(x)] = node;
-            }
+    // row_below(y, act) calls act(x, node) along a row of the level below.
+    const auto add_level = [&](int below_width, int below_height, const auto& row_below) {
+        Level level{(below_width + 1) / 2, (below_height + 1) / 2, {}};
+        const auto w = static_cast<size_t>(level.width), h = static_cast<size_t>(level.height);
+        level.nodes.resize(w * h, Node{{UINT16_MAX, UINT16_MAX}, {0, 0}});
+        parallel_for(threads, static_cast<uint32_t>(h), [&](uint32_t row) {
+            Node* nodes = level.nodes.data() + row * w;
+            const int y = 2 * static_cast<int>(row);
+            const auto extend = [&](int x, const Node& node) { nodes[x / 2].extend(node); };
+            row_below(y, extend);
+            if (y + 1 < below_height) row_below(y + 1, extend);
         });
         levels_.push_back(std::move(level));
+    };
+    add_level(width, height, [&](int y, const auto& act) {
+        std::vector<SlopeBounds> row(static_cast<size_t>(width));
+        leaves(y, row);
+        for (int x = 0; x < width; ++x) act(x, rounded(row[static_cast<size_t>(x)]));
+    });
+    while (levels_.back().nodes.size() > 1) {
+        const Level& below = levels_.back();
+        add_level(below.width, below.height, [&](int y, const auto& act) {
+            for (int x = 0; x < below.width; ++x) act(x, below.at(x, y));
+        });
     }
 }
 

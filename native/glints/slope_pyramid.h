@@ -5,6 +5,7 @@
 #include "math/vec.h"
 
 #include <functional>
+#include <span>
 #include <vector>
 
 namespace spc {
@@ -26,9 +27,12 @@ struct SlopeBounds {
 class SlopePyramid {
 public:
     SlopePyramid() = default;
-    // `all` holds the slopes of every leaf (x, y) of width x height.
-    SlopePyramid(int width, int height, const SlopeBounds& all,
-                 const std::function<SlopeBounds(int x, int y)>& leaf);
+    // Bounds of the leaves (0, y) to (width - 1, y).
+    using LeafRow = std::function<void(int y, std::span<SlopeBounds> row)>;
+    // `all` holds the slopes of every leaf of width x height. `leaves` is called for each row, on so
+    // many threads; 0 = all.
+    SlopePyramid(int width, int height, const SlopeBounds& all, const LeafRow& leaves,
+                 uint32_t threads);
 
     int levels() const { return static_cast<int>(levels_.size()) + 1; }
     SlopeBounds bounds(int level, int x, int y) const;  // level > 0

@@ -201,7 +201,7 @@ TEST(Footprint, FrameGivesTheMappedNormals) {
         camera.clip_far = kInfinity;
         maker.builder.set_camera(camera);
         const RenderScene world = maker.finish();
-        const SlopeField field = *SlopeField::of_normals(world.scene->images[0], 0.8f);
+        const SlopeField field = *SlopeField::of_normals(world.scene->images[0], 0.8f, 2);
         test::Uniforms uniforms(6);
         int compared = 0;
         for (int i = 0; i < 100; ++i) {

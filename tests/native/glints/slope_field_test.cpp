@@ -16,8 +16,8 @@ struct Map {
 };
 
 SlopeField field_of(const Map& map) {
-    if (map.relief == Relief::heights) return SlopeField::of_heights(map.image);
-    return *SlopeField::of_normals(map.image, map.strength);
+    if (map.relief == Relief::heights) return SlopeField::of_heights(map.image, 2);
+    return *SlopeField::of_normals(map.image, map.strength, 2);
 }
 
 // Sizes that are powers of two and that are not; floats, bytes and one channel; normals and heights.
@@ -196,13 +196,13 @@ TEST(SlopeField, NoFieldOfNormalsThatPointInwards) {
     const std::vector<float> texels{0.5f, 0.5f, 1.0f, 0.5f, 0.5f, 0.49f};
     const Image image =
         image_from_floats("inwards", texels, 2, 1, 3, ColorSpace::data, AlphaMode::none);
-    EXPECT_FALSE(SlopeField::of_normals(image, 1.0f));
-    EXPECT_TRUE(SlopeField::of_normals(image, 0.5f)) << "a weak map is lifted";
+    EXPECT_FALSE(SlopeField::of_normals(image, 1.0f, 2));
+    EXPECT_TRUE(SlopeField::of_normals(image, 0.5f, 2)) << "a weak map is lifted";
 }
 
 TEST(SlopeField, TakesLessThanFourBytesForEachTexel) {
     const Image image = test::plane_normals(256, 0.1, 0.2, 7);
-    EXPECT_LT(SlopeField::of_normals(image, 1.0f)->memory_bytes(), size_t{4} * 256 * 256);
+    EXPECT_LT(SlopeField::of_normals(image, 1.0f, 2)->memory_bytes(), size_t{4} * 256 * 256);
 }
 
 }  // namespace

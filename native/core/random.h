@@ -70,6 +70,18 @@ inline uint32_t pascal_reversed(uint32_t x) {
 // [0, 1), exactly representable.
 inline float to_unit_float(uint32_t bits) { return static_cast<float>(bits >> 8) * 0x1p-24f; }
 
+// The i-th of points in the unit cube that lie evenly however many there are, moved by `shift`: the
+// additive recurrence of [Roberts18] for three dimensions. Each by itself is as random as `shift`.
+inline Vec3 lattice_point(const Vec3& shift, uint32_t i) {
+    constexpr double kStep[3] = {0.8191725133961645, 0.6710436067037893, 0.5497004779019703};
+    Vec3 p;
+    for (int k = 0; k < 3; ++k) {
+        const double at = static_cast<double>(shift[k]) + kStep[k] * i;
+        p[k] = std::min(static_cast<float>(at - std::floor(at)), 1.0f - 0x1p-24f);
+    }
+    return p;
+}
+
 class Sampler {
 public:
     Sampler(uint32_t seed, uint32_t pixel, uint32_t sample_index)

@@ -7,11 +7,19 @@ namespace spc {
 
 namespace {
 
+// Directions to lights of which closures with glints take one.
+constexpr uint32_t kGlintCandidates = 12;
+
 // The share of an estimate of density `own` in light that another one finds with `other`: by the
-// balance heuristic, or, where densities are means over a footprint, by the power heuristic
-// [Veach97], which leaves more to the better one.
-float shared(float own, float other, bool glints) {
-    return glints ? sqr(own) / (sqr(own) + sqr(other)) : own / (own + other);
+// balance heuristic.
+float shared(float own, float other) { return own / (own + other); }
+
+// The share of kGlintCandidates directions of density `direct` in light that closures with glints
+// find with `closure`: means over a footprint, so that the power heuristic [Veach97] is the safer
+// one.
+float shared_by_glints(float direct, float closure) {
+    const float candidates = static_cast<float>(kGlintCandidates) * direct;
+    return sqr(candidates) / (sqr(candidates) + sqr(closure));
 }
 
 // One path under way, and the steps that it consists of.
@@ -85,8 +93,9 @@ struct PathTracer {
             case PathHistory::Stage::scattered: {
                 const std::optional<CausticDensities> p =
                     shared_with_light_paths(history.caustic, end);
-                return p ? static_cast<float>(p->path_tracing / p->sum())
-                         : shared(history.pdf_direct, end.pdf_direct, history.glints);
+                if (p) return static_cast<float>(p->path_tracing / p->sum());
+                return history.glints ? 1.0f - shared_by_glints(end.pdf_direct, history.pdf_direct)
+                                      : shared(history.pdf_direct, end.pdf_direct);
             }
             case PathHistory::Stage::chain: return weight_of_chain(end);
         }
@@ -255,45 +264,48 @@ struct PathTracer {
             if (const std::optional<CausticDensities> p = shared_with_light_paths(path, end))
                 return static_cast<float>(p->direct / p->sum());
         }
-        return light.delta ? 1.0f : shared(light.density, f.pdf_omega, false);
+        return light.delta ? 1.0f : shared(light.density, f.pdf_omega);
     }
 
     // The same for closures with glints, averaged over the pixel. To look for them costs more than
     // to draw lights: of several the one is taken that promises most, by the moments of the slopes
-    // (resampled importance sampling [Talbot05]).
+    // (resampled importance sampling [Talbot05]). They are points of a lattice, so that none of a
+    // few small lamps is left out by chance.
     Spectrum glint_radiance(const Surface& surface, const Sampler& sampler) {
-        constexpr uint32_t kCandidates = 4;
-        constexpr float kPoints = 2.0f;
+        constexpr float kPoints = 6.0f;
         struct Candidate {
             DirectSample light;
             float share, promise;
         };
         std::optional<Candidate> chosen;
-        float sum = 0.0f, u = sampler[Domain::glints].one();
-        for (uint32_t i = 0; i < kCandidates; ++i) {
-            const std::optional<DirectSample> light = sample_direct(
-                world.lights, scene(), surface.p, sampler.vertex(i)[Domain::glints].three());
+        float sum = 0.0f, earliest = kInfinity;
+        const Vec3 first = sampler.vertex(0)[Domain::glints].three();
+        for (uint32_t i = 0; i < kGlintCandidates; ++i) {
+            const std::optional<DirectSample> light =
+                sample_direct(world.lights, scene(), surface.p, lattice_point(first, i));
             if (!light || !(dot(surface.ng, light->wi) > 0.0f)) continue;
             const uint32_t visibility = light_visibility(world.lights, light->light);
             if ((visibility & kVisibleGlossy) == 0) continue;
             const float pdf = glints->pdf(light->wi);
             const bool alone = light->delta || (visibility & kVisibleShadow) == 0;
-            const float share = alone ? 1.0f : shared(light->density, pdf, true);
+            const float share = alone ? 1.0f : shared_by_glints(light->density, pdf);
             const float promise = max_component(light->radiance) * share * pdf;
             const float weight = promise / light->density;
             if (!(weight > 0.0f)) continue;
             sum += weight;
-            const float chance = weight / sum;
-            if (u < chance) {
+            // The first to come at rates in proportion to weights. In an animation, whose weights
+            // change little by little, that is rarely another one in the next frame.
+            const float u = sampler.vertex(i + 1)[Domain::glints].one();
+            const float arrival = -std::log1p(-u) / weight;
+            if (arrival < earliest) {
+                earliest = arrival;
                 chosen = Candidate{*light, share, promise};
-                u /= chance;
-            } else {
-                u = (u - chance) / (1.0f - chance);
             }
         }
         if (!chosen) return Spectrum(0.0f);
         const DirectSample& light = chosen->light;
-        Spectrum arriving = light.radiance * (chosen->share * sum / (kCandidates * chosen->promise));
+        Spectrum arriving =
+            light.radiance * (chosen->share * sum / (kGlintCandidates * chosen->promise));
         if ((light_visibility(world.lights, light.light) & kVisibleShadow) != 0)
             arriving *= unblocked(surface, light);
         if (is_black(arriving)) return arriving;
@@ -477,7 +489,7 @@ RenderScene prepare(std::unique_ptr<Scene> scene, uint32_t threads) {
     world.lights = build_lights(*scene, threads);
     world.casters = build_casters(*scene);
     world.rough_chain_casters = build_rough_chain_casters(*scene);
-    world.glints = build_glints(*scene, scene->report);
+    world.glints = build_glints(*scene, threads, scene->report);
     world.scene = std::move(scene);
     return world;
 }

@@ -173,6 +173,47 @@ TEST(Sampler, StreamSeedsDiffer) {
     EXPECT_EQ(seeds.size(), 50000u);
 }
 
+// Points in a random box of a tenth of the volume: independent ones would have a variance of 0.9 N/10.
+TEST(LatticePoint, LiesEvenlyHoweverManyThereAre) {
+    Pcg pcg(3);
+    for (const uint32_t count : {12u, 50u, 300u}) {
+        double squares = 0.0;
+        constexpr int kRounds = 4000;
+        for (int round = 0; round < kRounds; ++round) {
+            const Vec3 shift(pcg.one(), pcg.one(), pcg.one()),
+                size(0.3f + 0.5f * pcg.one(), 0.3f + 0.5f * pcg.one(), 0.0f);
+            const Vec3 side(size.x, size.y, 0.1f / (size.x * size.y));
+            const Vec3 lower((1.0f - side.x) * pcg.one(), (1.0f - side.y) * pcg.one(),
+                             (1.0f - side.z) * pcg.one());
+            int inside = 0;
+            for (uint32_t i = 0; i < count; ++i) {
+                const Vec3 p = lattice_point(shift, i);
+                bool in = true;
+                for (int k = 0; k < 3; ++k) {
+                    ASSERT_TRUE(p[k] >= 0.0f && p[k] < 1.0f);
+                    in = in && p[k] >= lower[k] && p[k] < lower[k] + side[k];
+                }
+                inside += in;
+            }
+            squares += std::pow(inside - 0.1 * count, 2.0);
+        }
+        EXPECT_LT(squares / kRounds, (count > 100 ? 0.15 : 0.5) * 0.09 * count) << count;
+    }
+}
+
+// Of a box of any place: what is random is `shift` alone.
+TEST(LatticePoint, EachIsUniform) {
+    for (const uint32_t i : {0u, 1u, 11u, 100000u})
+        for (int k = 0; k < 3; ++k) {
+            std::vector<int> counts(32);
+            for (int j = 0; j < 3200; ++j) {
+                const Vec3 shift((static_cast<float>(j) + 0.5f) / 3200.0f);
+                ++counts.at(static_cast<size_t>(lattice_point(shift, i)[k] * 32.0f));
+            }
+            for (const int count : counts) EXPECT_NEAR(count, 100, 1);
+        }
+}
+
 TEST(Pcg, MomentsAndPairs) {
     constexpr int kDraws = 1 << 20;
     Pcg pcg(42);

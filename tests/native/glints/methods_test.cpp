@@ -214,7 +214,7 @@ TEST(GlintWalks, LoseNothingOnAFlatMap) {
 
 // In a picture, weights and all: under a sun and in a mirror.
 TEST(GlintWalksSlow, AgreeWithPathTracing) {
-    constexpr uint32_t kSamples = 40000, kReference = 400000;
+    constexpr uint32_t kSamples = 60000, kReference = 400000;
     IntegratorSettings settings = test::unlimited();
     settings.glints.method = GlintMethod::walks;
     const GlintFloor floor = floor_of(glossy(0.3f), waves(), 6.0);

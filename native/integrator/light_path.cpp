@@ -187,9 +187,10 @@ Sampler light_sampler(uint32_t seed, uint64_t index) {
     return sampler_beside_pixels(seed, 0x6c69676874ull, index);
 }
 
-// Paths of the pilot, the same number on each of several guides, each of which learns from the one
-// before. Large enough to show where the light comes from, small beside a render of a second.
-constexpr uint32_t kGenerations = 3, kPilotPaths = 1u << 15, kPilotChunk = 1u << 11;
+// Paths of the pilot on each of several guides, each of which learns from the one before. Enough to
+// show where the light comes from, few beside a render of a second.
+constexpr std::array<uint32_t, 3> kGenerations{1u << 14, 1u << 14, 1u << 15};
+constexpr uint32_t kPilotChunk = 1u << 11;
 // One lucky path must not draw all others to it.
 constexpr float kLargestWeight = 32.0f;  // times the mean
 
@@ -222,18 +223,19 @@ private:
     std::vector<double> cells_;
 };
 
+// The paths from number `first` on.
 std::vector<EmissionSample> pilot(const RenderScene& world, const IntegratorSettings& settings,
-                                  float margin, uint32_t seed, uint32_t generation,
+                                  float margin, uint32_t seed, uint64_t first, uint32_t paths,
                                   uint32_t threads, const std::atomic<bool>& cancelled,
                                   LightPathStats& stats, MomentGrid& moments) {
-    constexpr uint32_t chunks = kPilotPaths / kPilotChunk;
-    std::array<std::vector<EmissionSample>, chunks> found;
-    std::array<LightPathStats, chunks> counted;
+    const uint32_t chunks = paths / kPilotChunk;
+    std::vector<std::vector<EmissionSample>> found(chunks);
+    std::vector<LightPathStats> counted(chunks);
     std::vector<MomentGrid> grids(chunks, moments);
     parallel_for(threads, chunks, [&](uint32_t c) {
         std::vector<Splat> splats;
         for (uint32_t i = 0; i < kPilotChunk && !cancelled.load(); ++i) {
-            const uint64_t index = (uint64_t{generation} * chunks + c) * kPilotChunk + i;
+            const uint64_t index = first + uint64_t{c} * kPilotChunk + i;
             splats.clear();
             std::optional<EmissionSample> sample =
                 LightTracer(world, settings, margin, light_sampler(~seed, index), splats, counted[c])
@@ -273,8 +275,9 @@ void measure(const LightPathStats& counted, const MomentGrid& moments, LightPilo
     const double best =
         result.goes_on * std::sqrt(counted.squares_behind * before / (counted.squares * behind));
     result.goes_on = best < 1.0 ? std::max(best, kLeastGoingOn) : 1.0;
-    result.squares = moments.trimmed_sum() * kPilotPaths;
-    result.rays = static_cast<double>(counted.rays) / kPilotPaths;
+    const auto paths = static_cast<double>(counted.paths);
+    result.squares = moments.trimmed_sum() * paths;
+    result.rays = static_cast<double>(counted.rays) / paths;
 }
 
 }  // namespace
@@ -296,16 +299,17 @@ std::unique_ptr<const LightPilot> learn_emission(const RenderScene& world,
         return nullptr;
     auto result = std::make_unique<LightPilot>(
         aim_at_casters(*world.scene, world.lights, world.casters, Squares::of_beams), 1.0, 0.0, 0.0);
-    settings.light_tracing = {&result->guide, static_cast<double>(kPilotPaths)};
-    for (uint32_t generation = 0; generation < kGenerations; ++generation) {
+    uint64_t first = 0;
+    for (const uint32_t paths : kGenerations) {
+        settings.light_tracing = {&result->guide, static_cast<double>(paths), result->goes_on};
         LightPathStats counted;
         MomentGrid moments(world.scene->camera.crop);
-        std::vector<EmissionSample> learned =
-            pilot(world, settings, margin, seed, generation, threads, cancelled, counted, moments);
+        std::vector<EmissionSample> learned = pilot(world, settings, margin, seed, first, paths,
+                                                    threads, cancelled, counted, moments);
+        first += paths;
         stats.add(counted);
         if (learned.empty() || cancelled.load()) return nullptr;
         measure(counted, moments, *result);
-        settings.light_tracing.goes_on = result->goes_on;
         limit_weights(learned);
         result->guide =
             aim_at_casters(*world.scene, world.lights, world.casters, Squares::of_beams, learned);

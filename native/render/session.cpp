@@ -304,7 +304,7 @@ Session::Probe Session::thinned(const Probe& whole) {
 // and cost N C + P C': then N / P = sqrt(V / C) / sqrt(V' / C'). Work is counted, not timed, so that
 // the same render comes out everywhere.
 uint64_t Session::light_paths_that_pay(const LightPilot& pilot) const {
-    constexpr double kLeast = 0.125, kMost = 8.0;  // for each pixel
+    constexpr double kLeast = 1.0 / 64, kMost = 8.0;  // for each pixel
     const auto& crop = world_.scene->camera.crop;
     const auto pixels = static_cast<double>(uint64_t{crop[2]} * crop[3]);
     constexpr uint32_t kPixels = 2048, kRare = 1024;

@@ -10,6 +10,7 @@ from tests.bench import reference
 from tests.images import _reference
 
 COUNTS = (5, 2, 9)  # samples of each part
+ENDS = [(sum(COUNTS[: i + 1]), n) for i, n in enumerate(COUNTS)]
 SHAPE = (3, 4, 3)
 
 
@@ -20,6 +21,7 @@ def add_part(folder, seed, samples, caustics):
         mean=samples.mean(axis=0),
         variance=samples.var(axis=0, ddof=1) / len(samples),
         caustics=caustics,
+        direct=0.5 * caustics,
     )
     report = {"samples": len(samples), "seconds": 2.0, "seed": seed}
     (folder / f"{seed}.json").write_text(json.dumps(report))
@@ -36,23 +38,30 @@ def test_merged_parts_have_the_moments_of_all_samples(tmp_path):
         parts, start = reference.Parts(tmp_path), start + count
     assert parts.next_seed() == reference.FIRST_SEED + len(COUNTS)
     assert parts.seconds == 2.0 * len(COUNTS)
-    mean, variance, manifold, count = parts.merged()
+    mean, variance, manifold, direct, count = parts.merged()
     assert count == len(samples)
     np.testing.assert_allclose(mean, samples.mean(axis=0))
     np.testing.assert_allclose(variance, samples.var(axis=0, ddof=1) / len(samples))
     np.testing.assert_allclose(manifold, caustics.mean(axis=0))
+    parts_means = [caustics[start - n : start].mean(axis=0) for start, n in ENDS]
+    np.testing.assert_allclose(direct, 0.5 * np.mean(parts_means, axis=0))
 
 
-@pytest.mark.parametrize("layers", [2, 3])
+@pytest.mark.parametrize("layers", [2, 3, 4])
 def test_a_reference_is_read_as_it_was_written(tmp_path, layers):
     mean, variance, caustics = np.random.default_rng(2).random((3, *SHAPE))
-    written = caustics if layers == 3 else None
-    _reference.write(tmp_path / "a.exr", mean, variance, {"samples": "7"}, written)
+    written = caustics if layers >= 3 else None
+    direct = mean[..., 0] > 0.4 if layers == 4 else None
+    _reference.write(tmp_path / "a.exr", mean, variance, {"samples": "7"}, written, direct)
     found = _reference.read(tmp_path / "a.exr")
     assert found.samples == 7
     np.testing.assert_allclose(found.mean, mean, rtol=1e-3)
     np.testing.assert_allclose(found.variance, variance, rtol=3e-3)
-    if layers == 3:
+    if layers == 4:
+        np.testing.assert_array_equal(found.direct, direct)
+    else:
+        assert found.direct is None
+    if layers >= 3:
         np.testing.assert_allclose(found.caustics, caustics, rtol=1e-3, atol=1e-6)
     else:
         assert found.caustics is None

@@ -3,7 +3,8 @@
 
 The last argument is a JSON file, the job: `scene` (path), `size`, `method` (Specula's), `threads`,
 `seconds` (about how long to sample), `seed`, `image` (.npz to write: mean, variance of the mean,
-caustics, all (H, W, 3) float64, bottom row first) and `result` (the JSON file to write).
+caustics, and `direct`, the share of light paths, which have no caustics in mirrors or behind glass;
+all (H, W, 3) float64, bottom row first) and `result` (the JSON file to write).
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ from specula.upload import upload
 from tests.images._render import prepare, render
 
 PROBE_SAMPLES = 4  # from which the rate of the rest is taken
+DIRECT_SAMPLES = 64
 NAME = "reference"
 
 
@@ -41,8 +43,8 @@ def main(job: dict) -> None:
         time_limit=0.0,
     )
 
-    def rendered(native_scene, samples: int) -> dict:
-        changed = dataclasses.replace(settings, samples=samples)
+    def rendered(native_scene, samples: int, **changes) -> dict:
+        changed = dataclasses.replace(settings, samples=samples, **changes)
         return render(native_scene, job["size"], NAME, changed, {})
 
     with upload(exported) as native_scene:
@@ -50,6 +52,8 @@ def main(job: dict) -> None:
         probe = json.loads(rendered(native_scene, PROBE_SAMPLES)[f"{NAME}/stats"])
         samples = max(2, round(PROBE_SAMPLES * job["seconds"] / probe["seconds"]))
         arrays = rendered(native_scene, samples)
+        of_light_paths = rendered(native_scene, DIRECT_SAMPLES, method=Method.LT)
+        arrays[f"{NAME}/direct"] = of_light_paths[f"{NAME}/caustics"]
     stats = json.loads(arrays.pop(f"{NAME}/stats"))
     np.savez(job["image"], **{key.rpartition("/")[2]: value for key, value in arrays.items()})
     report = {"samples": samples, "seconds": stats["seconds"], "stats": stats}

@@ -17,6 +17,8 @@ from tools.common import ROOT, DevError
 BLENDS = ROOT / "blend_scenes"
 REFERENCES = ROOT / "tests" / "bench" / "references"
 QUICK = ("cornell", "ring", "swimming_pool")
+# Columns and rows, from the bottom left, of the insets that are looked at for their glints.
+GLINTS = {"shoes": (57, 108, 68, 160), "kettle": (84, 186, 100, 150)}
 # Of the pixels: smaller caustics are not looked at by themselves.
 LEAST_CAUSTICS = 0.002
 
@@ -59,9 +61,17 @@ class Scene:
     @functools.cached_property
     def regions(self) -> dict[str, np.ndarray | None]:
         """Name -> mask, None for all pixels."""
-        if self.caustics is None:
-            return {"image": None}
-        return {"image": None, "caustics": self.caustics, "rest": ~self.caustics}
+        masks = {"image": None}
+        if self.caustics is not None:
+            masks |= {"caustics": self.caustics, "rest": ~self.caustics}
+            if self.reference.direct is not None:
+                masks["direct"] = self.caustics & self.reference.direct
+        if self.is_example and self.name in GLINTS:
+            width, height = self.size
+            left, right, bottom, top = GLINTS[self.name]
+            masks["glints"] = np.zeros((height, width), bool)
+            masks["glints"][bottom:top, left:right] = True
+        return {name: mask for name, mask in masks.items() if mask is None or mask.any()}
 
 
 @functools.cache

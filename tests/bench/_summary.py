@@ -23,7 +23,12 @@ MODEL_DIFFERENCE, MODEL_STRUCTURE, MODEL_Z = 0.02, 0.05, 4.0
 # What errors keep, at least, after so many times the time, if they are not noise.
 STANDSTILL, STANDSTILL_TIMES = 0.8, 4.0
 # The regions that are shown, of those that a scene has.
-REGION_TITLES = {"image": "whole image", "caustics": "caustics"}
+REGION_TITLES = {
+    "image": "whole image",
+    "caustics": "caustics",
+    "direct": "caustics that the camera sees directly",
+    "glints": "glints",
+}
 REFERENCE_FACTOR = 20.0  # by which a reference's error is to be below what is measured
 
 

@@ -19,7 +19,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tests.bench import _children, _program, _scenes, _store
+from tests.bench import _children, _metrics, _program, _scenes, _store
 from tests.bench._children import Progress
 from tests.images import _reference
 from tools.common import BUILD, ROOT, DevError
@@ -49,9 +49,9 @@ class Parts:
     def next_seed(self) -> int:
         return max((report["seed"] + 1 for report in self.reports), default=FIRST_SEED)
 
-    def merged(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, int]:
-        """Mean, variance of the mean, caustics, samples."""
-        count, mean, squares, caustics = 0, 0.0, 0.0, 0.0
+    def merged(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, int]:
+        """Mean, variance of the mean, caustics, light paths' share of them, samples."""
+        count, mean, squares, caustics, direct = 0, 0.0, 0.0, 0.0, 0.0
         for report in self.reports:
             with np.load(self.folder / f"{report['seed']}.npz") as part:
                 samples = report["samples"]
@@ -61,8 +61,9 @@ class Parts:
                 squares += delta**2 * (count * samples / total)
                 mean += delta * (samples / total)
                 caustics += (part["caustics"] - caustics) * (samples / total)
+                direct += part["direct"] / len(self.reports)
                 count = total
-        return mean, squares / (count * (count - 1.0)), caustics, count
+        return mean, squares / (count * (count - 1.0)), caustics, direct, count
 
 
 def render_part(blend: Path, job: dict, parts: Parts) -> None:
@@ -86,7 +87,7 @@ def render_part(blend: Path, job: dict, parts: Parts) -> None:
 
 def write(path: Path, blend: Path, method: str, parts: Parts) -> None:
     """The EXR, and a line on how good it is."""
-    mean, variance, caustics, samples = parts.merged()
+    mean, variance, caustics, direct, samples = parts.merged()
     about = {
         "scene": blend.stem,
         "sceneDigest": hashlib.sha256(blend.read_bytes()).hexdigest(),
@@ -97,7 +98,8 @@ def write(path: Path, blend: Path, method: str, parts: Parts) -> None:
         "date": time.strftime("%Y-%m-%d"),
     }
     path.parent.mkdir(parents=True, exist_ok=True)
-    _reference.write(path, mean, variance, about, caustics)
+    seen_directly = _metrics.caustics_mask(mean, direct)
+    _reference.write(path, mean, variance, about, caustics, seen_directly)
     stored = _reference.read(path)
     relative = np.sqrt(stored.variance.mean() / (stored.mean**2).mean())
     print(

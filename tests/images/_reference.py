@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Reference images: EXR files with the mean and its standard error, both half floats; the bench's
-with the manifold's and light tracing's share of the mean as well.
+with the manifold's and light tracing's share of the mean as well, and with the places that light
+tracing reaches.
 
 The standard error and not the variance, which would leave the range of half floats.
 """
@@ -16,6 +17,7 @@ import OpenImageIO as oiio
 FOLDER = Path(__file__).resolve().parent / "references"
 CHANNELS = ("R", "G", "B", "error.R", "error.G", "error.B")
 CAUSTICS_CHANNELS = ("caustics.R", "caustics.G", "caustics.B")
+DIRECT_CHANNELS = ("direct",)
 DITHER_SEED = 0
 PREFIX = "specula:"  # of the file's attributes
 
@@ -28,6 +30,8 @@ class Reference:
     variance: np.ndarray  # of the mean, that of rounding to half floats included
     about: dict[str, str]
     caustics: np.ndarray | None = None
+    # (H, W), bool: where the camera sees caustics without mirrors or glass in between.
+    direct: np.ndarray | None = None
 
     @property
     def samples(self) -> int:
@@ -41,6 +45,7 @@ def write(
     variance: np.ndarray,
     about: dict[str, str],
     caustics: np.ndarray | None = None,
+    direct: np.ndarray | None = None,
 ) -> None:
     """Writes arrays as in `Reference`; `about` becomes attributes of the file."""
     for values in (mean, np.sqrt(variance)):
@@ -48,8 +53,13 @@ def write(
             raise ValueError(f"{path}: a pixel is too bright for half floats, or not finite")
     rounded, rounding_variance = dithered(mean)
     error = np.sqrt(variance + rounding_variance)
-    layers = [rounded, error] if caustics is None else [rounded, error, caustics]
-    channels = CHANNELS if caustics is None else CHANNELS + CAUSTICS_CHANNELS
+    layers, channels = [rounded, error], CHANNELS
+    if caustics is not None:
+        layers.append(caustics)
+        channels += CAUSTICS_CHANNELS
+    if direct is not None:
+        layers.append(direct[..., None])
+        channels += DIRECT_CHANNELS
     pixels = np.concatenate(layers, axis=2)[::-1].astype(np.float16)
     spec = oiio.ImageSpec(pixels.shape[1], pixels.shape[0], len(channels), "half")
     spec.channelnames = channels
@@ -68,19 +78,30 @@ def read(path: Path) -> Reference:
         raise OSError(f"{path}: {oiio.geterror()}")
     spec = file.spec()
     found = tuple(spec.channelnames)  # in the file's order
-    if set(found) not in (set(CHANNELS), set(CHANNELS + CAUSTICS_CHANNELS)):
+    known = {*CHANNELS, *CAUSTICS_CHANNELS, *DIRECT_CHANNELS}
+    if not set(CHANNELS) <= set(found) <= known:
         raise OSError(f"{path}: channels {found}")
-    channels = CHANNELS if len(found) == len(CHANNELS) else CHANNELS + CAUSTICS_CHANNELS
     pixels = np.asarray(file.read_image("float"), np.float64)[::-1]
-    pixels = pixels[..., [found.index(channel) for channel in channels]]
     file.close()
+
+    def layer(channels: tuple[str, ...]) -> np.ndarray | None:
+        if not set(channels) <= set(found):
+            return None
+        return pixels[..., [found.index(channel) for channel in channels]]
+
+    values, direct = layer(CHANNELS), layer(DIRECT_CHANNELS)
     about = {
         item.name.removeprefix(PREFIX): str(item.value)
         for item in spec.extra_attribs
         if item.name.startswith(PREFIX)
     }
-    caustics = pixels[..., 6:] if len(channels) > len(CHANNELS) else None
-    return Reference(pixels[..., :3], pixels[..., 3:6] ** 2, about, caustics)
+    return Reference(
+        values[..., :3],
+        values[..., 3:] ** 2,
+        about,
+        layer(CAUSTICS_CHANNELS),
+        None if direct is None else direct[..., 0] > 0.5,
+    )
 
 
 def dithered(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

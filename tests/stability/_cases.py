@@ -23,6 +23,7 @@ from tests.stability._scenes import (
     moved_and_scaled,
     placed,
     rotation_x,
+    roughened,
     slab,
     sphere,
     square,
@@ -257,9 +258,9 @@ def of_another_size(scale: float, offset=(0.0, 0.0, 0.0)):
     return lambda: moved_and_scaled(over((sphere(0.4), mirror(), BALL)), scale, offset)
 
 
-def between_mirrors() -> desc.SceneDesc:
+def between_mirrors(first=None) -> desc.SceneDesc:
     return over(
-        (square(0.5), mirror(), placed((0.0, 0.9, 0.8), rotation_x(1.35))),
+        (square(0.5), first or mirror(), placed((0.0, 0.9, 0.8), rotation_x(1.35))),
         (square(0.5), mirror(), placed((0.0, -0.9, 1.3), rotation_x(-1.2))),
         light=lambda maker: maker.bulb((0.0, 0.2, 2.2)),
     )
@@ -301,6 +302,21 @@ CASES = (
     ),
     Case("glass ball", "reflections and refractions", lambda: over((sphere(0.4), glass(), BALL))),
     Case("two mirrors", "chains across objects", between_mirrors),
+    Case(
+        "rough ball",
+        "a facet for each estimate",
+        lambda: over((sphere(0.4), roughened(mirror(), 0.15), BALL)),
+    ),
+    Case(
+        "rough glass ball",
+        "two facets for each estimate",
+        lambda: over((sphere(0.4), roughened(glass(), 0.15), BALL)),
+    ),
+    Case(
+        "rough and smooth mirror",
+        "rough chains across objects",
+        lambda: between_mirrors(roughened(mirror(), 0.1)),
+    ),
     Case(
         "light on a caster",
         "distances shrink to nothing",

@@ -62,6 +62,12 @@ def glass(ior: float = 1.5):
     return shader("bsdf_glass", Color=(1.0, 1.0, 1.0, 1.0), Roughness=0.0, IOR=ior)
 
 
+def roughened(material: desc.MaterialDesc, roughness: float) -> desc.MaterialDesc:
+    """Of one shader, as `shader` makes it."""
+    material.nodes[1].inputs["Roughness"] = (roughness, 0.0, 0.0, 0.0)
+    return material
+
+
 def mapped(material: desc.MaterialDesc, image: int) -> desc.MaterialDesc:
     """With a normal map on the active UV layer."""
     material.nodes += [

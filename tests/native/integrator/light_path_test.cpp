@@ -250,7 +250,7 @@ void expect_agreement(const std::vector<Setup>& setups,
 
 // Whatever the weights of chains that sheets miss, all of them are found.
 void expect_agreement_of_missed(const std::vector<Setup>& setups) {
-    constexpr uint32_t kRounds = 3000;
+    constexpr uint32_t kRounds = 2000;
     for (const Setup& setup : setups) {
         SceneMaker maker;
         set_camera(maker);

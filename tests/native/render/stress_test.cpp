@@ -16,7 +16,7 @@ namespace {
 using test::SceneMaker;
 using namespace std::chrono_literals;
 
-constexpr uint32_t kSide = 48, kSamples = 16, kSeeds = 12;
+constexpr uint32_t kSide = 48, kSamples = 10, kSeeds = 12;
 constexpr uint32_t kPart = 12, kParts = kSide / kPart;  // pixels of a square, squares in a row
 
 Camera looking_down(const Vec3& from, float half) {

@@ -13,6 +13,10 @@ constexpr float kMostCells = 8192.0f;
 // Halvings of a cell: with them any lobe that is not a delta is smooth within a piece.
 constexpr int kMostHalvings = 20;
 
+using Lanes = float __attribute__((vector_size(16)));
+Lanes min(Lanes a, Lanes b) { return a < b ? a : b; }
+Lanes max(Lanes a, Lanes b) { return a > b ? a : b; }
+
 // Looks for the parts of a footprint whose normals may send the light on. A part is a node of the
 // slope field, or a piece of a cell below; C is its area times a bound of what the estimate sums up
 // there. While C exceeds `threshold` a part is split; then it is kept with the probability
@@ -63,6 +67,13 @@ private:
         float area() const { return (upper.x - lower.x) * (upper.y - lower.y); }
     };
 
+    // Four parts side by side, and bounds of their slopes. Lanes that were not set are empty.
+    struct Quad {
+        std::array<Part, 4> part{};
+        Lanes x0{}, x1{}, y0{}, y1{};  // of the parts
+        Lanes a0{}, a1{}, b0{}, b1{};  // of the slopes
+    };
+
     // What is in the footprint's box of [x0, x1) x [y0, y1).
     Part clipped(const Vec2& lower, const Vec2& upper) const {
         return {lower,
@@ -70,92 +81,173 @@ private:
                 {std::min(upper.x, s_.upper.x), std::min(upper.y, s_.upper.y)}};
     }
 
-    // C; 0 where the part has nothing to add.
-    float importance(const Part& part, const SlopeBounds& slopes) {
+    static bool is_empty(const Part& part) {
+        return !(part.lower.x < part.upper.x) || !(part.lower.y < part.upper.y);
+    }
+
+    void set(Quad& quad, size_t k, const Part& part, const SlopeBounds& slopes) {
         ++stats_.nodes;
-        if (!(part.lower.x < part.upper.x) || !(part.lower.y < part.upper.y)) return 0.0f;
-        const Vec2 middle = s_.film_at((part.lower + part.upper) * 0.5f);
-        const Vec2 half = (part.upper - part.lower) * 0.5f;
-        float weight = part.area();
-        for (size_t i = 0; i < 2; ++i) {
-            const float spread =
-                std::abs(s_.to_film[i].x) * half.x + std::abs(s_.to_film[i].y) * half.y;
-            const float nearest = std::abs(middle[static_cast<int>(i)]) - spread;
-            weight *= s_.pixel.filter->weight(std::max(nearest, 0.0f));
-        }
-        if (weight == 0.0f) return 0.0f;
         const SlopeBounds taken = s_.footprint.frame.taken(slopes);
-        const float cos = target_.most_dot(taken);
-        if (!(cos > 0.0f)) return 0.0f;
-        const float cos2 = cos * cos, sin2 = target_.least_sine2(taken);
-        float density = 0.0f;
+        quad.part[k] = part;
+        quad.x0[k] = part.lower.x;
+        quad.x1[k] = part.upper.x;
+        quad.y0[k] = part.lower.y;
+        quad.y1[k] = part.upper.y;
+        quad.a0[k] = taken.lower.x;
+        quad.a1[k] = taken.upper.x;
+        quad.b0[k] = taken.lower.y;
+        quad.b1[k] = taken.upper.y;
+    }
+
+    // C of each; 0 where a part has nothing to add.
+    Lanes importance(const Quad& q) const {
+        const Lanes half_x = (q.x1 - q.x0) * 0.5f, half_y = (q.y1 - q.y0) * 0.5f,
+                    x = (q.x0 + q.x1) * 0.5f - s_.middle.x, y = (q.y0 + q.y1) * 0.5f - s_.middle.y;
+        Lanes c = half_x * half_y * 4.0f;
+        for (const Vec2& row : s_.to_film) {
+            const Lanes middle = x * row.x + y * row.y,
+                        spread = half_x * std::abs(row.x) + half_y * std::abs(row.y),
+                        nearest = max(max(middle, -middle) - spread, Lanes{});
+            for (size_t k = 0; k < 4; ++k) c[k] *= s_.pixel.filter->weight(nearest[k]);
+        }
+        const Lanes cos = target_.linear.z + max(q.a0 * target_.linear.x, q.a1 * target_.linear.x) +
+                          max(q.b0 * target_.linear.y, q.b1 * target_.linear.y),
+                    cos2 = cos * cos, sin2 = least_sine2(q);
+        Lanes density{};
         for (int i = 0; i < s_.closures->glint_count; ++i) {
             const MicrofacetReflection& lobe = s_.lobe(i).lobe;
-            density += scales_[static_cast<size_t>(i)] *
-                       normal_density(lobe.model, lobe.alpha, cos2, sin2);
+            for (size_t k = 0; k < 4; ++k)
+                density[k] += scales_[static_cast<size_t>(i)] *
+                              normal_density(lobe.model, lobe.alpha, cos2[k], sin2[k]);
         }
-        return weight * density;
+        return cos > 0.0f ? c * density : Lanes{};
+    }
+
+    // Bounds of GlintTarget::sine2_at. Of a convex function the minimum over a box is on a side
+    // that faces the free minimum.
+    Lanes least_sine2(const Quad& q) const {
+        const GlintTarget& t = target_;
+        if (!t.inside) return Lanes{};
+        const Lanes a0 = q.a0 - t.slope.x, a1 = q.a1 - t.slope.x, b0 = q.b0 - t.slope.y,
+                    b1 = q.b1 - t.slope.y;
+        const auto sine2_at = [&](Lanes a, Lanes b) {
+            return a * a * t.aa + a * b * (2.0f * t.ab) + b * b * t.bb;
+        };
+        const Lanes none = Lanes{} + kInfinity, zero{};
+        const Lanes side_a = a0 > 0.0f ? a0 : a1, side_b = b0 > 0.0f ? b0 : b1;
+        const Lanes by_a = sine2_at(side_a, min(max(side_a * t.y_by_x, b0), b1)),
+                    by_b = sine2_at(min(max(side_b * t.x_by_y, a0), a1), side_b);
+        const Lanes least =
+            min(a0 > 0.0f || a1 < 0.0f ? by_a : none, b0 > 0.0f || b1 < 0.0f ? by_b : none);
+        return least == none ? zero : least;
+    }
+
+    // Keeps what is small, and splits the rest: split(k).
+    template <class Split>
+    void search(const Quad& quad, const Split& split) {
+        const Lanes c = importance(quad);
+        for (size_t k = 0; k < 4; ++k) {
+            if (!(c[k] > 0.0f)) continue;
+            if (c[k] <= threshold_)
+                keep(quad.part[k], c[k]);
+            else
+                split(k);
+        }
     }
 
     // Whole tiles, a range of them.
     void search_tiles(int x0, int x1, int y0, int y1) {
-        const int w = field_.width(), h = field_.height();
+        const int w = field_.width(), h = field_.height(), top = pyramid_.levels() - 1;
         const Vec2 size(static_cast<float>(w), static_cast<float>(h));
         const Vec2 tile(static_cast<float>(x0) * size.x, static_cast<float>(y0) * size.y);
-        if (x0 == x1 && y0 == y1) return search_node(pyramid_.levels() - 1, 0, 0, tile);
         const Part part = clipped(
             tile, Vec2(static_cast<float>(x1 + 1) * size.x, static_cast<float>(y1 + 1) * size.y));
-        const float c = importance(part, pyramid_.bounds(pyramid_.levels() - 1, 0, 0));
-        if (c == 0.0f) return;
-        if (c <= threshold_) return keep(part, c);
-        if (x1 - x0 >= y1 - y0) {
-            const int middle = x0 + (x1 - x0) / 2;
-            search_tiles(x0, middle, y0, y1);
-            search_tiles(middle + 1, x1, y0, y1);
-        } else {
-            const int middle = y0 + (y1 - y0) / 2;
-            search_tiles(x0, x1, y0, middle);
-            search_tiles(x0, x1, middle + 1, y1);
-        }
+        if (is_empty(part)) return;
+        Quad quad;
+        set(quad, 0, part, pyramid_.bounds(top, 0, 0));
+        search(quad, [&](size_t) {
+            if (x0 == x1 && y0 == y1) return split_node(top, 0, 0, tile);
+            if (x1 - x0 >= y1 - y0) {
+                const int middle = x0 + (x1 - x0) / 2;
+                search_tiles(x0, middle, y0, y1);
+                search_tiles(middle + 1, x1, y0, y1);
+            } else {
+                const int middle = y0 + (y1 - y0) / 2;
+                search_tiles(x0, x1, y0, middle);
+                search_tiles(x0, x1, middle + 1, y1);
+            }
+        });
     }
 
-    void search_node(int level, int x, int y, const Vec2& tile) {
-        const int w = field_.width(), h = field_.height(), size = 1 << level;
-        const Vec2 lower(static_cast<float>(x * size), static_cast<float>(y * size)),
-            upper(static_cast<float>(std::min((x + 1) * size, w)),
-                  static_cast<float>(std::min((y + 1) * size, h)));
-        const Part part = clipped(tile + lower, tile + upper);
-        if (!(part.lower.x < part.upper.x) || !(part.lower.y < part.upper.y)) return;
-        if (level == 0) return search_cell(x, y, tile + lower);
-        const float c = importance(part, pyramid_.bounds(level, x, y));
-        if (c == 0.0f) return;
-        if (c <= threshold_) return keep(part, c);
-        const int half = size / 2;
-        for (int k = 0; k < 4; ++k) {
-            const int cx = 2 * x + (k & 1), cy = 2 * y + (k >> 1);
-            if (cx * half < w && cy * half < h) search_node(level - 1, cx, cy, tile);
+    void split_node(int level, int x, int y, const Vec2& tile) {
+        if (level == 1) {
+            const auto act = [&](const auto& texels) { split_into_cells(texels, x, y, tile); };
+            return field_.visit_texels(act);
         }
+        const int w = field_.width(), h = field_.height(), size = 1 << (level - 1);
+        Quad quad;
+        size_t count = 0, last = 0;
+        for (size_t k = 0; k < 4; ++k) {
+            const auto [cx, cy] = child(x, y, k);
+            const Vec2 lower(static_cast<float>(cx * size), static_cast<float>(cy * size)),
+                upper(static_cast<float>(std::min((cx + 1) * size, w)),
+                      static_cast<float>(std::min((cy + 1) * size, h)));
+            const Part part = clipped(tile + lower, tile + upper);
+            if (is_empty(part)) continue;
+            set(quad, k, part, pyramid_.bounds(level - 1, cx, cy));
+            ++count;
+            last = k;
+        }
+        if (count == 1) {  // no smaller than what was split
+            const auto [cx, cy] = child(x, y, last);
+            return split_node(level - 1, cx, cy, tile);
+        }
+        search(quad, [&](size_t k) {
+            const auto [cx, cy] = child(x, y, k);
+            split_node(level - 1, cx, cy, tile);
+        });
     }
 
-    void search_cell(int x, int y, const Vec2& lower) {
-        std::visit([&](const auto& cell) { search_patch(cell, lower, 1.0f, kMostHalvings); },
-                   field_.cell(x, y));
+    static std::pair<int, int> child(int x, int y, size_t k) {
+        return {2 * x + static_cast<int>(k & 1), 2 * y + static_cast<int>(k >> 1)};
+    }
+
+    template <class Texels>
+    void split_into_cells(const Texels& texels, int x, int y, const Vec2& tile) {
+        std::array<decltype(texels.cell(0, 0)), 4> cells;
+        Quad quad;
+        for (size_t k = 0; k < 4; ++k) {
+            const auto [cx, cy] = child(x, y, k);
+            if (cx >= field_.width() || cy >= field_.height()) continue;
+            const Vec2 lower = tile + Vec2(static_cast<float>(cx), static_cast<float>(cy));
+            const Part part = clipped(lower, lower + Vec2(1.0f, 1.0f));
+            if (is_empty(part)) continue;
+            cells[k] = texels.cell(cx, cy);
+            set(quad, k, part, cells[k].bounds());
+        }
+        search(quad,
+               [&](size_t k) { split_patch(cells[k], quad.part[k].corner, 1.0f, kMostHalvings); });
     }
 
     // A piece of a cell: the square of `size` at `lower`.
     template <class Patch>
-    void search_patch(const Patch& patch, const Vec2& lower, float size, int halvings) {
-        const Part part = clipped(lower, lower + Vec2(size, size));
-        const float c = importance(part, patch.bounds());
-        if (c == 0.0f) return;
-        if (c <= threshold_) return keep(part, c);
-        if (halvings == 0) return evaluate(part, random(part), 1.0f);
+    void split_patch(const Patch& patch, const Vec2& lower, float size, int halvings) {
         const float half = 0.5f * size;
-        for (int k = 0; k < 4; ++k)
-            search_patch(
-                patch.quarter(k),
-                lower + Vec2(half * static_cast<float>(k & 1), half * static_cast<float>(k >> 1)),
-                half, halvings - 1);
+        std::array<Patch, 4> quarters;
+        Quad quad;
+        for (size_t k = 0; k < 4; ++k) {
+            const Vec2 corner =
+                lower + Vec2(half * static_cast<float>(k & 1), half * static_cast<float>(k >> 1));
+            const Part part = clipped(corner, corner + Vec2(half, half));
+            if (is_empty(part)) continue;
+            quarters[k] = patch.quarter(static_cast<int>(k));
+            set(quad, k, part, quarters[k].bounds());
+        }
+        search(quad, [&](size_t k) {
+            const Part& part = quad.part[k];
+            if (halvings == 1) return evaluate(part, random(part), 1.0f);
+            split_patch(quarters[k], part.corner, half, halvings - 1);
+        });
     }
 
     // A part's own numbers, whatever else the search meets: in an animation its noise changes no

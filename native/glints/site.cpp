@@ -19,11 +19,6 @@ GlintTarget::GlintTarget(const SlopeFrame& frame, const Vec3& half_vector) : hal
     slope = inside ? slope_of(direction) : Vec2(0.0f, 0.0f);
 }
 
-float GlintTarget::most_dot(const SlopeBounds& b) const {
-    return linear.z + std::max(linear.x * b.lower.x, linear.x * b.upper.x) +
-           std::max(linear.y * b.lower.y, linear.y * b.upper.y);
-}
-
 // Of a convex function the minimum over a box is on a side that faces the free minimum.
 float GlintTarget::least_sine2(const SlopeBounds& b) const {
     if (!inside) return 0.0f;

@@ -24,9 +24,7 @@ struct GlintTarget {
     float sine2_at(const Vec2& d) const {
         return aa * d.x * d.x + 2.0f * ab * d.x * d.y + bb * d.y * d.y;
     }
-    // Bounds over a box of slopes.
-    float most_dot(const SlopeBounds& b) const;
-    float least_sine2(const SlopeBounds& b) const;
+    float least_sine2(const SlopeBounds& b) const;  // over a box of slopes
 };
 
 // How the squared angle between a normal and h grows with the distance d of their slopes, next to h:

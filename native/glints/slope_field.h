@@ -56,10 +56,14 @@ public:
 
     int width() const { return width_; }
     int height() const { return height_; }
+    // act(texels), of either kind.
+    template <class Act>
+    auto visit_texels(const Act& act) const {
+        return std::visit(act, texels_);
+    }
     // Of one cell, in any tile.
     SlopePatch cell(int x, int y) const {
-        return std::visit([&](const auto& texels) { return SlopePatch(texels.cell(x, y)); },
-                          texels_);
+        return visit_texels([&](const auto& texels) { return SlopePatch(texels.cell(x, y)); });
     }
 
     // Of the cells.

@@ -271,7 +271,9 @@ TEST(LightPathsSlow, AgreeWithPathTracingForEveryCaster) {
 }
 TEST(LightPathsSlow, AgreeWithPathTracingForEveryLight) { expect_agreement(lights_over_a_ball()); }
 TEST(LightPathsSlow, AgreeWithPathTracingInOtherMedia) { expect_agreement(other_media()); }
-TEST(LightPathsSlow, AgreeWithPathTracingInAbsorbingMedia) { expect_agreement(absorbing_media()); }
+TEST(LightPathsSlow, AgreeWithPathTracingInAbsorbingMedia) {
+    expect_agreement(absorbing_media(), few_bounces(), CausticsRole::receiver, 16);
+}
 
 // What casters throw at a wall beside the floor.
 constexpr Vec3 kWall(0.0f, 1.2f, 0.0f);

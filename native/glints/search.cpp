@@ -2,6 +2,7 @@
 #include "bsdf/microfacet.h"
 #include "core/random.h"
 #include "glints/estimators.h"
+#include "math/lanes.h"
 
 namespace spc {
 
@@ -12,10 +13,6 @@ namespace {
 constexpr float kMostCells = 8192.0f;
 // Halvings of a cell: with them any lobe that is not a delta is smooth within a piece.
 constexpr int kMostHalvings = 20;
-
-using Lanes = float __attribute__((vector_size(16)));
-Lanes min(Lanes a, Lanes b) { return a < b ? a : b; }
-Lanes max(Lanes a, Lanes b) { return a > b ? a : b; }
 
 // Looks for the parts of a footprint whose normals may send the light on. A part is a node of the
 // slope field, or a piece of a cell below; C is its area times a bound of what the estimate sums up

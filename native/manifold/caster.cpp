@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "manifold/caster.h"
 
+#include "math/lanes.h"
 #include "math/warp.h"
 
 #include <xmmintrin.h>
@@ -59,11 +60,8 @@ void measure_slopes(const Scene& scene, Caster& caster) {
 }
 
 constexpr uint32_t kWidth = CasterPacket::kWidth;
-using Lanes = CasterPacket::Lanes;
 
 Lanes all_lanes(float v) { return Lanes{} + v; }
-Lanes min(Lanes a, Lanes b) { return a < b ? a : b; }
-Lanes max(Lanes a, Lanes b) { return a > b ? a : b; }
 Lanes root(Lanes v) { return _mm_sqrt_ps(max(v, Lanes{})); }
 Lanes dot(const Lanes* v, const Vec3& w) { return v[0] * w.x + v[1] * w.y + v[2] * w.z; }
 Lanes squared_length(const Lanes* v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; }

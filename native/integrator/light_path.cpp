@@ -4,8 +4,6 @@
 #include "core/parallel.h"
 #include "integrator/history.h"
 
-#include <numeric>
-
 namespace spc {
 
 namespace {
@@ -194,44 +192,15 @@ constexpr uint32_t kPilotChunk = 1u << 11;
 // One lucky path must not draw all others to it.
 constexpr float kLargestWeight = 32.0f;  // times the mean
 
-// Second moments of splats over a coarse picture.
-class MomentGrid {
-public:
-    explicit MomentGrid(const std::array<uint32_t, 4>& crop) : crop_(crop), cells_(kSide * kSide) {}
-    void add(const Splat& splat) {
-        const auto index = [](float at, uint32_t begin, uint32_t size) {
-            const float u = (at - static_cast<float>(begin)) / static_cast<float>(size);
-            return std::min(static_cast<size_t>(std::max(u, 0.0f) * kSide), kSide - 1);
-        };
-        cells_[index(splat.film.y, crop_[1], crop_[3]) * kSide +
-               index(splat.film.x, crop_[0], crop_[2])] +=
-            static_cast<double>(dot(splat.value, splat.value) * (1.0f / 3.0f));
-    }
-    void add(const MomentGrid& other) {
-        for (size_t i = 0; i < cells_.size(); ++i) cells_[i] += other.cells_[i];
-    }
-    // But for the brightest cells: few pixels must not have all others sampled for them.
-    double trimmed_sum() const {
-        std::vector<double> sorted = cells_;
-        std::sort(sorted.begin(), sorted.end());
-        return std::accumulate(sorted.begin(), sorted.end() - kTrimmed, 0.0);
-    }
-
-private:
-    static constexpr size_t kSide = 32, kTrimmed = kSide * kSide / 64;
-    std::array<uint32_t, 4> crop_;
-    std::vector<double> cells_;
-};
-
 // The paths from number `first` on.
 std::vector<EmissionSample> pilot(const RenderScene& world, const IntegratorSettings& settings,
                                   float margin, uint32_t seed, uint64_t first, uint32_t paths,
                                   uint32_t threads, const std::atomic<bool>& cancelled,
-                                  LightPathStats& stats, MomentGrid& moments) {
+                                  LightPathStats& stats, CoarsePicture& moments) {
     const uint32_t chunks = paths / kPilotChunk;
     std::vector<std::vector<EmissionSample>> found(chunks);
     std::vector<LightPathStats> counted(chunks);
-    std::vector<MomentGrid> grids(chunks, moments);
+    std::vector<CoarsePicture> of_chunks(chunks, moments);
     parallel_for(threads, chunks, [&](uint32_t c) {
         std::vector<Splat> splats;
         for (uint32_t i = 0; i < kPilotChunk && !cancelled.load(); ++i) {
@@ -243,7 +212,8 @@ std::vector<EmissionSample> pilot(const RenderScene& world, const IntegratorSett
             if (!sample) continue;
             for (const Splat& splat : splats) {
                 sample->place.weight += luminance(splat.value);
-                grids[c].add(splat);
+                of_chunks[c].add(splat.film, static_cast<double>(dot(splat.value, splat.value) *
+                                                              (1.0f / 3.0f)));
             }
             if (sample->place.weight > 0.0f) found[c].push_back(*sample);
         }
@@ -252,7 +222,7 @@ std::vector<EmissionSample> pilot(const RenderScene& world, const IntegratorSett
     for (uint32_t c = 0; c < chunks; ++c) {
         all.insert(all.end(), found[c].begin(), found[c].end());
         stats.add(counted[c]);
-        moments.add(grids[c]);
+        moments.add(of_chunks[c]);
     }
     return all;
 }
@@ -268,7 +238,7 @@ void limit_weights(std::vector<EmissionSample>& samples) {
 
 // Of paths that went on with chance c. With chance b they have the variance V + V' / b and cost
 // C + b C'; what is counted is V' / c and c C'.
-void measure(const LightPathStats& counted, const MomentGrid& moments, LightPilot& result) {
+void measure(const LightPathStats& counted, const CoarsePicture& moments, LightPilot& result) {
     constexpr double kLeastGoingOn = 1.0 / 16;  // what was not met must not come too rarely
     const auto behind = static_cast<double>(counted.rays_behind),
                before = static_cast<double>(counted.rays) - behind;
@@ -276,7 +246,8 @@ void measure(const LightPathStats& counted, const MomentGrid& moments, LightPilo
         result.goes_on * std::sqrt(counted.squares_behind * before / (counted.squares * behind));
     result.goes_on = best < 1.0 ? std::max(best, kLeastGoingOn) : 1.0;
     const auto paths = static_cast<double>(counted.paths);
-    result.squares = moments.trimmed_sum() * paths;
+    result.squares = moments;
+    result.squares.scale(paths);
     result.rays = static_cast<double>(counted.rays) / paths;
 }
 
@@ -298,12 +269,13 @@ std::unique_ptr<const LightPilot> learn_emission(const RenderScene& world,
         !world.scene->same_for_scattered_rays)
         return nullptr;
     auto result = std::make_unique<LightPilot>(
-        aim_at_casters(*world.scene, world.lights, world.casters, Squares::of_beams), 1.0, 0.0, 0.0);
+        aim_at_casters(*world.scene, world.lights, world.casters, Squares::of_beams), 1.0,
+        CoarsePicture(world.scene->camera.crop), 0.0);
     uint64_t first = 0;
     for (const uint32_t paths : kGenerations) {
         settings.light_tracing = {&result->guide, static_cast<double>(paths), result->goes_on};
         LightPathStats counted;
-        MomentGrid moments(world.scene->camera.crop);
+        CoarsePicture moments(world.scene->camera.crop);
         std::vector<EmissionSample> learned = pilot(world, settings, margin, seed, first, paths,
                                                     threads, cancelled, counted, moments);
         first += paths;

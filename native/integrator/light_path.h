@@ -2,6 +2,7 @@
 // Paths from the light through casters to a surface that the camera sees.
 #pragma once
 
+#include "film/coarse_picture.h"
 #include "film/film.h"
 #include "integrator/path.h"
 
@@ -38,9 +39,9 @@ void trace_light_path(const RenderScene& world, const IntegratorSettings& settin
 // What a pilot has learned.
 struct LightPilot {
     EmissionGuide guide;
-    double goes_on;  // as LightTracing has it, for the least variance of the work
-    double squares;  // second moment of what one path would add to the picture by itself
-    double rays;     // of one path
+    double goes_on;         // as LightTracing has it, for the least variance of the work
+    CoarsePicture squares;  // second moment of what one path would add to the picture by itself
+    double rays;            // of one path
 };
 // Sends light paths to learn where those begin that add to the picture. Does not depend on
 // `threads`. Null where no light reaches the camera that way, or `cancelled` was set meanwhile.

@@ -145,7 +145,7 @@ private:
     }
 
     static constexpr uint32_t kMostReceivers = 4;
-    static constexpr float kLeastThroughput = 1.0f / 512;
+    static constexpr float kLeastThroughput = 1.0f / 8192;
     static constexpr float kLeastCosine = 1.0f / 4;  // at the light, for the points around
 
     const SheetWorld& world_;

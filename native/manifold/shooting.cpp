@@ -107,7 +107,8 @@ private:
     }
 
     // Rounding turns the ray at its start, by positions over distance and by the spacing of
-    // barycentrics on large triangles, and once more at its end.
+    // barycentrics on large triangles, about as much at each further vertex, and once more at its
+    // end.
     float noise_of(const Shot& shot, float last_distance) const {
         const CasterPatch& first = shot.chain.vertices[0].patch;
         const ChainVertex& last = shot.chain.vertices[kind_.count - 1];
@@ -124,7 +125,7 @@ private:
                 : 1.0f;
         const float at_end =
             kUnitRoundoff * (2.0f + largest_coordinate(last.patch.p) / last_distance) * magnified;
-        return turn * at_start + at_end;
+        return turn * at_start * static_cast<float>(kind_.count) + at_end;
     }
 
     const Scene& scene_;

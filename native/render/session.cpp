@@ -108,9 +108,9 @@ void TileEvidence::add(const RenderStats& stats) {
 Activation activation_for(const TileEvidence& evidence, double variance) {
     // What has not been met must not come too rarely.
     constexpr double kLeastChance = 1.0 / 8;
-    // Chains among rough vertices may cost the most where they bring the least: on fine normal maps one
-    // of very many solutions is looked for again.
-    constexpr double kLeastRoughChance = 1.0 / 32;
+    // Chains with rough vertices are found so rarely that a tile hears late of what they bring: then
+    // it comes as a single bright sample.
+    constexpr double kLeastRoughChance = 1.0 / 4;
     // Of the variance that a tile shows, what is left for all but the manifold at least.
     constexpr double kLeastRest = 0.05;
 
@@ -271,6 +271,14 @@ Session::Probe Session::probe(uint32_t most, uint32_t rare) const {
         const Spectrum difference = take(~i) - take(~i ^ (1u << 30));
         squares[i] = static_cast<double>(dot(difference, difference) * (1.0f / 3.0f));
     });
+    CoarsePicture sums(world_.scene->camera.crop), counts = sums;
+    for (uint32_t i = 0; i < count; ++i) {
+        const auto pixel = static_cast<uint32_t>(pixels * i / count);
+        const Vec2 film(static_cast<float>(x0 + pixel % width) + 0.5f,
+                        static_cast<float>(y0 + pixel / width) + 0.5f);
+        sums.add(film, 0.5 * squares[i]);
+        counts.add(film, 1.0);
+    }
     std::sort(squares.begin(), squares.end());
     squares.resize(squares.size() - (squares.size() + rare - 1) / rare);
     RenderStats all;
@@ -280,8 +288,11 @@ Session::Probe Session::probe(uint32_t most, uint32_t rare) const {
         std::accumulate(squares.begin(), squares.end(), 0.0) / samples,
         static_cast<double>(all.path.rays + all.path.manifold.rays + all.path.manifold.iterations) /
             samples,
+        {},
         {}};
     probe.evidence.add(all);
+    for (size_t i = 0; i < CoarsePicture::kCells; ++i)
+        if (counts[i] > 0.0) probe.variances[i] = sums[i] / counts[i];
     return probe;
 }
 
@@ -296,24 +307,36 @@ Session::Probe Session::thinned(const Probe& whole) {
         result.variance += e.second_moment / samples * (1.0 / chance - 1.0);
         result.work -= e.cost / samples * (1.0 - chance);
     }
+    if (whole.variance > 0.0)
+        for (double& variance : result.variances) variance *= result.variance / whole.variance;
     return result;
 }
 
-// For each sample of the picture: so many that a ray more lowers the picture's variance alike,
-// whether light or camera sends it. N light paths and P camera paths have the variance V / N + V' / P
-// and cost N C + P C': then N / P = sqrt(V / C) / sqrt(V' / C'). Work is counted, not timed, so that
-// the same render comes out everywhere.
+// For each sample of the picture: so many that in the same time the variances of the picture's parts
+// have the least geometric mean. N light paths and P camera paths cost N C + P C', and have the variance
+// V / N + V' / P in a part. (The least sum would be decided by the noisiest part alone, and leave to
+// others what a few more light paths take away.) Work is counted, not timed, so that the same render
+// comes out everywhere.
 uint64_t Session::light_paths_that_pay(const LightPilot& pilot) const {
-    constexpr double kLeast = 1.0 / 64, kMost = 8.0;  // for each pixel
+    constexpr double kLeast = 1.0 / 64, kMost = 8.0, kStep = 1.125;  // for each pixel
     const auto& crop = world_.scene->camera.crop;
     const auto pixels = static_cast<double>(uint64_t{crop[2]} * crop[3]);
     constexpr uint32_t kPixels = 2048, kRare = 1024;
     const Probe camera = thinned(probe(kPixels, kRare));
-    const double best =
-        std::sqrt(pilot.squares * spread(filter_) * camera.work / (pilot.rays * camera.variance)) /
-        pixels;
-    return static_cast<uint64_t>(
-        std::ceil(pixels * (camera.variance > 0.0 ? std::clamp(best, kLeast, kMost) : kMost)));
+    // Of a pixel, by one light path for each.
+    const double of_light = spread(filter_) * CoarsePicture::kCells / (pixels * pixels);
+    const auto error = [&](double paths) {  // logarithm of that mean
+        double sum = 0.0;
+        for (size_t i = 0; i < CoarsePicture::kCells; ++i) {
+            const double variance = camera.variances[i] + pilot.squares[i] * of_light / paths;
+            if (variance > 0.0) sum += std::log(variance * (camera.work + paths * pilot.rays));
+        }
+        return sum;
+    };
+    double best = kLeast;
+    for (double paths = kLeast; paths <= kMost; paths *= kStep)
+        if (error(paths) < error(best)) best = paths;
+    return static_cast<uint64_t>(std::ceil(pixels * best));
 }
 
 // Whether the whole job was done.

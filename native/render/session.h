@@ -91,10 +91,11 @@ private:
     void count_splats();
     // Variance (mean of the channels) and counted work of one sample of the picture, from two in each
     // of some pixels, `most` at most. Of `rare` of them the one whose bright sample would tell all is
-    // left out.
+    // left out, but from the variances of the picture's parts, which are 0 where no pixel lies.
     struct Probe {
         double variance, work;
         TileEvidence evidence;
+        std::array<double, CoarsePicture::kCells> variances;
     };
     Probe probe(uint32_t most, uint32_t rare) const;
     static Probe thinned(const Probe& whole);

@@ -41,6 +41,9 @@ class Case:
     # The name of an independent method, or a function to the picture, (H, W) float64.
     truth: str | Callable[[], np.ndarray] = BRUTE_FORCE
     interactions: int = 4  # of the longest chains that carry light worth noticing
+    # With 1 there are caustics without the light that they throw on: so have it closed forms and
+    # light paths. To those, light that a rough caster throws on has been scattered once more.
+    diffuse_bounces: int = 1
 
 
 def over(*casters, light=lambda maker: maker.bulb()) -> desc.SceneDesc:
@@ -306,16 +309,19 @@ CASES = (
         "rough ball",
         "a facet for each estimate",
         lambda: over((sphere(0.4), roughened(mirror(), 0.15), BALL)),
+        diffuse_bounces=2,
     ),
     Case(
         "rough glass ball",
         "two facets for each estimate",
         lambda: over((sphere(0.4), roughened(glass(), 0.15), BALL)),
+        diffuse_bounces=2,
     ),
     Case(
         "rough and smooth mirror",
         "rough chains across objects",
         lambda: between_mirrors(roughened(mirror(), 0.1)),
+        diffuse_bounces=2,
     ),
     Case(
         "light on a caster",

@@ -39,8 +39,6 @@ def settings(method, light_tracing="OFF", **more) -> dict:
         "light_tracing": desc.LightTracing[light_tracing],
         "pixel_filter": desc.PixelFilter.BOX,
         "filter_width": 1.0,
-        # Caustics without the light that they throw on: so have it closed forms and light paths.
-        "max_diffuse_bounces": 1,
         **more,
     }
 
@@ -118,7 +116,12 @@ def render(scene: native.Scene, values: desc.RenderSettings):
 def measure(case: Case, method: Method, seed: int) -> Pictures:
     with upload(case.build()) as scene:
         scene.commit(0)
-        values = desc.RenderSettings(**method.settings, samples=method.samples, seed=seed)
+        values = desc.RenderSettings(
+            **method.settings,
+            max_diffuse_bounces=case.diffuse_bounces,
+            samples=method.samples,
+            seed=seed,
+        )
         mean, variance, seconds, stats = render(scene, values)
         single = np.sort(
             render(scene, dataclasses.replace(values, samples=1, seed=~seed & 0xFFFF))[0].ravel()

@@ -20,9 +20,16 @@ struct GlintStats {
     }
 };
 
-// Unbiased. `points` as GlintPoint::f_cos() has it.
+// How much noise the search may leave: its variance is at most mean times the larger one of
+// mean / points, where the moments of the slopes tell the mean, and `faint`.
+struct GlintPrecision {
+    float points;
+    float faint = 0.0f;  // in units of the estimate
+};
+
+// Unbiased.
 Spectrum search_footprint(const GlintSite& site, const GlintTarget& target, const Vec3& wi,
-                          float points, uint64_t seed, GlintStats& stats);
+                          const GlintPrecision& precision, uint64_t seed, GlintStats& stats);
 
 // By Newton walks [Zeltner20 Sec. 4.5]: unbiased but for a limit of trials, which is counted; or the
 // sum over the solutions that `walks` of them find, which is too little.

@@ -130,12 +130,14 @@ float GlintPoint::pdf(const Vec3& wi) const {
     return (weights > 0.0f ? sum / weights : 0.0f) + kLeastPdf;
 }
 
-Spectrum GlintPoint::f_cos(const Vec3& wi, float points, uint64_t seed, GlintStats& stats) const {
+Spectrum GlintPoint::f_cos(const Vec3& wi, const GlintPrecision& precision, uint64_t seed,
+                           GlintStats& stats) const {
     if (!(dot(site_.ng, wi) > 0.0f)) return Spectrum(0.0f);
     ++stats.estimates;
     const GlintTarget target(site_.footprint.frame, normalize(site_.wo + wi));
     switch (settings_.method) {
-        case GlintMethod::search: return search_footprint(site_, target, wi, points, seed, stats);
+        case GlintMethod::search:
+            return search_footprint(site_, target, wi, precision, seed, stats);
         case GlintMethod::walks: return walk_footprint(site_, target, wi, seed, stats);
         case GlintMethod::walks_biased:
             return walk_footprint_biased(site_, target, wi, settings_.set_size, seed, stats);

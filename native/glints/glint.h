@@ -50,10 +50,10 @@ public:
     // agree.
     float pdf(const Vec3& wi) const;
 
-    // An estimate of f |cos| averaged over the pixel. The search's variance is at most the mean
-    // squared over `points`, where the moments tell the mean: it evaluates about so many points
-    // where there are glints. Other methods do not ask.
-    Spectrum f_cos(const Vec3& wi, float points, uint64_t seed, GlintStats& stats) const;
+    // An estimate of f |cos| averaged over the pixel. The search evaluates about `precision.points`
+    // points where there are glints. Other methods do not ask.
+    Spectrum f_cos(const Vec3& wi, const GlintPrecision& precision, uint64_t seed,
+                   GlintStats& stats) const;
 
 private:
     GlintPoint(const GlintSite& site, const GlintSettings& settings)

@@ -21,8 +21,8 @@ constexpr int kMostHalvings = 20;
 // and the variance is at most threshold times mean.
 class GlintSearch {
 public:
-    GlintSearch(const GlintSite& site, const GlintTarget& target, const Vec3& wi, float points,
-                uint64_t seed, GlintStats& stats)
+    GlintSearch(const GlintSite& site, const GlintTarget& target, const Vec3& wi,
+                const GlintPrecision& precision, uint64_t seed, GlintStats& stats)
         : s_(site),
           field_(*site.field),
           pyramid_(field_.pyramid()),
@@ -42,7 +42,8 @@ public:
         const float reach = s_.pixel.filter->reach();
         const float cells = s_.footprint.texels_per_pixel() * sqr(2.0f * reach);
         const float most_mass = most_sum * sqr(s_.pixel.filter->weight(0.0f)) * cells;
-        threshold_ = std::max(s_.footprint.texels_per_pixel() * mean_sum / points,
+        threshold_ = std::max(s_.footprint.texels_per_pixel() *
+                                  std::max(mean_sum / precision.points, precision.faint),
                               most_mass / kMostCells * clamp01(cells / kMostCells - 1.0f));
     }
 
@@ -295,8 +296,8 @@ private:
 }  // namespace
 
 Spectrum search_footprint(const GlintSite& site, const GlintTarget& target, const Vec3& wi,
-                          float points, uint64_t seed, GlintStats& stats) {
-    return GlintSearch(site, target, wi, points, seed, stats).run();
+                          const GlintPrecision& precision, uint64_t seed, GlintStats& stats) {
+    return GlintSearch(site, target, wi, precision, seed, stats).run();
 }
 
 }  // namespace spc

@@ -267,11 +267,18 @@ struct PathTracer {
         return light.delta ? 1.0f : shared(light.density, f.pdf_omega);
     }
 
-    // The same for closures with glints, averaged over the pixel. To look for them costs more than
-    // to draw lights: of several the one is taken that promises most, by the moments of the slopes
-    // (resampled importance sampling [Talbot05]). They are points of a lattice, so that none of a
-    // few small lamps is left out by chance.
+    // The same for closures with glints, averaged over the pixel. Throughput included.
     Spectrum glint_radiance(const Surface& surface, const Sampler& sampler) {
+        Spectrum sum(0.0f);
+        for (uint32_t i = 0; i < pass.glints.estimates; ++i) sum += glint_estimate(surface, sampler, i);
+        return sum * (1.0f / static_cast<float>(pass.glints.estimates));
+    }
+
+    // To look for glints costs more than to draw lights: of several the one is taken that promises
+    // most, by the moments of the slopes (resampled importance sampling [Talbot05]). All of a
+    // sample's estimates together are points of a lattice, so that none of a few small lamps is left
+    // out by chance.
+    Spectrum glint_estimate(const Surface& surface, const Sampler& sampler, uint32_t estimate) {
         constexpr float kPoints = 6.0f;
         struct Candidate {
             DirectSample light;
@@ -280,7 +287,8 @@ struct PathTracer {
         std::optional<Candidate> chosen;
         float sum = 0.0f, earliest = kInfinity;
         const Vec3 first = sampler.vertex(0)[Domain::glints].three();
-        for (uint32_t i = 0; i < kGlintCandidates; ++i) {
+        const uint32_t begin = estimate * kGlintCandidates;
+        for (uint32_t i = begin; i < begin + kGlintCandidates; ++i) {
             const std::optional<DirectSample> light =
                 sample_direct(world.lights, scene(), surface.p, lattice_point(first, i));
             if (!light || !(dot(surface.ng, light->wi) > 0.0f)) continue;
@@ -304,13 +312,17 @@ struct PathTracer {
         }
         if (!chosen) return Spectrum(0.0f);
         const DirectSample& light = chosen->light;
-        Spectrum arriving =
-            light.radiance * (chosen->share * sum / (kGlintCandidates * chosen->promise));
+        Spectrum arriving = throughput * light.radiance *
+                            (chosen->share * sum / (kGlintCandidates * chosen->promise));
         if ((light_visibility(world.lights, light.light) & kVisibleShadow) != 0)
             arriving *= unblocked(surface, light);
         if (is_black(arriving)) return arriving;
-        return arriving * glints->f_cos(light.wi, kPoints * chosen->share,
-                                        sampler[Domain::glints].stream_seed(), stats.glints);
+        // The mean of several may be as noisy as one.
+        const float faint = static_cast<float>(pass.glints.estimates) * pass.glints.faint /
+                            max_component(arriving);
+        return arriving * glints->f_cos(light.wi, {kPoints * chosen->share, faint},
+                                        sampler[Domain::glints].stream_seed() + estimate,
+                                        stats.glints);
     }
 
     // Whether the surface is looked at through the pixel's footprint.
@@ -540,7 +552,7 @@ PathSample path_radiance(const RenderScene& world, const IntegratorSettings& set
         const Sampler here = sampler.vertex(vertex);
         const CameraApproach approach = path.approach_to(surface);
         out.radiance += path.throughput * path.direct_radiance(surface, approach, here);
-        if (path.glints) out.radiance += path.throughput * path.glint_radiance(surface, here);
+        if (path.glints) out.radiance += path.glint_radiance(surface, here);
         const bool receives = path.may_receive(surface);
         if (receives && settings.manifold.enabled) {
             const Spectrum caustic = path.caustic_radiance(surface, approach, here);

@@ -45,10 +45,18 @@ inline constexpr size_t kEstimates = 2 * kReceiverDepths;
 using Activation = std::array<float, kEstimates>;
 inline constexpr Activation kAlways{1, 1, 1, 1, 1, 1};
 
+// How closely a sample looks at glints.
+struct GlintEffort {
+    uint32_t estimates = 1;  // of the light that they throw to a pixel
+    // Of radiance: what is less need not be told from noise.
+    float faint = 0.0f;
+};
+
 // What a sample of the picture knows.
 struct PassState {
     Activation activation = kAlways;
     LightSheets sheets{};  // where ManifoldSettings::finder asks for them
+    GlintEffort glints{};
 };
 
 // What manifold estimates of one kind gave and cost, as if there had been one at each receiver.

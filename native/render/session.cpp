@@ -39,6 +39,31 @@ double spread(const PixelFilter& filter) {
     return sum * sum;
 }
 
+constexpr uint32_t kLeastSamples = 3;  // of a pixel: fewer tell nothing yet of its noise
+
+// Of one sample, on average over pixels and channels; empty where some pixel has but one.
+std::optional<double> variance_of(std::span<const PixelSums> pixels) {
+    double sum = 0.0;
+    for (const PixelSums& pixel : pixels) {
+        const double n = pixel.count;
+        if (n < 2.0) return std::nullopt;
+        for (size_t c = 0; c < 3; ++c) {
+            const double mean = pixel.radiance[c] / n;
+            sum += (pixel.radiance_squared[c] / n - mean * mean) * (n / (n - 1.0));
+        }
+    }
+    return sum / (3.0 * static_cast<double>(pixels.size()));
+}
+
+// Work is counted in rays and iterations of Newton's method, and in parts of slope fields, of which so
+// many are looked at in the time of a ray. To choose a light takes a few rays' time.
+constexpr double kNodesOfRay = 8.0, kRaysOfGlint = 3.0;
+
+double glint_work(const GlintStats& stats) {
+    return static_cast<double>(stats.nodes + stats.points) / kNodesOfRay +
+           kRaysOfGlint * static_cast<double>(stats.estimates);
+}
+
 uint32_t worker_count(uint32_t asked) {
     return asked > 0 ? asked : std::max(1u, std::thread::hardware_concurrency());
 }
@@ -132,18 +157,9 @@ Activation activation_for(const TileEvidence& evidence, double variance) {
 }
 
 Activation activation_for(const TileEvidence& evidence, std::span<const PixelSums> pixels) {
-    constexpr uint64_t kLeastSamples = 3;  // fewer tell nothing yet
     if (evidence.samples < kLeastSamples * pixels.size()) return kAlways;
-    double variance = 0.0;
-    for (const PixelSums& pixel : pixels) {
-        const double n = pixel.count;
-        if (n < 2.0) return kAlways;
-        for (size_t c = 0; c < 3; ++c) {
-            const double mean = pixel.radiance[c] / n;
-            variance += (pixel.radiance_squared[c] / n - mean * mean) * (n / (n - 1.0));
-        }
-    }
-    return activation_for(evidence, variance / (3.0 * static_cast<double>(pixels.size())));
+    const std::optional<double> variance = variance_of(pixels);
+    return variance ? activation_for(evidence, *variance) : kAlways;
 }
 
 void Session::work(bool first) {
@@ -156,7 +172,7 @@ void Session::work(bool first) {
             prepare_sheets();
             learn_light_paths();
             find_highlights();
-            weigh_chains();
+            weigh_noise();
             count_splats();
         }
     } catch (...) {
@@ -286,8 +302,12 @@ Session::Probe Session::probe(uint32_t most, uint32_t rare) const {
     const double samples = 2.0 * static_cast<double>(count);
     Probe probe{
         std::accumulate(squares.begin(), squares.end(), 0.0) / samples,
-        static_cast<double>(all.path.rays + all.path.manifold.rays + all.path.manifold.iterations) /
+        (static_cast<double>(all.path.rays + all.path.manifold.rays + all.path.manifold.iterations) +
+         glint_work(all.path.glints)) /
             samples,
+        all.path.glints.estimates > 0
+            ? glint_work(all.path.glints) / static_cast<double>(all.path.glints.estimates)
+            : 0.0,
         {},
         {}};
     probe.evidence.add(all);
@@ -390,13 +410,28 @@ void Session::prepare_sheets() {
 // A chain that adds v, looked for with the chance v / s, adds s v to the variance and v / s shots to
 // the cost. With a, the sum of all v of a sample, variance V + s a and cost C + c a / s have the least
 // product where s = sqrt(V c / C).
-void Session::weigh_chains() {
+void Session::weigh_noise() {
     // Few: until the chains are weighed, all of them are looked for.
     constexpr uint32_t kPixels = 512, kRare = 128;
     constexpr double kShotOverSample = 0.5;
-    if (!sheets_.all.empty())
-        sheets_.sure =
-            static_cast<float>(std::sqrt(kShotOverSample * probe(kPixels, kRare).variance));
+    if (sheets_.all.empty() && world_.glints.fields.empty()) return;
+    const Probe one = probe(kPixels, kRare);
+    variance_ = one.variance;
+    if (one.glint_work > 0.0) work_by_glint_ = one.work / one.glint_work;
+    sheets_.sure = static_cast<float>(std::sqrt(kShotOverSample * variance_));
+}
+
+// With n estimates a pixel's variance V / n falls by V / n^2 for one more, of cost c. Samples of the
+// whole picture, of the variance V' and the cost C on average, lower it as fast where n = sqrt(V / V'
+// C / c). V is that of some samples with one estimate, and of others with more, so n is doubled.
+GlintEffort Session::glint_effort(const PixelSums& pixel, double variance_of_tile) const {
+    constexpr double kMost = 16.0;
+    if (world_.glints.fields.empty() || pixel.count < kLeastSamples) return {};
+    const double variance = variance_of({&pixel, 1}).value_or(0.0);
+    const double best =
+        variance_ > 0.0 ? 2.0 * std::sqrt(std::max(variance, 0.0) / variance_ * work_by_glint_) : 1.0;
+    return {static_cast<uint32_t>(std::clamp(best, 1.0, kMost)),
+            static_cast<float>(std::sqrt(std::max(variance_of_tile, 0.0)))};
 }
 
 // A part of the light paths and of the estimates of highlights of a pass.
@@ -450,11 +485,13 @@ bool Session::render_pixels(uint32_t tile, uint32_t pass, std::vector<PixelSums>
                             RenderStats& stats) {
     const uint32_t first = pass_begin(pass), count = pass_begin(pass + 1) - first;
     const Film::TileBounds b = film_.bounds(tile);
-    const PassState state{activation_for(evidence_[tile], pixels), sheets_};
+    PassState state{activation_for(evidence_[tile], pixels), sheets_, {}};
+    const double variance = variance_of(pixels).value_or(0.0);
     const auto& crop = world_.scene->camera.crop;
     for (uint32_t y = 0; y < b.height; ++y) {
         for (uint32_t x = 0; x < b.width; ++x) {
             PixelSums& pixel = pixels[static_cast<size_t>(y) * b.width + x];
+            state.glints = glint_effort(pixel, variance);
             for (uint32_t i = 0; i < count; ++i) {
                 // Every pixel gets its first samples, however short the time.
                 if (first > 0 ? should_stop() : must_stop()) return false;

@@ -87,13 +87,14 @@ private:
     void prepare_sheets();
     void learn_light_paths();
     void find_highlights();
-    void weigh_chains();
+    void weigh_noise();
     void count_splats();
     // Variance (mean of the channels) and counted work of one sample of the picture, from two in each
     // of some pixels, `most` at most. Of `rare` of them the one whose bright sample would tell all is
     // left out, but from the variances of the picture's parts, which are 0 where no pixel lies.
     struct Probe {
         double variance, work;
+        double glint_work;  // of one estimate of glints; 0 if there was none
         TileEvidence evidence;
         std::array<double, CoarsePicture::kCells> variances;
     };
@@ -105,6 +106,7 @@ private:
     bool render_splats(uint32_t pass, uint32_t part, RenderStats& stats);
     bool render_pixels(uint32_t tile, uint32_t pass, std::vector<PixelSums>& pixels,
                        RenderStats& stats);
+    GlintEffort glint_effort(const PixelSums& pixel, double variance_of_tile) const;
     FilmSample take_sample(uint32_t x, uint32_t y, uint32_t index, const PassState& state,
                            RenderStats& stats) const;
     uint32_t pass_begin(
@@ -128,6 +130,9 @@ private:
     std::unique_ptr<const Highlights> highlights_;
     SheetPool sheet_pool_;
     LightSheets sheets_;  // of the pool
+    // Of a sample, on average over the picture, as far as somebody asks: variance, and its work over
+    // that of an estimate of glints.
+    double variance_ = 0.0, work_by_glint_ = 0.0;
     FlakeSet flakes_;
     std::latch prepared_{1};
     std::atomic<uint64_t> next_job_{0};

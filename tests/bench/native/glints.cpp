@@ -64,7 +64,7 @@ Estimator by(const GlintScene& scene, GlintSettings settings, float points = 2.0
                                              scene.surface, scene.ray, scene.distance, scene.pixel);
     return [point, points](const Vec3& wi, uint64_t seed, uint64_t& evaluations) {
         GlintStats stats;
-        const Spectrum f = point.f_cos(wi, points, seed, stats);
+        const Spectrum f = point.f_cos(wi, {points}, seed, stats);
         evaluations += stats.nodes + stats.points;
         return static_cast<double>(f.y);
     };

@@ -32,7 +32,7 @@ public:
             GlintPoint::at(world_.glints, settings, *world_.scene, surface_,
                            camera_differential(camera(), pixel, Vec2(0.5f), ray.direction),
                            static_cast<double>(hit.t), pixel);
-        return mean_of(point->f_cos(wi, 8.0f, mix_bits(seed), stats));
+        return mean_of(point->f_cos(wi, {8.0f}, mix_bits(seed), stats));
     }
     // Likewise, estimated so often.
     MeanEstimate by(const GlintSettings& settings, const Vec2& centre, const Vec3& wi,

@@ -277,7 +277,7 @@ TEST(Activation, IsLeastWhereTheManifoldGivesNothing) {
     EXPECT_EQ(chances, expected);
     TileEvidence rough = evidence_of(64, 200, 0.0, 0.0);
     rough.manifold[kReceiverDepths] = {0.0, 1000.0};
-    EXPECT_EQ(activation_for(rough, pixels_with(1.0, 16))[kReceiverDepths], 1.0f / 32);
+    EXPECT_EQ(activation_for(rough, pixels_with(1.0, 16))[kReceiverDepths], 1.0f / 4);
 }
 
 TEST(Activation, IsOneWhereTheManifoldIsTheNoise) {

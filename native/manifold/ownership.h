@@ -161,11 +161,11 @@ bool light_tracing_owns(const Techniques& techniques, const CausticPath& path);
 // solutions and count trials, sheets cost more than a light path and miss some chains. Where fixed
 // starts find a chain, nothing but y is left to chance; but what they take from light paths of the
 // chains that they miss is left to path tracing. So it is with the leads of highlights. Chains with
-// rough vertices are left to chance alone, the more so the longer they are: in the focus of a ball of
-// rough glass one is met again after a thousand trials, and path tracing is dense.
+// rough vertices are left to chance alone, the more so with several: in the focus of a ball of rough
+// glass one is met again after a thousand trials, and path tracing is dense.
 inline double manifold_worth(const Techniques& techniques, const CausticPath& path) {
     if (path.from_camera) return 1.0;
-    if (path.is_rough()) return std::exp2(3.0 - 4.0 * path.count);
+    if (path.is_rough()) return path.count == 1 ? 1.0 / 2 : 1.0 / 32;
     switch (techniques.manifold.finder) {
         case ChainFinder::walks: return 1.0 / 32;
         case ChainFinder::sheets: return 1.0 / 8;

@@ -332,7 +332,10 @@ std::vector<ChainCase> rough_chain_cases() {
              add_surface(m, 2.5f, frosted, translation({0, 0, 0.8f}), false);
          },
          above,
-         {any}},
+         {any},
+         false,
+         LightType::point,
+         0.2f},
         {"rough T, rough R, rough T",
          [=](SceneMaker& m, bool) {
              add_surface(m, 0.6f, metal, rotation_x(0.5f * kPi, {0, 1.1f, 0.8f}), false);

@@ -198,6 +198,31 @@ TEST(Glints, HaveLittleNoise) {
               0.1 * c.off.radiance.standard_error() * std::sqrt(40000.0));
 }
 
+// However closely a sample looks, it has the same mean: of several lamps, among which it chooses.
+// Four estimates take most of the noise of one away, and what may be left to chance costs less.
+TEST(Glints, EffortChangesNoiseAlone) {
+    constexpr uint32_t kSamples = 12000;
+    GlintFloor floor = cases()[0].floor;
+    floor.light = [](SceneMaker& maker) {
+        for (const float x : {-0.35f, 0.0f, 0.2f, 0.4f})
+            maker.builder.add_light(test::sun_towards({x - 0.5f, 0.2f, 1.0f}, 0.02f, 1.0f + x));
+    };
+    const RenderScene world = test::finish(floor, GlintsMode::on);
+    const auto with = [&](uint32_t seed, const GlintEffort& effort) {
+        return test::estimate_pixel(world, test::unlimited(), kSamples, seed,
+                                    FilterKind::blackman_harris, effort);
+    };
+    const test::PixelEstimate once = with(1, {}), often = with(2, {4, 0.0f}),
+                              roughly = with(3, {1, float(once.radiance.mean())});
+    const double significance = test::sidak(kFamily, 2);
+    EXPECT_TRUE(same_mean(often.radiance, once.radiance, significance));
+    EXPECT_TRUE(same_mean(roughly.radiance, once.radiance, significance));
+    EXPECT_LT(once.radiance.standard_error(), 0.01 * once.radiance.mean()) << "too little power";
+    EXPECT_LT(often.radiance.standard_error(), 0.6 * once.radiance.standard_error());
+    EXPECT_LT(roughly.radiance.standard_error(), 2.0 * once.radiance.standard_error());
+    EXPECT_LT(double(roughly.stats.glints.points), 0.9 * double(once.stats.glints.points));
+}
+
 // Under an even sky there is nothing to find, and nothing to lose.
 TEST(GlintsSlow, FurnaceUnderAnEvenSky) {
     for (const double texels : {2.0, 12.0, 30.0}) {

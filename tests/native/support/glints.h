@@ -75,9 +75,11 @@ struct PixelEstimate {
 };
 inline PixelEstimate estimate_pixel(const RenderScene& world, const IntegratorSettings& settings,
                                     uint32_t samples, uint32_t seed,
-                                    FilterKind kind = FilterKind::blackman_harris) {
+                                    FilterKind kind = FilterKind::blackman_harris,
+                                    const GlintEffort& effort = {}) {
     const PixelFilter filter(kind, 1.5f);
     const Camera& camera = world.scene->camera;
+    const PassState state{{1, 1, 1}, {}, effort};
     PixelEstimate result;
     for (uint32_t i = 0; i < samples; ++i) {
         const Sampler sampler(seed, i, 0);
@@ -85,8 +87,8 @@ inline PixelEstimate estimate_pixel(const RenderScene& world, const IntegratorSe
         const Vec2 film = offset + Vec2(0.5f), lens(0.5f);
         const PixelKernel pixel{&filter, film, offset};
         const PathSample sample =
-            path_radiance(world, settings, {1, 1, 1}, camera.ray(film.x, film.y, lens), lens,
-                          sampler, result.stats, &pixel);
+            path_radiance(world, settings, state, camera.ray(film.x, film.y, lens), lens, sampler,
+                          result.stats, &pixel);
         EXPECT_TRUE(is_finite(sample.radiance));
         result.radiance.add(
             (double(sample.radiance.x) + double(sample.radiance.y) + double(sample.radiance.z)) /

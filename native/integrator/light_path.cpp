@@ -212,8 +212,8 @@ std::vector<EmissionSample> pilot(const RenderScene& world, const IntegratorSett
             if (!sample) continue;
             for (const Splat& splat : splats) {
                 sample->place.weight += luminance(splat.value);
-                of_chunks[c].add(splat.film, static_cast<double>(dot(splat.value, splat.value) *
-                                                              (1.0f / 3.0f)));
+                of_chunks[c].add(
+                    splat.film, static_cast<double>(dot(splat.value, splat.value) * (1.0f / 3.0f)));
             }
             if (sample->place.weight > 0.0f) found[c].push_back(*sample);
         }

@@ -270,7 +270,8 @@ struct PathTracer {
     // The same for closures with glints, averaged over the pixel. Throughput included.
     Spectrum glint_radiance(const Surface& surface, const Sampler& sampler) {
         Spectrum sum(0.0f);
-        for (uint32_t i = 0; i < pass.glints.estimates; ++i) sum += glint_estimate(surface, sampler, i);
+        for (uint32_t i = 0; i < pass.glints.estimates; ++i)
+            sum += glint_estimate(surface, sampler, i);
         return sum * (1.0f / static_cast<float>(pass.glints.estimates));
     }
 
@@ -318,8 +319,8 @@ struct PathTracer {
             arriving *= unblocked(surface, light);
         if (is_black(arriving)) return arriving;
         // The mean of several may be as noisy as one.
-        const float faint = static_cast<float>(pass.glints.estimates) * pass.glints.faint /
-                            max_component(arriving);
+        const float faint =
+            static_cast<float>(pass.glints.estimates) * pass.glints.faint / max_component(arriving);
         return arriving * glints->f_cos(light.wi, {kPoints * chosen->share, faint},
                                         sampler[Domain::glints].stream_seed() + estimate,
                                         stats.glints);

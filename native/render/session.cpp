@@ -428,8 +428,9 @@ GlintEffort Session::glint_effort(const PixelSums& pixel, double variance_of_til
     constexpr double kMost = 16.0;
     if (world_.glints.fields.empty() || pixel.count < kLeastSamples) return {};
     const double variance = variance_of({&pixel, 1}).value_or(0.0);
-    const double best =
-        variance_ > 0.0 ? 2.0 * std::sqrt(std::max(variance, 0.0) / variance_ * work_by_glint_) : 1.0;
+    const double best = variance_ > 0.0
+                            ? 2.0 * std::sqrt(std::max(variance, 0.0) / variance_ * work_by_glint_)
+                            : 1.0;
     return {static_cast<uint32_t>(std::clamp(best, 1.0, kMost)),
             static_cast<float>(std::sqrt(std::max(variance_of_tile, 0.0)))};
 }

@@ -13,7 +13,7 @@ from statistics import NormalDist
 import numpy as np
 
 BLOCK = 8  # pixels: sums over 64 pixels are close to normal where single pixels are not
-PATH_TRACED = 0.1  # below this share of caustics a block counts as path traced
+PATH_TRACED = 0.1  # below this share of caustics a block or a pixel counts as path traced
 # A light path's splat is shared by all pixels in reach of the filter, a Blackman-Harris of 1.5
 # pixels in all scenes: the sum over a block varies up to 1 / (integral of its square)^2 as much as
 # the sum of its pixels' variances says.
@@ -59,12 +59,18 @@ def with_rare_paths(image, reference):
     """`image` with a better variance where both were path traced.
 
     A lamp seen in a polished ring, in a corner of a pixel: `image` may have missed it, and its own
-    variance then knows nothing of it. Where the manifold adds next to nothing both have the same
-    samples, of which the reference has many more.
+    variance then knows nothing of it. Where the manifold adds next to nothing, to a block or beside
+    a pixel that outshines its block's caustics, both have the same samples, of which the reference
+    has many more.
     """
-    share = block_sums(image.caustics) < PATH_TRACED * block_sums(image.mean)
     height, width, _ = image.mean.shape
-    path_traced = np.kron(share, np.ones((BLOCK, BLOCK, 1), bool))[:height, :width]
+
+    def of_block(picture):  # to its pixels, mean
+        means = block_sums(picture) / block_sums(np.ones_like(picture))
+        return np.kron(means, np.ones((BLOCK, BLOCK, 1)))[:height, :width]
+
+    light = np.maximum(of_block(image.mean), reference.mean)
+    path_traced = of_block(image.caustics) < PATH_TRACED * light
     expected = reference.variance * (reference.samples / image.samples)
     variance = np.where(path_traced, np.maximum(image.variance, expected), image.variance)
     return dataclasses.replace(image, variance=variance)

@@ -50,8 +50,7 @@ public:
     // agree.
     float pdf(const Vec3& wi) const;
 
-    // An estimate of f |cos| averaged over the pixel. The search evaluates about `precision.points`
-    // points where there are glints. Other methods do not ask.
+    // An estimate of f |cos| averaged over the pixel. Only the search asks for a precision.
     Spectrum f_cos(const Vec3& wi, const GlintPrecision& precision, uint64_t seed,
                    GlintStats& stats) const;
 

@@ -426,7 +426,7 @@ void Session::weigh_noise() {
 // C / c). V is that of some samples with one estimate, and of others with more, so n is doubled.
 GlintEffort Session::glint_effort(const PixelSums& pixel, double variance_of_tile) const {
     constexpr double kMost = 16.0;
-    if (world_.glints.fields.empty() || pixel.count < kLeastSamples) return {};
+    if (pixel.count < kLeastSamples) return {};
     const double variance = variance_of({&pixel, 1}).value_or(0.0);
     const double best = variance_ > 0.0
                             ? 2.0 * std::sqrt(std::max(variance, 0.0) / variance_ * work_by_glint_)
@@ -487,12 +487,13 @@ bool Session::render_pixels(uint32_t tile, uint32_t pass, std::vector<PixelSums>
     const uint32_t first = pass_begin(pass), count = pass_begin(pass + 1) - first;
     const Film::TileBounds b = film_.bounds(tile);
     PassState state{activation_for(evidence_[tile], pixels), sheets_, {}};
-    const double variance = variance_of(pixels).value_or(0.0);
+    const bool may_glint = !world_.glints.fields.empty();
+    const double variance = may_glint ? variance_of(pixels).value_or(0.0) : 0.0;
     const auto& crop = world_.scene->camera.crop;
     for (uint32_t y = 0; y < b.height; ++y) {
         for (uint32_t x = 0; x < b.width; ++x) {
             PixelSums& pixel = pixels[static_cast<size_t>(y) * b.width + x];
-            state.glints = glint_effort(pixel, variance);
+            if (may_glint) state.glints = glint_effort(pixel, variance);
             for (uint32_t i = 0; i < count; ++i) {
                 // Every pixel gets its first samples, however short the time.
                 if (first > 0 ? should_stop() : must_stop()) return false;

@@ -136,6 +136,49 @@ TEST(Shots, StayAtChainsThatExist) {
     }
 }
 
+// Nothing is in the way of a shot from next to its chain but rounding, most of it on large triangles.
+// It must not stop there: sheets would miss the chain, and only rare walks find it.
+TEST(Shots, NextToAChainOfAWideSlabArriveForCertain) {
+    SceneMaker maker;
+    for (const bool top : {false, true})
+        maker.add(test::square(3.0f), test::glass(1.5f),
+                  test::rotation_x(top ? 0.0f : kPi, {0, 0, top ? 0.75f : 0.45f}),
+                  CausticsRole::caster);
+    const ChainEnd end{false, {0.3f, 0.4f, 2.0f}, Vec3(0.0f)};
+    test::add_lamp(maker, end.p, {0.0f, 0.0f, 0.6f}, 0.05f);
+    const RenderScene world = maker.finish();
+    ChainKind through, reflected;
+    for (const auto& [instance, interaction] : {std::pair{0u, Interaction::refraction},
+                                                {1u, Interaction::reflection},
+                                                {0u, Interaction::reflection},
+                                                {1u, Interaction::refraction}}) {
+        reflected.append({instance, interaction});
+        if (interaction == Interaction::refraction) through.append({instance, interaction});
+    }
+    Pcg pcg(5);
+    ManifoldStats stats;
+    for (const ChainKind& kind : {through, reflected}) {
+        int chains = 0, lost = 0;
+        while (chains < 20000) {
+            const Vec2 floor = (pcg.two() - Vec2(0.5f, 0.5f)) * 0.6f;
+            const RayStart at{{floor.x, floor.y, 0.0f}, {0, 0, 1}, 1e-6f};
+            const auto shot = [&](const Vec3& w, uint32_t halvings) {
+                return shoot(*world.scene, settings(), at, end, kind, w, halvings, stats);
+            };
+            const std::optional<ChainSolution> found =
+                shot(normalize(end.p - at.p), settings().max_halvings);
+            if (!found) continue;
+            ++chains;
+            const Vec3 w = normalize(found->chain.vertices[0].patch.p - at.p);
+            const Frame frame = Frame::around(w);
+            const Vec2 off = (pcg.two() - Vec2(0.5f, 0.5f)) * 1e-3f;
+            if (!shot(normalize(w + frame.x * off.x + frame.y * off.y), settings().lead_halvings))
+                ++lost;
+        }
+        EXPECT_EQ(lost, 0) << "of chains of " << kind.count;
+    }
+}
+
 // ---- fixed starts
 
 // A mirror ball beside a slab of glass of two instances, an opaque square between slab and lamp.

@@ -18,7 +18,7 @@ from ctypes import (
 )
 from enum import IntEnum
 
-API_VERSION = 6  # SPC_API_VERSION that this file mirrors
+API_VERSION = 7  # SPC_API_VERSION that this file mirrors
 
 STATUS_NAMES = (
     "OK",
@@ -218,6 +218,7 @@ RenderSettings = _struct(
     ("pixel_filter", c_uint32),
     ("filter_width", c_float),
     ("transparent_film", c_uint32),
+    ("chain_family", c_char_p),
 )
 
 RenderProgress = _struct(
@@ -239,6 +240,7 @@ RenderStats = _struct(
     ("trial_estimates", c_uint64),
     ("trials", c_uint64),
     ("max_trials", c_uint64),
+    ("trial_histogram", c_uint64 * 17),
     ("capped_estimates", c_uint64),
     ("capped_energy", c_double),
     ("manifold_energy", c_double),

@@ -137,9 +137,10 @@ def reads_image_files() -> bool:
     return True
 
 
-def struct_values(struct: abi.SizedStructure) -> dict[str, int | float]:
-    """A struct's fields by name, without its size."""
-    return {name: getattr(struct, name) for name, *_ in struct._fields_[1:]}
+def struct_values(struct: abi.SizedStructure) -> dict[str, int | float | list[int]]:
+    """A struct's fields by name, without its size; arrays as lists."""
+    values = {name: getattr(struct, name) for name, *_ in struct._fields_[1:]}
+    return {n: list(v) if isinstance(v, ctypes.Array) else v for n, v in values.items()}
 
 
 class Scene:
@@ -197,7 +198,8 @@ def _settings_struct(settings) -> abi.RenderSettings:
     struct = abi.RenderSettings()
     library().spc_render_settings_init(byref(struct))
     for item in fields(settings):
-        setattr(struct, item.name, getattr(settings, item.name))
+        value = getattr(settings, item.name)
+        setattr(struct, item.name, value.encode() if isinstance(value, str) else value)
     return struct
 
 
@@ -233,7 +235,7 @@ class Session:
         _check(library().spc_film_read(self.handle, render_pass, pointer, pixels.size))
         return pixels
 
-    def stats(self) -> dict[str, int | float]:
+    def stats(self) -> dict[str, int | float | list[int]]:
         """spc_render_stats of what is done so far."""
         stats = abi.RenderStats()
         _check(library().spc_render_get_stats(self.handle, byref(stats)))

@@ -2,7 +2,14 @@
 """`specula` on scenes, objects, lights, worlds and view layers."""
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty
+from bpy.props import (
+    BoolProperty,
+    EnumProperty,
+    FloatProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)
 
 METHODS = (
     ("AUTO", "Automatic", "The best that there is: light sheets, today"),
@@ -116,6 +123,14 @@ class SpeculaSceneSettings(bpy.types.PropertyGroup):
         name="Two Stages",
         description="Walk on the smooth surface first where a caster has a normal map",
         default=True,
+    )
+    chain_family: StringProperty(
+        name="Family",
+        description="The only chains that walks look for, as letters from the receiver on: "
+        "R is a reflection, T a refraction, TT light through a glass with two sides. "
+        "The rest is path traced. Empty: all chains",
+        default="",
+        maxlen=6,
     )
     set_size: IntProperty(
         name="Walks",

@@ -159,6 +159,7 @@ class SPECULA_PT_advanced(SpeculaPanel, bpy.types.Panel):
         column = self.column()
         column.prop(context.scene.specula, "constraint")
         column.prop(context.scene.specula, "two_stage")
+        column.prop(context.scene.specula, "chain_family")
 
 
 class SPECULA_PT_glints(SpeculaPanel, bpy.types.Panel):

@@ -88,6 +88,8 @@ OLD_IDENTIFIERS = {
     "Transmission Weight": ("Transmission",),
     "Emission Color": ("Emission",),
     "Coat Weight": ("Clearcoat",),
+    "Coat Roughness": ("Clearcoat Roughness",),
+    "Coat Normal": ("Clearcoat Normal",),
     "Sheen Weight": ("Sheen",),
     "Subsurface Weight": ("Subsurface",),
 }

@@ -282,3 +282,4 @@ class RenderSettings:
     pixel_filter: PixelFilter = PixelFilter.BLACKMAN_HARRIS
     filter_width: float = 1.5  # pixels
     transparent_film: bool = False
+    chain_family: str = ""  # as of spc_render_settings

@@ -66,6 +66,25 @@ def _scalar_tint(converter, node, desc) -> None:
         converter.set_constant(desc, "Specular Tint", (*tint, 1.0))
 
 
+def _clearcoat(converter, node, desc) -> None:
+    """Until 3.6 the coat was a Clearcoat, which reflected a quarter at an IOR of 1.5.
+
+    As Blender's own conversion: a quarter of the weight, or an IOR of 1.2 where the weight varies.
+    """
+    if compat.find_input(node, "Coat IOR"):
+        return
+    weight = compat.find_input(node, "Coat Weight")
+    if weight.is_linked:
+        converter.set_constant(desc, "Coat IOR", (1.2, 1.2, 1.2, 1.0))
+    else:
+        converter.set_constant(desc, "Coat Weight", (*[0.25 * weight.default_value] * 3, 1.0))
+
+
+def _old_principled(converter, node, desc) -> None:
+    _scalar_tint(converter, node, desc)
+    _clearcoat(converter, node, desc)
+
+
 def _image(converter, node, desc) -> None:
     desc.image = converter.images.add(node.image, converter.label(node))
 
@@ -117,6 +136,11 @@ NODES = {
             "Transmission Weight",
             "Emission Color",
             "Emission Strength",
+            "Coat Weight",
+            "Coat Roughness",
+            "Coat IOR",
+            "Coat Tint",
+            "Coat Normal",
         ),
         ("BSDF",),
         options={"distribution": ("GGX", "MULTI_GGX")},
@@ -124,11 +148,10 @@ NODES = {
             "Diffuse Roughness": 0.0,
             "Subsurface Weight": 0.0,
             "Anisotropic": 0.0,
-            "Coat Weight": 0.0,
             "Sheen Weight": 0.0,
             "Thin Film Thickness": 0.0,
         },
-        adjust=_scalar_tint,
+        adjust=_old_principled,
     ),
     "ShaderNodeVolumeAbsorption": NodeKind("volume_absorption", ("Color", "Density"), ("Volume",)),
     "ShaderNodeVolumePrincipled": NodeKind(

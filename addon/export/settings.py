@@ -38,6 +38,7 @@ def export_settings(scene, is_preview: bool = False) -> RenderSettings:
         constraint=Constraint[own.constraint],
         two_stage=own.two_stage,
         set_size=own.set_size,
+        chain_family=own.chain_family,
         glint_method=GlintMethod[own.glint_method],
         threads=scene.render.threads if scene.render.threads_mode == "FIXED" else 0,
         transparent_film=scene.render.film_transparent,

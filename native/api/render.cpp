@@ -51,6 +51,18 @@ ChainFinder finder_of(uint32_t method) {
     }
 }
 
+std::vector<spc::Interaction> to_family(const char* letters) {
+    std::vector<spc::Interaction> family;
+    for (const char* letter = letters == nullptr ? "" : letters; *letter != 0; ++letter) {
+        require((*letter == 'R' || *letter == 'T') && family.size() < spc::kLongestManifoldChain,
+                fmt::format("chain_family must be at most {} letters R and T",
+                            spc::kLongestManifoldChain));
+        family.push_back(*letter == 'R' ? spc::Interaction::reflection
+                                        : spc::Interaction::refraction);
+    }
+    return family;
+}
+
 RenderSettings to_settings(const spc_render_settings& s) {
     check_settings(s);
     RenderSettings settings;
@@ -62,8 +74,9 @@ RenderSettings to_settings(const spc_render_settings& s) {
     manifold.enabled = s.method != SPC_METHOD_PT && s.method != SPC_METHOD_LT;
     manifold.finder = finder_of(s.method);
     manifold.biased = s.method == SPC_METHOD_SMS_BIASED || s.method == SPC_METHOD_MNEE_BIASED;
-    manifold.longest_chain = manifold.finder == ChainFinder::walks ? 1 : spc::kLongestManifoldChain;
     manifold.set_size = s.set_size;
+    const std::vector<spc::Interaction> family = to_family(s.chain_family);
+    if (manifold.finder == ChainFinder::walks) manifold.family = family;
     manifold.constraint = static_cast<Constraint>(s.constraint);
     manifold.two_stage = s.two_stage != 0;
     manifold.reflections = s.caustics_reflective != 0;
@@ -170,6 +183,7 @@ spc_status spc_render_get_stats(spc_session* session, spc_render_stats* stats) {
                   m.trial_estimates,
                   m.trials,
                   m.max_trials,
+                  {},
                   m.capped,
                   m.capped_energy,
                   s.manifold_energy,
@@ -185,6 +199,7 @@ spc_status spc_render_get_stats(spc_session* session, spc_render_stats* stats) {
                   s.path.glints.points,
                   s.path.glints.capped,
                   s.glint_bytes};
+        std::ranges::copy(m.trial_histogram, stats->trial_histogram);
     });
 }
 

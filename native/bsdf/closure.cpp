@@ -239,21 +239,39 @@ void ClosureList::clear() {
     glints_apart = false;
 }
 
-void ClosureList::add_glints(const Spectrum& weight, const MicrofacetReflection& lobe,
-                             const Vec3& wo, bool on_caster_normal) {
+Fresnel coat_fresnel(float ior) { return {Fresnel::Kind::dielectric, ior}; }
+
+// As if light came in by the way it goes out: that is longer than the normal one by 1 / cos of the
+// refracted wo, and the tint is raised to that power.
+Spectrum coat_transmittance(const Coat& coat, const Vec3& n, const Vec3& wo) {
+    const MicrofacetReflection lobe{n, coat.alpha, MicrofacetModel::ggx, coat_fresnel(coat.ior)};
+    const Spectrum passed(clamp01(1.0f - coat.share * albedo(lobe, wo).x));
+    if (coat.tint == Spectrum(1.0f)) return passed;
+    const float cos_o = std::clamp(dot(n, wo), 0.0f, 1.0f);
+    const float length = coat.ior / std::sqrt(facet::refracted_cos_squared(cos_o, coat.ior));
+    const Spectrum tint(std::pow(coat.tint.x, length), std::pow(coat.tint.y, length),
+                        std::pow(coat.tint.z, length));
+    return passed * (Spectrum(1.0f - coat.share) + tint * coat.share);
+}
+
+void ClosureList::add_glints(const Spectrum& weight, const GlintLobe& glint, const Vec3& wo,
+                             bool on_caster_normal) {
     const int before = count;
-    add(weight, lobe, wo, on_caster_normal);
-    if (is_delta_kind(lobe)) return;
+    add(weight, glint.lobe, wo, on_caster_normal);
+    if (is_delta_kind(glint.lobe)) return;
     if (count > before) closures[before].glints = true;
-    glints[glint_count++] = {weight, lobe};
+    glints[glint_count++] = glint;
 }
 
 Spectrum eval_glint(const GlintLobe& glint, const Vec3& n, const Vec3& wo, const Vec3& wi) {
     MicrofacetReflection lobe = glint.lobe;
     lobe.n = n;
     const LobeEval value = eval_lobe(lobe, wo, wi, false);
-    if (!lobe.energy_compensated || !(value.pdf_omega > 0.0f)) return glint.weight * value.f_cos;
-    return glint.weight * value.f_cos * energy_compensation(lobe, wo);
+    Spectrum result = glint.weight * value.f_cos;
+    if (!(value.pdf_omega > 0.0f)) return result;
+    if (glint.coat) result *= coat_transmittance(*glint.coat, n, wo);
+    if (lobe.energy_compensated) result *= energy_compensation(lobe, wo);
+    return result;
 }
 
 void ClosureList::add(const Spectrum& weight, const ClosureKind& kind, const Vec3& wo,

@@ -87,11 +87,24 @@ struct Closure {
     ClosureKind kind;
 };
 
+// A dielectric layer over other closures: what it does not reflect they have, tinted.
+struct Coat {
+    float share;  // of the surface that it covers
+    float alpha;
+    float ior;
+    Spectrum tint;  // what is left of light that crosses it, in and out, at normal incidence
+};
+// Of its reflection, GGX without compensation; the same from both sides of the surface.
+Fresnel coat_fresnel(float ior);
+// Share of their light towards wo that closures below the coat keep.
+Spectrum coat_transmittance(const Coat& coat, const Vec3& n, const Vec3& wo);
+
 // A narrow lobe whose normal comes from a slope map (shading/program.h): as it is for any normal of
 // the map.
 struct GlintLobe {
-    Spectrum weight;            // before energy compensation, which depends on the normal
-    MicrofacetReflection lobe;  // its normal is that of one point
+    Spectrum weight;             // before energy compensation, which depends on the normal
+    MicrofacetReflection lobe;   // its normal is that of one point
+    std::optional<Coat> coat{};  // above it, of the same normal; not yet part of the weight
 };
 // f |cos| of the lobe if its normal were `n`, unit.
 Spectrum eval_glint(const GlintLobe& glint, const Vec3& n, const Vec3& wo, const Vec3& wi);
@@ -115,8 +128,9 @@ struct ClosureList {
     // follows the closure's albedo, and energy compensation, which depends on wo alone, is folded
     // into the stored weight.
     void add(const Spectrum& weight, const ClosureKind& kind, const Vec3& wo, bool on_caster_normal);
-    // Also among `glints`, where it stays whatever its own normal is.
-    void add_glints(const Spectrum& weight, const MicrofacetReflection& lobe, const Vec3& wo,
+    // Its lobe, with all of its weight at the lobe's own normal; also among `glints`, where it stays
+    // whatever that normal is.
+    void add_glints(const Spectrum& weight, const GlintLobe& glint, const Vec3& wo,
                     bool on_caster_normal);
     void clear();
 };

@@ -38,7 +38,7 @@ struct GlintSettings {
 // The lobes of a surface over a footprint.
 class GlintPoint {
 public:
-    // Empty where there is nothing to average: no such lobe, or a footprint within a texel.
+    // Empty where there is nothing to average: no such lobe, or a footprint of next to nothing.
     // `distance` is that of the surface along the ray.
     static std::optional<GlintPoint> at(const GlintSet& glints, const GlintSettings& settings,
                                         const Scene& scene, const Surface& surface,

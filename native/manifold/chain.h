@@ -12,8 +12,6 @@
 
 namespace spc {
 
-enum class Interaction : uint8_t { reflection, refraction };
-
 // Of single precision, with room for the handful of operations that each coordinate has seen.
 inline constexpr float kUnitRoundoff = 8.0f * 0x1p-24f;
 inline float largest_coordinate(const Vec3& p) {

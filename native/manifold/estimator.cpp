@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "manifold/estimator.h"
 
+#include <bit>
+
 namespace spc {
 
 namespace {
 
 // Of a segment that touches a surface: nearer to grazing the margin would swallow the segment.
 constexpr float kLeastCosine = 1e-3f;
+// Of weak chains to have their trials counted.
+constexpr float kLeastChance = 1.0f / 16;
 
 ChainEnd end_of(const LightPoint& y) { return {y.distant, y.p, y.direction}; }
 
@@ -95,36 +99,38 @@ public:
           y_(y),
           stats_(stats) {}
 
-    // One walk, weighted by how many more it takes to find the same solution again.
+    // One walk on a caster's surface, weighted by how many more it takes to find the same solution
+    // again.
     Spectrum unbiased(const Caster& caster, Pcg& pcg) {
         const ChainQuery query{receiver_.p, end_of(y_), &caster};
-        const std::optional<ChainRoot> root = random_walk(scene_, settings_, query, pcg, stats_);
+        const auto walk = [&] { return random_walk(scene_, settings_, query, pcg, stats_); };
+        const std::optional<ChainRoot> root = walk();
         if (!root) return Spectrum(0.0f);
         const Spectrum value = contribution(chain_of(*root));
         if (is_black(value)) return value;
         return value * static_cast<float>(count_trials([&] {
-                   const std::optional<ChainRoot> again =
-                       random_walk(scene_, settings_, query, pcg, stats_);
+                   const std::optional<ChainRoot> again = walk();
                    return again && same_root(settings_, *root, *again);
                }));
+    }
+
+    // The same of chains with several vertices, which shots find.
+    Spectrum unbiased_long(Pcg& pcg) {
+        return by_chance({techniques_.casters, 2}, Found::surely, pcg);
     }
 
     // The sum over the different solutions of a fixed number of walks.
     Spectrum biased(const Caster& caster, Pcg& pcg) {
         const ChainQuery query{receiver_.p, end_of(y_), &caster};
-        std::vector<ChainRoot> found;
-        Spectrum sum(0.0f);
-        for (uint32_t walk = 0; walk < settings_.set_size && !is_cancelled(); ++walk) {
-            const std::optional<ChainRoot> root = random_walk(scene_, settings_, query, pcg, stats_);
-            if (!root) continue;
-            const auto known = [&](const ChainRoot& other) {
-                return same_root(settings_, *root, other);
-            };
-            if (std::any_of(found.begin(), found.end(), known)) continue;
-            found.push_back(*root);
-            sum += contribution(chain_of(*root));
-        }
-        return sum;
+        return set_of<ChainRoot>([&] { return random_walk(scene_, settings_, query, pcg, stats_); },
+                                 same_root, chain_of);
+    }
+
+    Spectrum biased_long(Pcg& pcg) {
+        const Search search{techniques_.casters, 2};
+        return set_of<ChainSolution>([&] { return random_chain(search, choose(search, pcg), pcg); },
+                                     same_solution,
+                                     [](const ChainSolution& one) { return one.chain; });
     }
 
     // The sum over the solutions to which a sheet leads, weak ones by chance. What it misses at its
@@ -144,35 +150,27 @@ public:
             sum += contribution(one.solution.chain) * (1.0f / one.chance);
         stats_.roots += found.size();
         if (pcg.one() >= search_chance) return sum;
-        const std::optional<ChainSolution> missed = random_chain(techniques_.casters, pcg);
+        const Search search{techniques_.casters};
+        const CasterChoice caster = choose(search, pcg);
+        const std::optional<ChainSolution> missed = random_chain(search, caster, pcg);
         if (!missed || find(settings_, found, *missed) != nullptr) return sum;
         if (sheet != nullptr)
             shoot_leads(scene_, settings_, *sheet, start(), y_, worth, 0.0f, found, stats_);
         if (find(settings_, found, *missed) != nullptr) return sum;
-        const Spectrum value = contribution(missed->chain, Found::beside_sheet);
-        if (is_black(value)) return sum;
-        const uint32_t trials = count_trials([&] {
-            const std::optional<ChainSolution> again = random_chain(techniques_.casters, pcg);
-            return again && same_solution(settings_, *missed, *again);
-        });
-        const Spectrum more = value * (static_cast<float>(trials) / search_chance);
+        float strength = 0.0f;
+        const Spectrum value = contribution(missed->chain, Found::beside_sheet, &strength);
+        const Spectrum more =
+            counted(search, caster, *missed, value, strength, pcg) * (1.0f / search_chance);
+        if (is_black(more)) return sum;
         ++stats_.missed;
         stats_.missed_energy += static_cast<double>(luminance(more));
         return sum + more;
     }
 
-    // One chain among facets that are drawn once, weighted by how many more it takes to find it again.
+    // One chain among facets that are drawn once.
     Spectrum by_facets(Pcg& pcg) {
-        const CasterSet& casters = techniques_.rough_chain_casters;
         const FrozenFacets facets = freeze_facets(pcg);
-        const std::optional<ChainSolution> found = random_chain(casters, pcg, &facets);
-        if (!found) return Spectrum(0.0f);
-        const Spectrum value = contribution(found->chain, Found::among_facets);
-        if (is_black(value)) return value;
-        return value * static_cast<float>(count_trials([&] {
-                   const std::optional<ChainSolution> again = random_chain(casters, pcg, &facets);
-                   return again && same_solution(settings_, *found, *again);
-               }));
+        return by_chance({techniques_.rough_chain_casters, 1, &facets}, Found::among_facets, pcg);
     }
 
     void highlights(std::vector<Highlight>& out) {
@@ -185,7 +183,8 @@ public:
     }
 
     std::optional<ChainSolution> random_highlight(Pcg& pcg) {
-        std::optional<ChainSolution> found = random_chain(techniques_.casters, pcg);
+        const Search search{techniques_.casters};
+        std::optional<ChainSolution> found = random_chain(search, choose(search, pcg), pcg);
         if (found && is_black(contribution(found->chain))) found.reset();
         return found;
     }
@@ -211,24 +210,77 @@ private:
 
     RayStart start() const { return start_of(receiver_); }
 
-    // From a random direction towards a random caster, with every interaction on the way left to
-    // chance: finds any chain with some probability.
-    std::optional<ChainSolution> random_chain(const CasterSet& casters, Pcg& pcg,
-                                              const FrozenFacets* facets = nullptr) {
-        const CasterChoice choice =
-            choose_caster(casters, receiver_.p, sides_of(receiver_), end_of(y_), pcg.one());
-        if (choice.index == kNone) return std::nullopt;
-        const std::optional<ChainStart> chain =
-            sample_chain(scene_, settings_, start(), casters, choice.index, pcg, stats_, facets);
-        if (!chain) return std::nullopt;
+    // What random searches look for: chains of so many vertices or more.
+    struct Search {
+        const CasterSet& casters;
+        uint32_t fewest = 1;
+        const FrozenFacets* facets = nullptr;
+    };
+
+    CasterChoice choose(const Search& search, Pcg& pcg) const {
+        return choose_caster(search.casters, receiver_.p, sides_of(receiver_), end_of(y_),
+                             pcg.one());
+    }
+
+    // From a random direction towards the caster, with every interaction on the way left to chance:
+    // finds any chain that begins there with some probability.
+    std::optional<ChainSolution> random_chain(const Search& search, const CasterChoice& first,
+                                              Pcg& pcg) {
+        if (first.index == kNone) return std::nullopt;
+        const std::optional<ChainStart> chain = sample_chain(
+            scene_, settings_, start(), search.casters, first.index, pcg, stats_, search.facets);
+        if (!chain || chain->kind.count < search.fewest) return std::nullopt;
         return shoot(scene_, settings_, start(), end_of(y_), chain->kind, chain->w,
-                     settings_.max_halvings, stats_, facets);
+                     settings_.max_halvings, stats_, search.facets);
     }
 
     enum class Found : uint8_t { surely, beside_sheet, among_facets };
+
+    // One solution, weighted by how many more times it takes to find it again.
+    Spectrum by_chance(const Search& search, Found found, Pcg& pcg) {
+        const CasterChoice first = choose(search, pcg);
+        const std::optional<ChainSolution> solution = random_chain(search, first, pcg);
+        if (!solution) return Spectrum(0.0f);
+        float strength = 0.0f;
+        const Spectrum value = contribution(solution->chain, found, &strength);
+        return counted(search, first, *solution, value, strength, pcg);
+    }
+
+    // The value over the chance to find its solution: that of the caster where it begins is known,
+    // the rest are trials until it comes again. Chains of little throughput take as many as others, so
+    // that only some are counted.
+    Spectrum counted(const Search& search, const CasterChoice& first, const ChainSolution& solution,
+                     const Spectrum& value, float strength, Pcg& pcg) {
+        if (is_black(value)) return value;
+        const float chance = std::clamp(strength, kLeastChance, 1.0f);
+        if (pcg.one() >= chance) return Spectrum(0.0f);
+        const uint32_t trials = count_trials([&] {
+            const std::optional<ChainSolution> again = random_chain(search, first, pcg);
+            return again && same_solution(settings_, solution, *again);
+        });
+        return value * (static_cast<float>(trials) / (chance * first.probability));
+    }
+
+    // The sum over the different solutions of `set_size` searches.
+    template <class Solution, class Find, class Same, class ToChain>
+    Spectrum set_of(const Find& find_one, const Same& same, const ToChain& to_chain) {
+        std::vector<Solution> found;
+        Spectrum sum(0.0f);
+        for (uint32_t i = 0; i < settings_.set_size && !is_cancelled(); ++i) {
+            const std::optional<Solution> one = find_one();
+            if (!one) continue;
+            const auto known = [&](const Solution& other) { return same(settings_, *one, other); };
+            if (std::any_of(found.begin(), found.end(), known)) continue;
+            found.push_back(*one);
+            sum += contribution(to_chain(*one));
+        }
+        return sum;
+    }
+
     // What one solution contributes; zero if something stands in its way. Of chains among facets,
-    // those alone that have a rough vertex: the others are found without.
-    Spectrum contribution(const Chain& chain, Found found = Found::surely) {
+    // those alone that have a rough vertex: the others are found without. `strength`: its throughput.
+    Spectrum contribution(const Chain& chain, Found found = Found::surely,
+                          float* strength = nullptr) {
         const Vec3 wi = normalize(chain.vertices[0].patch.p - receiver_.p);
         const ClosureEval at_x = scattering_at_x(wi);
         if (is_black(at_x.f_cos)) return Spectrum(0.0f);
@@ -256,6 +308,7 @@ private:
         const double scale = found == Found::beside_sheet && densities->missed_are_apart()
                                  ? densities->missed_scale()
                                  : manifold_worth(techniques_, path) * densities->scale();
+        if (strength != nullptr) *strength = max_component(throughput);
         const bool shared = found != Found::among_facets && receiver_.rough_before != nullptr;
         const Spectrum f_cos =
             shared ? left_by_rough_chains(techniques_,
@@ -341,6 +394,8 @@ private:
         while (trials < settings_.trial_cap && !is_cancelled() && !comes_again()) ++trials;
         ++stats_.trial_estimates;
         stats_.trials += trials;
+        ++stats_.trial_histogram[std::min<size_t>(std::bit_width(trials) - 1,
+                                                  stats_.trial_histogram.size() - 1)];
         stats_.max_trials = std::max<uint64_t>(stats_.max_trials, trials);
         if (trials >= settings_.trial_cap) ++stats_.capped;
         return trials;
@@ -383,17 +438,19 @@ Spectrum manifold_radiance(const Techniques& techniques, const Receiver& receive
         return Estimate(techniques, receiver, *y, stats)
             .by_sheet(nearest_sheet(sheets, *y), sheets.sure, pcg);
     }
-    const CasterChoice choice = choose_caster(casters, receiver.p, sides_of(receiver), end_of(*y),
-                                              sampler[Domain::manifold_caster].one());
-    if (choice.index == kNone) return Spectrum(0.0f);
-
     ++stats.estimates;
     Estimate estimate(techniques, receiver, *y, stats);
-    if (techniques.manifold.finder == ChainFinder::mnee)
-        return estimate.from_fixed_starts(choice.index);
+    const ManifoldSettings& settings = techniques.manifold;
+    Spectrum sum(0.0f);
+    if (settings.finder == ChainFinder::walks && settings.looks_for_longer())
+        sum = settings.biased ? estimate.biased_long(pcg) : estimate.unbiased_long(pcg);
+    if (!settings.looks_for_singles()) return sum;
+    const CasterChoice choice = choose_caster(casters, receiver.p, sides_of(receiver), end_of(*y),
+                                              sampler[Domain::manifold_caster].one());
+    if (choice.index == kNone) return sum;
+    if (settings.finder == ChainFinder::mnee) return estimate.from_fixed_starts(choice.index);
     const Caster& caster = casters.casters[choice.index];
-    return techniques.manifold.biased ? estimate.biased(caster, pcg)
-                                      : estimate.unbiased(caster, pcg);
+    return sum + (settings.biased ? estimate.biased(caster, pcg) : estimate.unbiased(caster, pcg));
 }
 
 Spectrum rough_chain_radiance(const Techniques& techniques, const Receiver& receiver,

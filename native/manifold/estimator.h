@@ -4,7 +4,7 @@
 //   L(x, wo) = sum over chains of  int f(x) cos T L(y) |dw/dA_y| dA_y
 //
 // A point y is drawn by power. The chains to it come from random walks on one caster, drawn by its
-// bound, from a light sheet, or from fixed starts.
+// bound, and random shots for those of several interactions, from a light sheet, or from fixed starts.
 #pragma once
 
 #include "bsdf/closure.h"

@@ -15,6 +15,12 @@ bool allowed(const ManifoldSettings& settings, Interaction interaction) {
 bool looks_for(const ManifoldSettings& settings, const CausticPath& path) {
     const std::span vertices(path.vertices.data(), path.count);
     if (vertices.empty() || vertices.size() > settings.longest_chain) return false;
+    const auto same = [](const CausticVertex& vertex, Interaction interaction) {
+        return vertex.interaction == interaction;
+    };
+    if (!settings.family.empty() && !std::equal(vertices.begin(), vertices.end(),
+                                                settings.family.begin(), settings.family.end(), same))
+        return false;
     // Along straight lines through glass; of reflections for single ones.
     return settings.finder != ChainFinder::mnee || vertices.size() == 1 ||
            std::all_of(vertices.begin(), vertices.end(), [](const CausticVertex& vertex) {
@@ -46,9 +52,14 @@ bool light_paths_may_find(const Techniques& techniques, const CausticPath& path)
 
 // Whether an estimate comes to the path's first caster by choose_caster().
 bool chooses_caster(const ManifoldSettings& settings, const CausticPath& path) {
+    if (path.count != 1) return false;
     return settings.finder == ChainFinder::walks ||
            (settings.finder == ChainFinder::mnee &&
             path.vertices[0].interaction == Interaction::reflection);
+}
+
+bool camera_sees(const Scene& scene, const SurfaceHit& hit) {
+    return (scene.instances[hit.instance].visibility & kVisibleCamera) != 0;
 }
 
 bool is_seen_through(const LightSet& lights, uint32_t light) {
@@ -153,7 +164,8 @@ bool manifold_owns(const Techniques& techniques, const CausticPath& path) {
            (!path.is_rough() ||
             (path.begins_rough && techniques.manifold.finder != ChainFinder::mnee &&
              !light_paths_may_find(techniques, path))) &&
-           (path.from_camera ? techniques.highlights != nullptr
+           (path.from_camera ? techniques.highlights != nullptr &&
+                                   camera_sees(techniques.scene, path.vertices[0].hit)
                              : allowed(techniques.manifold, path.vertices[0].interaction)) &&
            within_limits(techniques.limits, path.before, path);
 }

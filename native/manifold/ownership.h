@@ -158,16 +158,17 @@ bool light_tracing_owns(const Techniques& techniques, const CausticPath& path);
 
 // The balance heuristic takes estimates of equal density for equally good. The manifold's have this
 // much of the worth of a sample that was drawn with the same density: walks choose one of many
-// solutions and count trials, sheets cost more than a light path and miss some chains. Where fixed
-// starts find a chain, nothing but y is left to chance; but what they take from light paths of the
-// chains that they miss is left to path tracing. So it is with the leads of highlights. Chains with
-// rough vertices are left to chance alone, the more so with several: in the focus of a ball of rough
-// glass one is met again after a thousand trials, and path tracing is dense.
+// solutions and count trials, the more for chains of several interactions; sheets cost more than a
+// light path and miss some chains. Where fixed starts find a chain, nothing but y is left to chance;
+// but what they take from light paths of the chains that they miss is left to path tracing. So it is
+// with the leads of highlights. Chains with rough vertices are left to chance alone, the more so with
+// several: in the focus of a ball of rough glass one is met again after a thousand trials, and path
+// tracing is dense.
 inline double manifold_worth(const Techniques& techniques, const CausticPath& path) {
     if (path.from_camera) return 1.0;
     if (path.is_rough()) return path.count == 1 ? 1.0 / 2 : 1.0 / 32;
     switch (techniques.manifold.finder) {
-        case ChainFinder::walks: return 1.0 / 32;
+        case ChainFinder::walks: return path.count == 1 ? 1.0 / 32 : 1.0 / 128;
         case ChainFinder::sheets: return 1.0 / 8;
         case ChainFinder::mnee: return techniques.light_tracing.guide != nullptr ? 1.0 / 32 : 1.0;
     }

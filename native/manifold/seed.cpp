@@ -53,7 +53,8 @@ std::optional<Seed> seed_at(const Scene& scene, const ManifoldSettings& settings
         side_x * side_y > 0.0f ? Interaction::reflection : Interaction::refraction;
     const SpecularInterface& specular = scene.material_of(hit).specular;
     const bool allowed =
-        interaction == Interaction::reflection ? settings.reflections : settings.refractions;
+        (interaction == Interaction::reflection ? settings.reflections : settings.refractions) &&
+        (settings.family.empty() || settings.family[0] == interaction);
     if (!allowed || !has_interaction(specular, interaction)) return std::nullopt;
     return Seed{hit, interaction, side_x >= 0.0f ? specular.ior : 1.0f / specular.ior, first};
 }

@@ -2,10 +2,18 @@
 // What a render asks of the manifold, its tolerances, and what it counts.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <atomic>
 #include <cstdint>
+#include <vector>
 
 namespace spc {
+
+enum class Interaction : uint8_t { reflection, refraction };
+
+// Interactions of a chain that the manifold looks for, at most.
+inline constexpr uint32_t kLongestManifoldChain = 6;
 
 enum class Constraint : uint8_t { half_vector, angle_difference };
 
@@ -19,7 +27,10 @@ struct ManifoldSettings {
     // Walks: the sum over the solutions of `set_size` of them [Zeltner20 Alg. 3]; mnee: what it
     // misses is left out. Sheets have no such variant.
     bool biased = false;
-    uint32_t longest_chain = 1;  // interactions; walks without sheets find single ones
+    uint32_t longest_chain = kLongestManifoldChain;  // interactions
+    // The only chains that are looked for, from the receiver on, as in most figures of [Zeltner20];
+    // empty: all.
+    std::vector<Interaction> family;
     uint32_t set_size = 16;
     Constraint constraint = Constraint::angle_difference;
     bool two_stage = true;
@@ -42,7 +53,13 @@ struct ManifoldSettings {
     uint32_t trial_cap = 1u << 16;
     // Once set, estimates end where they are; whoever sets it throws their samples away.
     const std::atomic<bool>* cancelled = nullptr;
+
+    bool looks_for_singles() const { return family.size() <= 1; }
+    bool looks_for_longer() const { return longest_chain > 1 && family.size() != 1; }
 };
+
+// Trials by their number: [2^i, 2^(i+1)) in bin i, the last of which has the cap and all beyond.
+using TrialHistogram = std::array<uint64_t, 17>;
 
 struct ManifoldStats {
     uint64_t estimates = 0;
@@ -53,6 +70,7 @@ struct ManifoldStats {
     uint64_t trial_estimates = 0;
     uint64_t trials = 0;
     uint64_t max_trials = 0;
+    TrialHistogram trial_histogram{};  // of trial_estimates
     uint64_t capped = 0;
     uint64_t leads = 0;          // chains that sheets told to look for
     uint64_t roots = 0;          // different ones that were there
@@ -71,6 +89,8 @@ struct ManifoldStats {
         roots += other.roots;
         missed += other.missed;
         missed_energy += other.missed_energy;
+        for (size_t i = 0; i < trial_histogram.size(); ++i)
+            trial_histogram[i] += other.trial_histogram[i];
         max_trials = std::max(max_trials, other.max_trials);
         capped += other.capped;
         capped_energy += other.capped_energy;

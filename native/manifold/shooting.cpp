@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "manifold/shooting.h"
 
+#include "bsdf/fresnel.h"
+
 namespace spc {
 
 namespace {
@@ -157,6 +159,13 @@ bool measure_resolution(const Shot& shot, ChainSolution& solution) {
     return true;
 }
 
+// By Fresnel, with a floor: trials need no chance of it to be right, and neither may starve.
+float chance_of_reflection(const SpecularInterface& interface, float cosine, float eta) {
+    constexpr float kFloor = 1.0f / 8;
+    if (!interface.reflects || !interface.refracts) return interface.reflects ? 1.0f : 0.0f;
+    return std::clamp(facet::dielectric(cosine, eta), kFloor, 1.0f - kFloor);
+}
+
 }  // namespace
 
 FrozenFacets freeze_facets(Pcg& pcg) {
@@ -214,6 +223,9 @@ std::optional<ChainStart> sample_chain(const Scene& scene, const ManifoldSetting
                                        const RayStart& x, const CasterSet& casters, uint32_t caster,
                                        Pcg& pcg, ManifoldStats& stats, const FrozenFacets* facets) {
     const Caster& first = casters.casters[caster];
+    const std::vector<Interaction>& family = settings.family;
+    const auto longest =
+        family.empty() ? settings.longest_chain : static_cast<uint32_t>(family.size());
     ChainStart chain;
     const bool by_area = pcg.one() < settings.seeds_by_area;
     if (by_area) {
@@ -229,15 +241,18 @@ std::optional<ChainStart> sample_chain(const Scene& scene, const ManifoldSetting
     std::optional<Hit> hit = scene.accel->intersect_caster(first.instance, ray);
     while (hit && hit->light == kNone && casters.of_instance[hit->surface.instance] != kNone) {
         const SpecularInterface& specular = interface_at(scene, hit->surface, facets);
-        const bool reflects = specular.reflects && (!specular.refracts || pcg.one() < 0.5f);
-        if (!reflects && !specular.refracts) break;
-        const Interaction interaction = reflects ? Interaction::reflection : Interaction::refraction;
         const CasterPatch patch = patch_at(scene, hit->surface, specular, facets, chain.kind.count);
         const float eta = eta_seen_from(patch.ng, ray.direction * -1.0f, specular.ior);
+        const Interaction interaction =
+            !family.empty() ? family[chain.kind.count]
+            : pcg.one() < chance_of_reflection(specular, dot(patch.n, ray.direction), eta)
+                ? Interaction::reflection
+                : Interaction::refraction;
+        if (!has_interaction(specular, interaction)) break;
         RayDual dual = ray_dual_from(ray.direction);
         if (!pass_vertex({interaction, eta, patch}, 0.0, dual)) break;
         chain.kind.append({hit->surface.instance, interaction});
-        if (chain.kind.count == settings.longest_chain) break;
+        if (chain.kind.count == longest) break;
         const Vec3 out(dual.d);
         const RayStart from{patch.p, patch.ng, patch.p_error};
         ray = {patch.p, out, leave(from, out), kInfinity};
@@ -245,6 +260,10 @@ std::optional<ChainStart> sample_chain(const Scene& scene, const ManifoldSetting
         hit = scene.accel->intersect(ray, kVisibleScattered);
     }
     if (chain.kind.count == 0) return std::nullopt;
+    if (!family.empty()) {
+        if (chain.kind.count < longest) return std::nullopt;
+        return chain;
+    }
     // Light may wait behind any of the vertices; most often behind the last.
     if (pcg.one() < 0.5f)
         chain.kind = chain.kind.first(

@@ -9,9 +9,6 @@
 
 namespace spc {
 
-// Interactions of a chain that the manifold looks for, at most.
-inline constexpr uint32_t kLongestManifoldChain = 4;
-
 // What a chain meets, from the receiver on. Only the first `count` links mean anything.
 struct ChainLink {
     uint32_t instance;
@@ -62,8 +59,8 @@ struct ChainStart {
     ChainKind kind;
     Vec3 w;
 };
-// Follows a random ray from the receiver to a caster, and on through casters with every interaction
-// left to chance. Half of the rays aim at points uniform over the caster's specular area, half are
+// Follows a random ray from the receiver to a caster, and on through casters, reflected or refracted by
+// chance, as Fresnel has it about, or as settings.family demands. Half of the rays aim at points uniform over the caster's specular area, half are
 // uniform in the cone of its bounding sphere. Empty where the ray meets nothing. `facets`: as above.
 std::optional<ChainStart> sample_chain(const Scene& scene, const ManifoldSettings& settings,
                                        const RayStart& x, const CasterSet& casters, uint32_t caster,

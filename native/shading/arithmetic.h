@@ -202,6 +202,9 @@ void run_arithmetic(const Instruction& i, const Registers<T>& r) {
             return r.store(i.out, rotate_euler(r.vector(i.in[0]), r.vector(i.in[1]), true));
         case Op::dielectric_ior:
             return r.store(i.out, dielectric_ior(r.scalar(i.in[0]), r.scalar(i.in[1])));
+        case Op::combine:
+            return r.store(i.out,
+                           Vector3<T>{r.scalar(i.in[0]), r.scalar(i.in[1]), r.scalar(i.in[2])});
         case Op::equirectangular: return r.store(i.out, equirectangular(r.vector(i.in[0])));
         case Op::mirror_ball: return r.store(i.out, mirror_ball(r.vector(i.in[0])));
         default: return;

@@ -173,14 +173,23 @@ Program generate(const ExprBuilder& expr, const std::vector<ClosureTerm>& terms,
                  const ProgramRoots& roots, const std::string& material) {
     Generator generator(expr, material);
     std::vector<ExprId> surface_roots{roots.emission};
-    for (const ClosureTerm& term : terms)
+    for (const ClosureTerm& term : terms) {
         surface_roots.insert(surface_roots.end(), term.in.begin(), term.in.end());
+        surface_roots.push_back(term.coat.through);
+        if (term.coated_on_slope_map())
+            surface_roots.insert(surface_roots.end(), {term.coat.layer, term.coat.tint});
+    }
     Section surface = generator.section(surface_roots);
     surface.result = generator.operand(roots.emission);
     for (const ClosureTerm& term : terms) {
         ClosureInstruction closure{
             term.op, term.modes, term.on_caster_normal, term.on_slope_map, {}};
         for (size_t k = 0; k < term.in.size(); ++k) closure.in[k] = generator.operand(term.in[k]);
+        closure.through = generator.operand(term.coat.through);
+        if (term.coated_on_slope_map()) {
+            closure.coat = generator.operand(term.coat.layer);
+            closure.coat_tint = generator.operand(term.coat.tint);
+        }
         generator.add(closure);
     }
     const Section emission = generator.section(roots.emission),

@@ -100,6 +100,9 @@ void Compiler::add_term(ClosureTerm term) {
             term.op = ClosureOp::lambert;
             term.in = {term.in[0], term.in[1], term.in[5], kNoExpr, kNoExpr, kNoExpr};
             break;
+        case ClosureOp::coat:
+            if (expr.is_constant(term.in[3], 1.0f)) return;
+            break;
         case ClosureOp::metal: break;
     }
     terms_.push_back(std::move(term));
@@ -118,7 +121,7 @@ void Compiler::check_closure_count() const {
 std::string Compiler::narrow_lobe(const ClosureTerm& term) const {
     constexpr float kWidestAlpha = 0.16f;  // roughness 0.4
     if (term.op == ClosureOp::lambert || term.op == ClosureOp::transparent ||
-        term.op == ClosureOp::coated)
+        term.op == ClosureOp::coated || term.op == ClosureOp::coat)
         return "";
     if (!expr.is_constant(term.alpha())) return term.label + ", roughness varies";
     const float alpha = expr.scalar(term.alpha());

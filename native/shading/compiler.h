@@ -8,6 +8,14 @@
 
 namespace spc {
 
+// What lies over a term: the inputs of Op::coat, and what it comes to.
+struct CoatOver {
+    ExprId normal = kNoExpr, layer = kNoExpr, tint = kNoExpr;
+    ExprId through = kNoExpr;  // kNoExpr: there is none
+
+    bool exists() const { return through != kNoExpr; }
+};
+
 // A closure of the surface with its inputs as expressions; they follow ClosureInstruction::in.
 struct ClosureTerm {
     ClosureOp op = ClosureOp::lambert;
@@ -16,8 +24,13 @@ struct ClosureTerm {
     std::string label;  // "Glass BSDF", for the log
     std::array<ExprId, kMaxClosureOperands> in{kNoExpr, kNoExpr, kNoExpr,
                                                kNoExpr, kNoExpr, kNoExpr};
+    CoatOver coat;
     bool on_caster_normal = false, on_slope_map = false;
 
+    // Dims what glints by the normal of each place of the slope map.
+    bool coated_on_slope_map() const {
+        return on_slope_map && coat.exists() && coat.normal == normal();
+    }
     ExprId weight() const { return in[0]; }
     ExprId normal() const { return in[1]; }  // kNoExpr: interpolated
     ExprId alpha() const { return in[2]; }

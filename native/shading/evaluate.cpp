@@ -31,6 +31,20 @@ template <class T>
 Vector3<T> run_bump(const Program& program, const Instruction& i, const Registers<T>& r,
                     std::span<const Image> images, const ShadingPoint<T>& point);
 
+Spectrum spectrum(const Vector3<float>& a) { return {a.x, a.y, a.z}; }
+
+Coat coat_of(const Registers<float>& r, Operand layer, Operand tint) {
+    const Vector3<float> a = r.vector(layer);
+    return {a.x, a.y, a.z, spectrum(r.vector(tint))};
+}
+
+// No normal and no height depends on one.
+void run_coat(const Instruction& i, const Registers<float>& r, const ShadingPoint<float>& point) {
+    const Vector3<float> n = i.in[0] == kNoOperand ? facing_normal(point) : r.vector(i.in[0]);
+    const Spectrum t = coat_transmittance(coat_of(r, i.in[1], i.in[2]), value_of(n), point.wo);
+    r.store(i.out, Vector3<float>{t.x, t.y, t.z});
+}
+
 template <class T>
 void run(const Program& program, const Section& section, std::span<const Image> images,
          const ShadingPoint<T>& point, const Registers<T>& r) {
@@ -62,6 +76,9 @@ void run(const Program& program, const Section& section, std::span<const Image> 
                 r.store(i.out, is_zero(n) ? facing_normal(point) : n);
                 break;
             }
+            case Op::coat:
+                if constexpr (std::is_same_v<T, float>) run_coat(i, r, point);
+                break;
             default: run_arithmetic(i, r); break;
         }
     }
@@ -87,8 +104,6 @@ Vector3<T> evaluate_vector(const Program& program, const Section& section,
     return file.registers.vector(section.result);
 }
 
-Spectrum spectrum(const Vector3<float>& a) { return {a.x, a.y, a.z}; }
-
 Spectrum evaluate_spectrum(const Program& program, const Section& section,
                            std::span<const Image> images, const ShadingPoint<float>& point) {
     if (section.result == kNoOperand) return Spectrum(0.0f);
@@ -103,8 +118,10 @@ public:
         : r_(registers), point_(point), list_(list), facing_normal_(value_of(facing_normal(point))) {}
 
     void add(const ClosureInstruction& c) {
-        const float weight = r_.scalar(c.in[0]);
-        if (weight == 0.0f) return;
+        const float scale = r_.scalar(c.in[0]);
+        if (scale == 0.0f) return;
+        Spectrum weight(scale);
+        if (c.through != kNoOperand) weight *= color(c.through);
         switch (c.op) {
             case ClosureOp::lambert: return add(c, color(c.in[2]) * weight, Lambert{normal(c)});
             case ClosureOp::transparent: return add(c, color(c.in[2]) * weight, Transparent{});
@@ -122,6 +139,8 @@ public:
             }
             case ClosureOp::dielectric: return add_dielectric(c, weight);
             case ClosureOp::coated: return add_coated(c, weight);
+            case ClosureOp::coat:
+                return add_reflection(c, weight, coat_fresnel(r_.scalar(c.in[3])));
         }
     }
 
@@ -136,15 +155,16 @@ private:
     void add(const ClosureInstruction& c, const Spectrum& weight, const ClosureKind& kind) {
         list_.add(weight, kind, point_.wo, c.on_caster_normal);
     }
-    void add_reflection(const ClosureInstruction& c, float weight, const Fresnel& fresnel) {
+    void add_reflection(const ClosureInstruction& c, const Spectrum& weight, const Fresnel& fresnel) {
         const MicrofacetReflection lobe = reflection(c, fresnel);
-        if (c.on_slope_map)
-            list_.add_glints(Spectrum(weight), lobe, point_.wo, c.on_caster_normal);
-        else
-            add(c, Spectrum(weight), lobe);
+        if (!c.on_slope_map) return add(c, weight, lobe);
+        GlintLobe glint{weight, lobe};
+        if (c.coat != kNoOperand)
+            glint = {Spectrum(r_.scalar(c.in[0])), lobe, coat_of(r_, c.coat, c.coat_tint)};
+        list_.add_glints(weight, glint, point_.wo, c.on_caster_normal);
     }
 
-    void add_dielectric(const ClosureInstruction& c, float weight) {
+    void add_dielectric(const ClosureInstruction& c, const Spectrum& weight) {
         const float ior = r_.scalar(c.in[3]);
         MicrofacetDielectric d{};
         d.n = normal(c);
@@ -157,16 +177,16 @@ private:
         d.reflection_tint = color(c.in[4]);
         d.transmission_tint = color(c.in[5]);
         d.energy_compensated = c.modes.energy_compensated;
-        add(c, Spectrum(weight), d);
+        add(c, weight, d);
     }
 
     // What the reflection takes from wo's light, by its albedo, does not reach the layer below.
-    void add_coated(const ClosureInstruction& c, float weight) {
+    void add_coated(const ClosureInstruction& c, const Spectrum& weight) {
         Fresnel fresnel;
         fresnel.kind = Fresnel::Kind::dielectric_f0;
         fresnel.eta = r_.scalar(c.in[3]);
         fresnel.f0 = color(c.in[4]);
-        float below = weight;
+        Spectrum below = weight;
         if (fresnel.eta != 1.0f) {
             const ClosureKind layer = reflection(c, fresnel);
             add_reflection(c, weight, fresnel);

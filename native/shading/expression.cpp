@@ -113,6 +113,8 @@ Vec3 ExprBuilder::mean_value(ExprId id, std::span<const Image> images) {
             at_mean[i] = constant(Vec3(c.r, c.g, c.b));
         } else if (e.op == Op::image_alpha) {
             at_mean[i] = constant(spc::mean(images[(*this)[e.in[0]].index]).a);
+        } else if (e.op == Op::coat) {
+            at_mean[i] = constant(Vec3(1.0f));
         } else if (reads_point(e.op)) {
             at_mean[i] = e.lanes == 1 ? constant(0.0f) : constant(Vec3(0.0f));
         } else {

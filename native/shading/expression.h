@@ -49,6 +49,9 @@ public:
     ExprId square_root(ExprId a) { return unary(Op::square_root, lanes(a), a); }
     // Three lanes times one.
     ExprId scale(ExprId vector, ExprId scalar);
+    ExprId combine(ExprId x, ExprId y, ExprId z) {
+        return make({Op::combine, 3, 0, 0, {x, y, z}, {}});
+    }
     ExprId luminance(ExprId color) { return unary(Op::luminance, 1, color); }
     ExprId mean(ExprId vector) { return unary(Op::mean, 1, vector); }
     ExprId splat(ExprId scalar) { return unary(Op::splat, 3, scalar); }
@@ -72,8 +75,8 @@ public:
     const std::array<float, 12>& matrix(uint32_t index) const { return matrices_[index]; }
     bool depends_on(ExprId id, Op op) const;
 
-    // What `id` comes to on average: textures at their means, whatever their coordinates; other
-    // things that vary over a surface at 0.
+    // What `id` comes to on average: textures at their means, whatever their coordinates; coats
+    // clear; other things that vary over a surface at 0.
     Vec3 mean_value(ExprId id, std::span<const Image> images);
 
 private:

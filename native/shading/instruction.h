@@ -33,18 +33,20 @@ enum class Op : uint8_t {
     rotate,           // by Euler angles XYZ
     rotate_back,      // by the inverse
     dielectric_ior,   // index from (IOR, Specular IOR Level)
+    combine,          // three scalars to a vector
     equirectangular,  // direction to image coordinates
     mirror_ball,
     // What a point offers.
     uv,
     position,
     position_object,
-    normal_object,  // unit, in object space, on the side of wo
-    image,          // coordinates to colour, and alpha in a fourth lane
-    image_alpha,    // an expression only: that fourth lane
-    normal_map,     // (strength, colour) to a unit normal on the side of wo
-    bump,           // (strength, distance, normal or none) to a unit normal on the side of wo
-    shading_normal  // any vector to a unit normal; the interpolated one where it is 0
+    normal_object,   // unit, in object space, on the side of wo
+    image,           // coordinates to colour, and alpha in a fourth lane
+    image_alpha,     // an expression only: that fourth lane
+    normal_map,      // (strength, colour) to a unit normal on the side of wo
+    bump,            // (strength, distance, normal or none) to a unit normal on the side of wo
+    shading_normal,  // any vector to a unit normal; the interpolated one where it is 0
+    coat  // what a coat lets through: (normal or none, (share, alpha, index), tint); of floats alone
 };
 
 enum class NormalSpace : uint8_t { tangent, object, world };
@@ -89,7 +91,8 @@ enum class ClosureOp : uint8_t {
     glossy,       // alpha, colour
     metal,        // alpha, colour at normal incidence, tint at 82 degrees
     dielectric,   // alpha, IOR of a front face, reflection tint, transmission tint
-    coated  // alpha, index, reflectance at normal incidence, colour below: a dielectric's reflection over Lambert
+    coated,  // alpha, index, reflectance at normal incidence, colour below: a dielectric's reflection over Lambert
+    coat     // alpha, index: the reflection of what lies over other terms
 };
 inline constexpr int kMaxClosureOperands = 6;
 
@@ -104,6 +107,9 @@ struct ClosureInstruction {
     ClosureModes modes;
     bool on_caster_normal = false, on_slope_map = false;
     std::array<Operand, kMaxClosureOperands> in{};
+    Operand through = kNoOperand;  // what the coat above lets through, a colour; none: all
+    // Of a lobe on the slope map under a coat on it: (share, alpha, index) and tint of that.
+    Operand coat = kNoOperand, coat_tint = kNoOperand;
 };
 
 // A run of value instructions and where they leave what was asked for (kNoOperand: zero).

@@ -56,7 +56,12 @@ constexpr InputSocket kPrincipledIn[] = {grey_input(0.8f, "Base Color"),
                                          grey_input(1.0f, "Specular Tint"),
                                          scalar_input("Transmission Weight", 0.0f),
                                          grey_input(1.0f, "Emission Color"),
-                                         scalar_input("Emission Strength", 0.0f)};
+                                         scalar_input("Emission Strength", 0.0f),
+                                         scalar_input("Coat Weight", 0.0f),
+                                         scalar_input("Coat Roughness", 0.03f),
+                                         scalar_input("Coat IOR", 1.5f),
+                                         grey_input(1.0f, "Coat Tint"),
+                                         {"Coat Normal", {}, vector, Unlinked::normal}};
 constexpr NodeOption kPrincipledModels[] = {{"distribution", "GGX|MULTI_GGX"}};
 constexpr InputSocket kAbsorptionIn[] = {grey_input(0.8f), scalar_input("Density", 1.0f)};
 constexpr InputSocket kPrincipledVolumeIn[] = {grey_input(0.5f), scalar_input("Density", 1.0f),

@@ -33,6 +33,17 @@ ClosureModes modes_of(const std::string& distribution) {
     return modes;
 }
 
+// What lies below `coat`, which covers a share of the surface, has over it.
+CoatOver coat_over(NodeContext& node, const ClosureTerm& coat, ExprId share, ExprId tint) {
+    CoatOver over;
+    if (node.e.is_constant(share, 0.0f)) return over;
+    over.normal = coat.normal();
+    over.layer = node.e.combine(share, coat.alpha(), coat.ior());
+    over.tint = node.e.clamp01(tint);
+    over.through = node.e.make({Op::coat, 3, 0, 0, {over.normal, over.layer, over.tint}, {}});
+    return over;
+}
+
 void mix_into(NodeContext& node, int socket, ExprId weight) {
     const ResolvedInput& source = node.source(socket);
     if (source.from_node == kNone) return;
@@ -116,9 +127,10 @@ void transparent(NodeContext& node, ExprId weight) {
     node.c.add_term(t);
 }
 
-// Layers from the top: Alpha over all, then emission, then a mix of metal, of glass, and of a
-// dielectric's reflection over Lambert. The last pair divides light by the reflection's albedo
-// where it is evaluated.
+// Layers from the top: Alpha over all, then the coat, then emission, then a mix of metal, of glass,
+// and of a dielectric's reflection over Lambert. The last pair divides light by the reflection's
+// albedo where it is evaluated. The coat's term comes last: where terms compete for what only one of
+// them gets, it is the weakest.
 void principled(NodeContext& node, ExprId weight) {
     enum {
         kBaseColor,
@@ -131,7 +143,12 @@ void principled(NodeContext& node, ExprId weight) {
         kSpecularTint,
         kTransmission,
         kEmissionColor,
-        kEmissionStrength
+        kEmissionStrength,
+        kCoatWeight,
+        kCoatRoughness,
+        kCoatIor,
+        kCoatTint,
+        kCoatNormal
     };
     ExprBuilder& e = node.e;
     const ClosureModes modes = modes_of(node.option(0));
@@ -149,7 +166,15 @@ void principled(NodeContext& node, ExprId weight) {
     node.c.add_term(gap);
     weight = e.multiply(weight, coverage);
 
-    node.c.add_emission(e.scale(node.input(kEmissionColor), node.input(kEmissionStrength)), weight);
+    const ExprId share = e.clamp01(node.input(kCoatWeight));
+    ClosureTerm coat =
+        term(node, ClosureOp::coat, " (coat)", e.multiply(weight, share), node.normal(kCoatNormal));
+    coat.in[2] = alpha_of(node, node.input(kCoatRoughness));
+    coat.in[3] = e.maximum(node.input(kCoatIor), e.constant(1.0f));
+    const CoatOver over = coat_over(node, coat, share, node.input(kCoatTint));
+
+    const ExprId glow = e.scale(node.input(kEmissionColor), node.input(kEmissionStrength));
+    node.c.add_emission(over.exists() ? e.multiply(glow, over.through) : glow, weight);
 
     const ExprId metallic = e.clamp01(node.input(kMetallic));
     ClosureTerm metal =
@@ -158,6 +183,7 @@ void principled(NodeContext& node, ExprId weight) {
     metal.in[2] = rough_alpha;
     metal.in[3] = clamped_base;
     metal.in[4] = clamped_tint;
+    metal.coat = over;
     node.c.add_term(metal);
     weight = e.multiply(weight, e.one_minus(metallic));
 
@@ -169,6 +195,7 @@ void principled(NodeContext& node, ExprId weight) {
     glass.in[3] = ior;
     glass.in[4] = clamped_tint;
     glass.in[5] = e.square_root(clamped_base);  // light crosses such an interface twice
+    glass.coat = over;
     node.c.add_term(glass);
     weight = e.multiply(weight, e.one_minus(transmission));
 
@@ -182,7 +209,9 @@ void principled(NodeContext& node, ExprId weight) {
     coated.in[3] = index;
     coated.in[4] = e.clamp01(e.scale(tint, e.multiply(ratio, ratio)));
     coated.in[5] = base;
+    coated.coat = over;
     node.c.add_term(coated);
+    node.c.add_term(coat);
 }
 
 }  // namespace spc::nodes

@@ -24,7 +24,7 @@ public:
         int count = 0;
         for (ClosureTerm& term : terms_) {
             if (term.op != ClosureOp::glossy && term.op != ClosureOp::metal &&
-                term.op != ClosureOp::coated)
+                term.op != ClosureOp::coated && term.op != ClosureOp::coat)
                 continue;
             std::string reason = why_not(term);
             if (reason.empty() && normal == kNoExpr) reason = read_normal(term.normal(), map);

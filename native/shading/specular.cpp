@@ -96,7 +96,8 @@ private:
                         fmt::format("{:.4g}", std::sqrt(expr_.scalar(term.alpha())));
         if (term.op == ClosureOp::dielectric)
             s += ", IOR " + fmt::format("{:.4g}", expr_.scalar(term.ior()));
-        if (term.op == ClosureOp::coated && expr_.is_constant(term.ior()))
+        const bool coat = term.op == ClosureOp::coated || term.op == ClosureOp::coat;
+        if (coat && expr_.is_constant(term.ior()))
             s += ", IOR " + fmt::format("{:.4g}", expr_.scalar(term.ior()));
         if (term.normal() != kNoExpr) s += ", mapped normal";
         return s;
@@ -123,7 +124,8 @@ std::string not_a_delta(const ExprBuilder& expr, const ClosureTerm& term) {
 }
 
 std::string not_narrow(const ExprBuilder& expr, const ClosureTerm& term) {
-    if (term.op == ClosureOp::coated) return "weak beside what it covers";
+    if (term.op == ClosureOp::coated || term.op == ClosureOp::coat)
+        return "weak beside what it covers";
     // On a fine map there are very many chains, of which one is hardly ever found again.
     if (term.normal() != kNoExpr) return "mapped normal";
     const std::string varies = not_constant(expr, term);

@@ -102,15 +102,35 @@ def test_table():
 
 
 @pytest.mark.parametrize(("rate", "verdict"), [(1.0e6, "met"), (0.99e6, "not met")])
-def test_the_promise_is_held_against_its_target(rate, verdict):
-    found = read(google_run("eval", 5e6), google_run(kernels.PROMISED, rate))
-    line = kernels.promise(found)
+def test_a_promised_rate_is_held_against_its_target(rate, verdict):
+    (line,) = kernels.promises(
+        read(google_run("eval", 5e6), google_run(kernels.PROMISES[0].kernel, rate))
+    )
     assert line.endswith(f"{rate / 1e6:.3g} M/s (one round), target >= 1 M/s: {verdict}")
 
 
+@pytest.mark.parametrize(
+    ("seconds", "text"),
+    [
+        ((1.0, 2.0, 2.5), "2 s (1 to 2.5 in 3 rounds), target <= 2 s: met"),
+        ((2.01,), "2.01 s (one round), target <= 2 s: not met"),
+    ],
+)
+def test_a_promised_time_is_held_against_its_target(seconds, text):
+    name = "glints/prepare_heights_4096"
+    (line,) = kernels.promises(read(*(google_run(name, 4096**2 / time) for time in seconds)))
+    assert line.endswith(f", on one core: {text}")
+
+
+def test_every_kind_of_map_is_promised():
+    promised = [promise.kernel for promise in kernels.PROMISES]
+    assert promised[1:] == ["glints/prepare_normals_4096", "glints/prepare_heights_4096"]
+
+
 def test_no_promise_about_what_was_not_measured():
-    assert kernels.promise(read(google_run("eval", 5e6))) == ""
-    assert kernels.promise(read(names=[kernels.PROMISED])).endswith("FAILED")
+    assert kernels.promises(read(google_run("eval", 5e6))) == []
+    (line,) = kernels.promises(read(names=[kernels.PROMISES[0].kernel]))
+    assert line.endswith("FAILED")
 
 
 def test_only_chooses_by_a_part_of_the_name():

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the stability suite notices."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -51,3 +53,29 @@ def test_fixed_starts_are_excused_where_path_tracing_is_blind(case, known):
 def test_nothing_excuses_nan():
     excused = next(method for method in METHODS if method.excuse)
     assert verdict(excused, pictures(1.0, 2, nan_samples=1)) == _report.FAILS
+
+
+def page_with(histogram: dict) -> str:
+    """Of one case and one method, with made-up statistics."""
+    found = pictures(1.0, 2)
+    found.stats |= {"trial_estimates": 3, "trials": 8, "max_trials": 5, "capped_estimates": 0}
+    found.stats |= histogram
+    comparison = compare(found, pictures(1.0, 1), COMPARISONS)
+    result = _report.Result(CASES[2], METHODS[0], found, comparison)
+    return _report.page([(CASES[2], {METHODS[0].name: result})], [METHODS[0].name])
+
+
+def test_the_page_shows_how_many_trials_estimates_took():
+    counts = [2, 0, 1] + [0] * 14
+    page = page_with({"trial_histogram": counts})
+    bars = [float(h) for h in re.findall(r'<rect [^>]*height="([0-9.]+)"', page)]
+    assert len(bars) == len(counts)
+    assert [bar > 0.0 for bar in bars] == [count > 0 for count in counts]
+    assert bars[0] == max(bars) == _report.HISTOGRAM_HEIGHT
+    assert "<title>1 .. 1: 2</title>" in page
+    assert "<title>4 .. 7: 1</title>" in page
+
+
+@pytest.mark.parametrize("histogram", [{}, {"trial_histogram": [0] * 17}])
+def test_without_trials_there_is_no_histogram(histogram):
+    assert "<svg" not in page_with(histogram)

@@ -121,18 +121,23 @@ def walks(label: str, method: str, constraint: str, two_stage: bool, **settings)
     )
 
 
-def unbiased(label: str, constraint: str = "ANGLE_DIFFERENCE", two_stage: bool = True) -> Panel:
-    return walks(label, "SMS_UNBIASED", constraint, two_stage)
+def unbiased(
+    label: str, constraint: str = "ANGLE_DIFFERENCE", two_stage: bool = True, **settings
+) -> Panel:
+    return walks(label, "SMS_UNBIASED", constraint, two_stage, **settings)
 
 
 def biased(
-    label: str, set_size: int, constraint: str = "ANGLE_DIFFERENCE", two_stage: bool = True
+    label: str,
+    set_size: int,
+    constraint: str = "ANGLE_DIFFERENCE",
+    two_stage: bool = True,
+    **settings,
 ) -> Panel:
-    return walks(label, "SMS_BIASED", constraint, two_stage, set_size=set_size)
+    return walks(label, "SMS_BIASED", constraint, two_stage, set_size=set_size, **settings)
 
 
 PATH_TRACING = Panel("Path tracing", {"method": "PT"})
-LIGHT_TRACING = Panel("Light tracing", {"method": "LT"})
 MNEE = Panel("MNEE", {"method": "MNEE", "light_tracing": "OFF"})
 MNEE_BIASED = Panel("MNEE, biased", {"method": "MNEE_BIASED", "light_tracing": "OFF"})
 SHEETS = Panel("Light sheets", {"method": "SHEETS", "light_tracing": "OFF"})
@@ -276,16 +281,27 @@ FIGURES = {
         Figure(
             "roughness",
             "Casters from smooth to rough (after Fig. 17)",
-            "The golden panel's roughness, as Blender has it. Walks need a smooth caster; from a "
-            "rough one light paths bring what path tracing cannot find.",
-            (rough(PATH_TRACING), rough(AUTOMATIC)),
+            "The golden panel's roughness, as Blender has it. Walks have a facet drawn for each "
+            "estimate; the automatic method has light paths beside them.",
+            (rough(PATH_TRACING), rough(unbiased("SMS unbiased")), rough(AUTOMATIC)),
         ),
         Figure(
             "slab",
             "Through a slab of wavy glass (after Fig. 18)",
-            "Light is refracted twice, which walks, of one interaction here, do not look for: the "
-            "methods that do.",
-            (row(SLAB, WHOLE, PATH_TRACING, MNEE, LIGHT_TRACING, SHEETS, AUTOMATIC, REFERENCE),),
+            "Light is refracted twice; walks look for such chains alone, as those of the paper.",
+            (
+                row(
+                    SLAB,
+                    WHOLE,
+                    PATH_TRACING,
+                    MNEE,
+                    unbiased("SMS unbiased", chain_family="TT"),
+                    biased("SMS biased, M = 16", 16, chain_family="TT"),
+                    SHEETS,
+                    AUTOMATIC,
+                    REFERENCE,
+                ),
+            ),
         ),
     )
 }

@@ -127,7 +127,7 @@ class Materials:
         }
 
     def _check_principled(self, inputs: Inputs, index: int) -> None:
-        for socket, neutral in (("Alpha", 1.0), ("Transmission Weight", 0.0)):
+        for socket, neutral in (("Alpha", 1.0), ("Transmission Weight", 0.0), ("Coat Weight", 0.0)):
             if inputs.scalar(index, socket) != neutral:
                 raise inputs.fail(index, f"{socket} is not translated")
         if inputs.color(index, "Specular Tint") != (1.0, 1.0, 1.0):

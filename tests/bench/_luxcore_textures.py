@@ -30,6 +30,7 @@ DEFAULTS = {
     ("bsdf_principled", "Transmission Weight"): 0.0,
     ("bsdf_principled", "Emission Color"): (1.0, 1.0, 1.0),
     ("bsdf_principled", "Emission Strength"): 0.0,
+    ("bsdf_principled", "Coat Weight"): 0.0,
     ("background", "Color"): (0.8, 0.8, 0.8),
     ("background", "Strength"): 1.0,
     ("mix_shader", "Fac"): 0.5,

@@ -2,9 +2,10 @@
 """Runs in a child process, in today's Blender: renders a scene as a job says.
 
 The last argument is a JSON file, the job: `scene` (path), `engine`, `threads`, `samples` (a list:
-a render for each), `result` (the JSON file to write); and optionally `method` (Specula's), `size`
-([width, height]), `picture` (PNG to write), `mean` (whether to report the picture's mean),
-`shadow_caustics` (whether Cycles walks where the scene's flags say so).
+a render for each), `result` (the JSON file to write); and optionally `method` (Specula's),
+`specula` (values of its other properties), `size` ([width, height]), `picture` (PNG to write),
+`mean` (whether to report the picture's mean), `shadow_caustics` (whether Cycles walks where the
+scene's flags say so).
 """
 
 from __future__ import annotations
@@ -38,6 +39,8 @@ def prepare(job: dict):
         scene.specula.method = job["method"]
         scene.specula.samples = 0  # Cycles' number
         scene.specula.time_limit = 0.0
+        for name, value in job.get("specula", {}).items():
+            setattr(scene.specula, name, value)
     return scene
 
 
@@ -73,6 +76,9 @@ def rendered(scene, samples: int, engine: str) -> dict:
         if stats.samples_done != samples:
             raise RuntimeError(f"{stats.samples_done} samples rendered in place of {samples}")
         row["engine_seconds"] = stats.render_seconds
+        counts = stats.render_stats
+        row["success"] = counts["walks_converged"] / max(counts["walks"], 1)
+        row["trials"] = counts["trials"] / max(counts["trial_estimates"], 1)
     return row
 
 

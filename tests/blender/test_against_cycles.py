@@ -76,6 +76,27 @@ MATERIALS = {
         "GGX",
         {"Base Color": COPPER, "Emission Color": COPPER, "Emission Strength": 2.0},
     ),
+    "coat": (
+        "ShaderNodeBsdfPrincipled",
+        "GGX",
+        {"Base Color": COPPER, "Roughness": 0.5, "Coat Weight": 1.0, "Coat Roughness": 0.3},
+    ),
+}
+COATS = {
+    "tint": {"Base Color": COPPER, "Coat Tint": (0.4, 0.7, 0.9, 1)},
+    "half of a tint": {"Base Color": COPPER, "Coat Tint": COPPER, "Coat Weight": 0.5},
+    "high index": {"Base Color": COPPER, "Coat IOR": 2.2},
+    "low index": {"Base Color": COPPER, "Coat IOR": 1.05, "Coat Tint": COPPER},
+    "metal": {"Base Color": COPPER, "Metallic": 1.0, "Roughness": 0.5, "Coat Tint": COPPER},
+    "glass": {"Transmission Weight": 1.0, "Roughness": 0.4, "Coat Tint": COPPER},
+    "emitting": {
+        "Base Color": (0, 0, 0, 1),
+        "Emission Color": WHITE,
+        "Emission Strength": 2.0,
+        "Coat Tint": COPPER,
+    },
+    "mirror": {"Base Color": COPPER, "Coat Roughness": 0.0},
+    "rough": {"Base Color": COPPER, "Coat Roughness": 0.9},
 }
 
 
@@ -199,6 +220,20 @@ def test_world(stage):
 @pytest.mark.parametrize("name", MATERIALS)
 def test_material(stage, name):
     bl_idname, distribution, inputs = MATERIALS[name]
+    add_ball(bl_idname, distribution, inputs)
+    stage(TOLERANCE_CLOSURES)
+
+
+@pytest.mark.skipif(bpy.app.version < (4, 3, 0), reason="the coat was another")
+@pytest.mark.parametrize("name", COATS)
+def test_coat(stage, name):
+    inputs = {"Coat Weight": 1.0, "Coat Roughness": 0.3, **COATS[name]}
+    add_ball("ShaderNodeBsdfPrincipled", "GGX", inputs)
+    stage(TOLERANCE_CLOSURES)
+
+
+def add_ball(bl_idname, distribution, inputs) -> None:
+    """A ball of one shader, in light from all around."""
     add_sky()
     place(add_light("AREA", energy=300, size=1.0))
     material = new_material()
@@ -210,7 +245,6 @@ def test_material(stage, name):
     bpy.ops.mesh.primitive_uv_sphere_add(radius=1.2, location=(0, 0, 1.3))
     bpy.ops.object.shade_smooth()
     bpy.context.object.data.materials.append(material)
-    stage(TOLERANCE_CLOSURES)
 
 
 def relief():

@@ -216,11 +216,11 @@ def test_unknown_value_node_leaves_the_reader_its_constant():
 def test_settings_that_are_not_modelled_are_named():
     material = new_material()
     shader = add_node(material, "ShaderNodeBsdfPrincipled", surface(material))
-    set_input(shader, "Coat Weight", 0.5)
+    set_input(shader, "Sheen Weight", 0.5)
     add_node(material, "ShaderNodeDisplacement", output_of(material).inputs["Displacement"])
     _, _, warnings, _ = convert(material)
     assert len(warnings) == 2
-    assert any("coat" in warning.lower() for warning in warnings)
+    assert any("Sheen" in warning for warning in warnings)
     assert any("Displacement" in warning for warning in warnings)
 
 
@@ -237,7 +237,8 @@ def test_principled_has_the_names_of_blender_5():
         set_input(shader, name, value)
     desc, _, warnings, _ = convert(material)
     inputs = node(desc, "bsdf_principled").inputs
-    assert set(inputs) == set(NODES["ShaderNodeBsdfPrincipled"].inputs) - {"Normal"}
+    absent = {"Normal", "Coat Normal"} | ({"Coat IOR", "Coat Tint"} if OLD_PRINCIPLED else set())
+    assert set(inputs) == set(NODES["ShaderNodeBsdfPrincipled"].inputs) - absent
     assert inputs["Transmission Weight"][0] == 0.5
     assert inputs["Specular IOR Level"][0] == 0.25
     assert inputs["Emission Color"] == (1, 0, 0, 1)
@@ -245,6 +246,33 @@ def test_principled_has_the_names_of_blender_5():
     assert inputs["IOR"][0] == 1.25
     assert inputs["Specular Tint"] == (1, 1, 1, 1)
     assert warnings == []
+
+
+def test_coat():
+    material = new_material()
+    shader = add_node(material, "ShaderNodeBsdfPrincipled", surface(material))
+    set_input(shader, "Coat Weight", 0.8)
+    set_input(shader, "Coat Roughness", 0.25)
+    normal = add_node(material, "ShaderNodeNormalMap", compat.find_input(shader, "Coat Normal"))
+    add_node(material, "ShaderNodeTexImage", normal.inputs["Color"], image=new_image())
+    desc, needs, warnings, _ = convert(material)
+    inputs = node(desc, "bsdf_principled").inputs
+    assert inputs["Coat Weight"][0] == pytest.approx(0.2 if OLD_PRINCIPLED else 0.8)
+    assert inputs["Coat Roughness"][0] == 0.25
+    assert inputs.get("Coat IOR", (1.5,))[0] == 1.5
+    assert "normal_map.Normal -> bsdf_principled.Coat Normal" in links(desc)
+    assert needs == MaterialNeeds(frozenset([""]), frozenset([""]))
+    assert warnings == []
+
+
+@pytest.mark.skipif(not OLD_PRINCIPLED, reason="Clearcoat is Coat Weight since 4.0")
+def test_a_textured_clearcoat_has_a_lower_index():
+    material = new_material()
+    shader = add_node(material, "ShaderNodeBsdfPrincipled", surface(material))
+    add_node(material, "ShaderNodeTexImage", shader.inputs["Clearcoat"], image=new_image())
+    desc, *_ = convert(material)
+    assert node(desc, "bsdf_principled").inputs["Coat IOR"][0] == 1.2  # as Blender 5.0 opens it
+    assert "image_texture.Color -> bsdf_principled.Coat Weight" in links(desc)
 
 
 def volume(material):

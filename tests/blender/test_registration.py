@@ -136,7 +136,7 @@ def test_advanced_settings_are_closed_and_only_there_where_they_matter():
     assert panel.bl_parent_id == "SPECULA_PT_sampling"
     assert panel.bl_options == {"DEFAULT_CLOSED"}
     bpy.context.scene.specula.method = "SMS_BIASED"
-    assert draw(panel, Context()).shown == ["constraint", "two_stage"]
+    assert draw(panel, Context()).shown == ["constraint", "two_stage", "chain_family"]
     for method in ("AUTO", "PT", "LT", "SHEETS", "MNEE", "MNEE_BIASED"):
         bpy.context.scene.specula.method = method
         assert not panel.poll.__func__(panel, Context())

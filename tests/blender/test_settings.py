@@ -76,6 +76,7 @@ def test_our_settings_win(scene):
         "max_transparent_bounces": 14,
         "set_size": 5,
         "two_stage": False,
+        "chain_family": "TT",
     }
     for name, value in own.items():
         setattr(scene.specula, name, value)

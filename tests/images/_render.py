@@ -184,8 +184,8 @@ def render(native_scene, size: list[int], name: str, settings, changes: dict) ->
             caustics.add(samples, read(Pass.CAUSTICS))
             for key, value in session.stats().items():
                 if key != "struct_size":
-                    add = max if key.startswith("max_") else lambda a, b: a + b
-                    totals[key] = add(totals.get(key, 0), value)
+                    add = np.maximum if key.startswith("max_") else np.add
+                    totals[key] = add(totals.get(key, 0), value).tolist()
         clock.show(part + 1)
     totals["seconds"] = clock.seconds()
     return {

@@ -12,7 +12,7 @@ from tests.images import _children
 from tests.images import _statistics as statistics
 from tests.images._cases import CORNELL
 
-METHODS = ("PT", "SMS_UNBIASED", "SMS_BIASED")
+METHODS = ("PT", "SMS_UNBIASED", "SMS_BIASED", "SHEETS", "LT")
 REFERENCES = ("cornell", "cornell_cycles")
 BLOCK_Z = statistics.threshold(statistics.block_count(CORNELL.size) * len(REFERENCES))
 TOTAL_Z = statistics.threshold(3 * len(REFERENCES))

@@ -14,7 +14,9 @@ from tests.stability._scenes import (
     FLOOR_ALBEDO,
     Maker,
     camera,
+    diffuse,
     directions,
+    displaced_slab,
     floor_points,
     glass,
     grid,
@@ -23,6 +25,7 @@ from tests.stability._scenes import (
     moved_and_scaled,
     placed,
     rotation_x,
+    rotation_z,
     roughened,
     slab,
     sphere,
@@ -40,10 +43,11 @@ class Case:
     build: Callable[[], desc.SceneDesc]
     # The name of an independent method, or a function to the picture, (H, W) float64.
     truth: str | Callable[[], np.ndarray] = BRUTE_FORCE
-    interactions: int = 4  # of the longest chains that carry light worth noticing
     # With 1 there are caustics without the light that they throw on: so have it closed forms and
     # light paths. To those, light that a rough caster throws on has been scattered once more.
     diffuse_bounces: int = 1
+    samples: int | None = None  # of its truth, where the usual number says too little
+    least_samples: int = 0  # of each method, where fewer do not know of their noise's tail
 
 
 def over(*casters, light=lambda maker: maker.bulb()) -> desc.SceneDesc:
@@ -55,16 +59,20 @@ def over(*casters, light=lambda maker: maker.bulb()) -> desc.SceneDesc:
     return maker.scene
 
 
-def unseen(shape, material, light) -> desc.SceneDesc:
-    """A ball that the camera does not see: light paths have no caustics in mirrors or glass."""
-    maker = Maker().add(
-        shape, material, BALL, visibility=desc.Visibility.ALL & ~desc.Visibility.CAMERA
-    )
-    light(maker)
-    return maker.scene
-
-
 BALL = placed((0.0, 0.0, 0.7))
+UNSEEN = desc.Visibility.ALL & ~desc.Visibility.CAMERA
+
+
+def unseen(*casters, light=lambda maker: maker.bulb()) -> desc.SceneDesc:
+    """As `over`, by casters that the camera does not see.
+
+    Light paths have no caustics in mirrors or glass, and a small light seen in a caster may be most
+    of a picture, and all of its noise.
+    """
+    scene = over(*casters, light=light)
+    for instance in scene.instances[1:]:
+        instance.visibility = UNSEEN
+    return scene
 
 
 # ---- closed forms
@@ -212,8 +220,9 @@ def folds() -> desc.SceneDesc:
         square(0.9, uv=True),
         mapped(mirror(), maker.image(waves(0.12))),
         placed((0.0, 0.9, 0.8), rotation_x(1.2)),
+        visibility=UNSEEN,
     )
-    return maker.bulb((0.0, -1.5, 1.8), 0.15).scene
+    return maker.bulb((0.0, -1.5, 1.8), 0.3).scene
 
 
 def egg() -> desc.SceneDesc:
@@ -238,13 +247,69 @@ def egg() -> desc.SceneDesc:
     return over((grid("egg", 48, position, normal), glass(), BALL))
 
 
+def displaced() -> desc.SceneDesc:
+    """Two wavy sides: what a straight line through both meets is far from where a chain does."""
+    return over((displaced_slab(0.7, 0.2, 0.03), glass(), BALL))
+
+
 def many_lights() -> desc.SceneDesc:
     maker = Maker().add(sphere(0.4), mirror(), BALL)
     rng = np.random.default_rng(3)
-    for power in 10.0 ** rng.uniform(-6.0, 2.0, 100):
+    for power in 10.0 ** rng.uniform(-6.0, 6.0, 100):
         x, y = rng.uniform(-1.0, 1.0, 2)
-        maker.bulb((x, y, 2.0), 0.1, float(power))
+        maker.bulb((x, y, 2.0), 0.2, float(power))
     return maker.scene
+
+
+def quarters_apart() -> desc.SceneDesc:
+    """Each quarter of the picture has its own ball and lamps, thousands of times as bright as
+    those of the quarter before, between black walls that reach above both."""
+    maker = Maker()
+    for turn in (rotation_x(0.5 * math.pi), rotation_z(0.5 * math.pi) @ rotation_x(0.5 * math.pi)):
+        maker.add(square(1.2), diffuse(0.0), placed(turn=turn), desc.CausticsRole.OFF)
+    rng = np.random.default_rng(5)
+    for quarter, (x, y) in enumerate(((-0.5, -0.5), (0.5, -0.5), (-0.5, 0.5), (0.5, 0.5))):
+        maker.add(sphere(0.15), mirror(), placed((x, y, 0.3)), visibility=UNSEEN)
+        for power in 10.0 ** (quarter * 11.0 / 3.0 - 6.0 + rng.uniform(0.0, 1.0, 4)):
+            dx, dy = rng.uniform(-0.3, 0.3, 2)
+            maker.bulb((x + dx, y + dy, 0.9), 0.1, float(power))
+    maker.scene.camera = camera((0.0, -0.05, 4.0), 0.25)
+    return maker.scene
+
+
+def pole_and_seam() -> desc.SceneDesc:
+    """A dark sky but for two discs: about the zenith, where all columns of its image meet, and
+    across the edge of the image."""
+    height = 128
+    pixels = np.zeros((height, 2 * height, 3), np.float32)
+    pixels[-3:] = 100.0
+    rows = slice(3 * height // 4 - 3, 3 * height // 4 + 3)
+    pixels[rows, :4] = pixels[rows, -4:] = 50.0
+    image = desc.ImageDesc("sky", pixels=pixels, color_space=desc.ColorSpace.LINEAR)
+    return over(
+        (sphere(0.35), mirror(), placed((-0.4, 0.0, 0.6))),
+        (sphere(0.35), glass(), placed((0.4, 0.0, 0.6))),
+        light=lambda maker: maker.panorama(image),
+    )
+
+
+def both_sides() -> desc.SceneDesc:
+    """Sheets without an inside: glass that faces up, glass that faces down and the back of a
+    mirror, with lamps above and below."""
+    return over(
+        (square(0.5), glass(), placed((-0.55, 0.0, 0.8))),
+        (square(0.5), glass(), placed((0.55, 0.0, 0.8), rotation_x(math.pi))),
+        (square(0.5), mirror(), placed((0.0, 0.9, 0.6), rotation_x(1.35 + math.pi))),
+        light=lambda maker: maker.bulb((0.1, 0.0, 1.8)).bulb((0.0, -0.3, 0.3), 0.2, 50.0),
+    )
+
+
+def rough_neighbours() -> desc.SceneDesc:
+    """Facets of one estimate lead from glass to a mirror, or past it."""
+    return over(
+        (sphere(0.35), roughened(glass(), 0.15), placed((0.0, 0.2, 0.5))),
+        (square(0.5), roughened(mirror(), 0.15), placed((0.0, 0.75, 0.6), rotation_x(1.35))),
+    )
 
 
 def furnace() -> desc.SceneDesc:
@@ -270,34 +335,39 @@ def between_mirrors(first=None) -> desc.SceneDesc:
 
 
 CASES = (
-    Case("plane mirror", "closed form, one reflection", plane_mirror, plane_mirror_truth, 1),
+    Case("plane mirror", "closed form, one reflection", plane_mirror, plane_mirror_truth),
     Case("flat slab", "closed form, two refractions and more", flat_slab, flat_slab_truth),
     Case("critical angle", "derivatives grow without bound", critical_angle),
-    Case("grazing", "silhouettes: many misses", grazing, interactions=1),
-    Case("water", "half-vectors of reflections solve refractions", water, interactions=1),
+    Case("grazing", "silhouettes: many misses", grazing),
+    Case("water", "half-vectors of reflections solve refractions", water),
     Case(
         "coarse smooth ball",
         "normals' derivatives jump at edges",
         lambda: over((sphere(0.4, 8), mirror(), BALL)),
-        interactions=1,
     ),
     Case(
         "faceted ball",
         "no derivatives of normals",
         lambda: over((sphere(0.4, 12, smooth=False), mirror(), BALL)),
-        interactions=1,
     ),
-    Case("one UV for all", "no tangents from UVs", without_uv_map, interactions=1),
-    Case("degenerate triangles", "no area, no normal", degenerate_triangles, interactions=1),
-    Case("steep map, mirror", "normals below the horizon", lambda: steep_map(mirror())),
+    Case("one UV for all", "no tangents from UVs", without_uv_map),
+    Case("degenerate triangles", "no area, no normal", degenerate_triangles),
+    Case(
+        "steep map, mirror",
+        "normals below the horizon",
+        lambda: steep_map(mirror()),
+        least_samples=512,
+    ),
     Case("steep map, glass", "normals below the horizon", lambda: steep_map(glass())),
     Case(
         "thin glass",
         "sides 1 mm apart",
         lambda: over((slab(0.6, 0.001), glass(), placed((0.0, 0.2, 0.7), rotation_x(0.4)))),
+        least_samples=512,
     ),
+    Case("double-sided planes", "sides without an inside", both_sides),
     Case("nested glass, light within", "media on both ends", nested),
-    Case("camera in glass", "a medium at the camera", camera_in_glass, interactions=1),
+    Case("camera in glass", "a medium at the camera", camera_in_glass),
     Case(
         "IOR 1",
         "interactions that change nothing",
@@ -324,40 +394,48 @@ CASES = (
         diffuse_bounces=2,
     ),
     Case(
+        "rough neighbours",
+        "facets that lead to another object",
+        rough_neighbours,
+        diffuse_bounces=2,
+    ),
+    Case(
         "light on a caster",
         "distances shrink to nothing",
         lambda: over(
             (sphere(0.3, 48), mirror(), placed((0.0, 0.0, 0.4))),
             light=lambda maker: maker.bulb((0.0, 0.0, 0.8), 0.1, 10.0),
         ),
-        interactions=1,
     ),
     Case(
         "sun",
         "directions instead of points",
         lambda: over((sphere(0.4), mirror(), BALL), light=lambda maker: maker.sun(0.1)),
-        interactions=1,
     ),
     Case(
         "sun without size",
         "path tracing is blind",
-        lambda: unseen(sphere(0.4), mirror(), lambda maker: maker.sun(0.0)),
+        lambda: unseen((sphere(0.4), mirror(), BALL), light=lambda maker: maker.sun(0.0)),
         LIGHT_PATHS,
-        1,
     ),
+    Case("pole and seam of the sky", "no longitude, or two", pole_and_seam),
     Case(
         "point light",
         "path tracing is blind",
-        lambda: unseen(sphere(0.4), glass(), lambda maker: maker.bulb(radius=0.0)),
+        lambda: unseen((sphere(0.4), glass(), BALL), light=lambda m: m.bulb(radius=0.0)),
         LIGHT_PATHS,
     ),
-    Case("0.1 mm", "scale", of_another_size(1e-4), interactions=1),
-    Case("100 km", "scale", of_another_size(1e5), interactions=1),
+    Case("0.1 mm", "scale", of_another_size(1e-4)),
+    Case("100 km", "scale", of_another_size(1e5)),
     Case(
         "1 km from the origin",
         "digits are lost",
         of_another_size(1.0, (800, -600, 0)),
-        interactions=1,
+    ),
+    Case(
+        "1000 km from the origin",
+        "scale, digits are lost",
+        of_another_size(1e5, (8e5, -6e5, 0)),
     ),
     Case(
         "stretched and mirrored",
@@ -366,8 +444,16 @@ CASES = (
             (sphere(0.4), glass(), placed((0, 0, 0.7), rotation_x(0.5), (1.5, -0.7, 0.9)))
         ),
     ),
-    Case("folds", "solutions in pairs, ever closer", folds, interactions=1),
+    Case(
+        "folds",
+        "solutions in pairs, ever closer",
+        folds,
+        samples=16384,
+        least_samples=512,
+    ),
     Case("wavy egg", "seeds on straight lines fail", egg),
-    Case("a hundred lights, 1e-6 to 100 W", "starvation, overflow", many_lights, interactions=1),
+    Case("displaced slab", "seeds on straight lines fail", displaced),
+    Case("a hundred lights, 1e-6 to 1e6 W", "starvation, overflow", many_lights),
+    Case("a quarter each, 1e-6 to 1e6 W", "starvation, overflow", quarters_apart),
     Case("furnace", "an even sky: nothing is a caustic", furnace),
 )

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import time
 from dataclasses import dataclass
 from statistics import NormalDist
 
@@ -29,8 +30,7 @@ class Method:
     samples: int = 64
     # Why it may fail; empty: it must not.
     excuse: str = ""
-    # Chains of up to so many interactions it finds without path tracing's help.
-    interactions: int = 4
+    needs_path_tracing: bool = False  # which finds no light without size
 
 
 def settings(method, light_tracing="OFF", **more) -> dict:
@@ -43,6 +43,7 @@ def settings(method, light_tracing="OFF", **more) -> dict:
     }
 
 
+HALF_VECTORS = "the paper's first constraint: small basins are rarely met"
 TRUTHS = {
     BRUTE_FORCE: Method(BRUTE_FORCE, settings("PT"), 4096),
     LIGHT_PATHS: Method(LIGHT_PATHS, settings("LT"), 128),
@@ -51,27 +52,31 @@ METHODS = (
     Method("sheets + light paths", settings("SHEETS", "ON")),
     Method("sheets", settings("SHEETS")),
     Method("walks + light paths", settings("SMS_UNBIASED", "ON")),
-    Method("walks", settings("SMS_UNBIASED"), interactions=1),
+    Method("walks", settings("SMS_UNBIASED")),
     Method("light paths", settings("LT")),
     Method(
         "half-vectors, one stage",
         settings("SMS_UNBIASED", constraint=desc.Constraint.HALF_VECTOR, two_stage=False),
-        excuse="the paper's first constraint: small basins are rarely met",
-        interactions=1,
+        excuse=HALF_VECTORS,
     ),
+    Method(
+        "half-vectors, two stages",
+        settings("SMS_UNBIASED", constraint=desc.Constraint.HALF_VECTOR),
+        excuse=HALF_VECTORS,
+    ),
+    Method("angles, one stage", settings("SMS_UNBIASED", two_stage=False)),
     Method(
         "16 walks",
         settings("SMS_BIASED", set_size=16),
         excuse="solutions that no walk meets are lost",
-        interactions=1,
     ),
     # What they miss is path tracing's: it takes as many samples.
-    Method("fixed starts", settings("MNEE"), 4096, interactions=0),
+    Method("fixed starts", settings("MNEE"), 4096, needs_path_tracing=True),
     Method(
         "fixed starts alone",
         settings("MNEE_BIASED"),
         excuse="one refraction and one reflection at most, whatever there are",
-        interactions=0,
+        needs_path_tracing=True,
     ),
 )
 
@@ -82,7 +87,7 @@ class Pictures:
 
     mean: np.ndarray  # (BLOCKS^2 + 1,): of blocks, and of the whole
     variance: np.ndarray  # of `mean`
-    seconds: float  # for each sample of a pixel, preparations included
+    seconds: float  # of processors for each sample of a pixel, preparations included
     brightest: float  # share of the light in the brightest pixels of one sample
     stats: dict
 
@@ -95,31 +100,35 @@ def block_means(picture: np.ndarray) -> np.ndarray:
 
 
 def render(scene: native.Scene, values: desc.RenderSettings):
-    """(H, W) means, (H, W) their variances, seconds, statistics.
+    """(H, W) means, (H, W) their variances, seconds of processors, statistics.
 
     Each path and each splat belongs to one pixel, so that errors of pixels are independent. The
     channels are alike: there are no colours in the scenes.
     """
+    start = time.process_time()
     with native.Session(scene, values) as session:
         while (progress := session.wait(POLL_MILLISECONDS)).state == native.RENDER_RUNNING:
             pass
         if progress.state != native.RENDER_DONE:
             raise RuntimeError("the render did not come to its end")
 
+        seconds = time.process_time() - start
+
         def read(source):
             pixels = session.read(source, SIDE, SIDE).reshape(SIDE, SIDE, -1)
             return pixels[..., :3].astype(np.float64).mean(axis=-1)
 
-        return read(desc.Pass.COMBINED), read(desc.Pass.VARIANCE), progress.seconds, session.stats()
+        return read(desc.Pass.COMBINED), read(desc.Pass.VARIANCE), seconds, session.stats()
 
 
 def measure(case: Case, method: Method, seed: int) -> Pictures:
+    samples = max(method.samples, case.least_samples)
     with upload(case.build()) as scene:
         scene.commit(0)
         values = desc.RenderSettings(
             **method.settings,
             max_diffuse_bounces=case.diffuse_bounces,
-            samples=method.samples,
+            samples=samples,
             seed=seed,
         )
         mean, variance, seconds, stats = render(scene, values)
@@ -132,10 +141,18 @@ def measure(case: Case, method: Method, seed: int) -> Pictures:
     return Pictures(
         block_means(mean),
         block_means(variance) / size,
-        seconds / method.samples,
+        seconds / samples,
         float(single[-count:].sum() / total) if total > 0.0 else 0.0,
         stats,
     )
+
+
+def measure_truth(case: Case) -> Pictures | np.ndarray:
+    """Pictures by an independent method, or the exact picture."""
+    if not isinstance(case.truth, str):
+        return case.truth()
+    method = TRUTHS[case.truth]
+    return measure(case, dataclasses.replace(method, samples=case.samples or method.samples), 1)
 
 
 @dataclass

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import html
 import json
+import math
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
@@ -27,7 +28,7 @@ class Result:
         if self.method.excuse:
             return self.method.excuse
         blind = self.case.truth != "path tracing"
-        if blind and self.case.interactions > self.method.interactions:
+        if blind and self.method.needs_path_tracing:
             return "it needs path tracing, which finds no light without size"
         return ""
 
@@ -102,6 +103,28 @@ def text(rows: Rows, methods: list[str]) -> str:
     return "\n".join(lines)
 
 
+BAR, HISTOGRAM_HEIGHT = 5, 24  # pixels
+
+
+def histogram(stats: dict) -> str:
+    """Inline SVG: how many estimates took [2^i, 2^(i+1)) trials; empty if none took any.
+
+    The bars' heights are logarithms: a few estimates that took very many trials show, too.
+    """
+    counts = stats.get("trial_histogram", [])
+    if not any(counts):
+        return ""
+    scale = HISTOGRAM_HEIGHT / math.log1p(max(counts))
+    bars = []
+    for i, count in enumerate(counts):
+        height = scale * math.log1p(count)
+        bars.append(
+            f'<rect x="{i * BAR}" y="{HISTOGRAM_HEIGHT - height:.1f}" width="{BAR - 1}" '
+            f'height="{height:.1f}"><title>{1 << i} .. {(2 << i) - 1}: {count}</title></rect>'
+        )
+    return f'<svg width="{len(counts) * BAR}" height="{HISTOGRAM_HEIGHT}">{"".join(bars)}</svg>'
+
+
 HEAD = """<!doctype html><html lang=en><meta charset=utf-8><title>Stability</title><style>
 body{font:15px/1.5 sans-serif;max-width:75em;margin:2em auto;padding:0 1em}
 table{border-collapse:collapse;margin:1em 0}
@@ -111,14 +134,15 @@ td,th{border:1px solid #bbb;padding:.2em .6em;text-align:left}
 <p>Scenes in which methods fail, by every method. <i>Worst block</i>: difference from the truth over
 what chance explains in the whole table; above 1 it fails. <i>Brightest</i>: share of the light in
 the brightest 0.1 % of the pixels of one sample. <i>Capped</i>: estimates that gave up counting
-trials. <i>Cost</i>: time of a sample, in medians over the cases.</p>
+trials. <i>Cost</i>: time of a sample, in medians over the cases. <i>Trials of estimates</i>: one
+bar for 1, 2 to 3, 4 to 7 trials and so on, logarithmic.</p>
 """
 CLASSES = {PASSES: "pass", KNOWN: "known", FAILS: "fails"}
 
 
 def page(rows: Rows, methods: list[str]) -> str:
-    def row_of(cells, tag="td"):
-        return "<tr>" + "".join(f"<{tag}>{html.escape(c)}</{tag}>" for c in cells) + "</tr>"
+    def heads_of(cells):
+        return "<tr>" + "".join(f"<th>{html.escape(c)}</th>" for c in cells) + "</tr>"
 
     def marked(result: Result | None) -> str:
         if result is None:
@@ -136,11 +160,15 @@ def page(rows: Rows, methods: list[str]) -> str:
         )
         marks = "".join(marked(results.get(name)) for name in methods)
         verdicts.append(f"<tr>{heads}{marks}</tr>")
-        figures += [row_of([case.name, *columns(rows, r)]) for r in results.values()]
-    head = row_of(["case", "hazard", "held against", *methods], "th")
+        for result in results.values():
+            cells = "".join(f"<td>{html.escape(c)}</td>" for c in columns(rows, result))
+            bars = histogram(result.pictures.stats)
+            figures.append(f"<tr><td>{html.escape(case.name)}</td>{cells}<td>{bars}</td></tr>")
+    head = heads_of(["case", "hazard", "held against", *methods])
+    figures_head = heads_of(["case", *HEADINGS, "trials of estimates"])
     return (
         f"{HEAD}<table>{head}{''.join(verdicts)}</table>"
-        f"<table>{row_of(['case', *HEADINGS], 'th')}{''.join(figures)}</table></html>\n"
+        f"<table>{figures_head}{''.join(figures)}</table></html>\n"
     )
 
 

@@ -27,6 +27,11 @@ def rotation_x(angle: float) -> np.ndarray:
     return np.array([[1, 0, 0], [0, c, -s], [0, s, c]])
 
 
+def rotation_z(angle: float) -> np.ndarray:
+    c, s = math.cos(angle), math.sin(angle)
+    return np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+
+
 def placed(p=(0.0, 0.0, 0.0), turn: np.ndarray | None = None, scale=(1.0, 1.0, 1.0)) -> np.ndarray:
     """(3, 4): scaled, then turned, then moved."""
     linear = (np.eye(3) if turn is None else turn) @ np.diag(scale)
@@ -155,6 +160,55 @@ def slab(half: float, thickness: float) -> desc.MeshDesc:
     return mesh("slab", signs * np.array([half, half, thickness / 2]), triangles)
 
 
+def joined(name: str, *parts: desc.MeshDesc) -> desc.MeshDesc:
+    """One mesh of several that have normals or are flat."""
+    starts = np.cumsum([0, *(len(part.positions) for part in parts)])
+    normals = [face_normals(part) if part.normals is None else part.normals for part in parts]
+    return desc.MeshDesc(
+        name,
+        np.concatenate([part.positions for part in parts]),
+        np.concatenate(
+            [p.triangles + np.uint32(n) for p, n in zip(parts, starts[:-1], strict=True)]
+        ),
+        normals=np.concatenate(normals),
+    )
+
+
+def face_normals(shape: desc.MeshDesc) -> np.ndarray:
+    """(T, 3, 3): at the corners of each face its own."""
+    a, b, c = shape.positions[shape.triangles].swapaxes(0, 1)
+    normal = np.cross(b - a, c - a)
+    normal /= np.linalg.norm(normal, axis=-1, keepdims=True)
+    return np.ascontiguousarray(np.repeat(normal[:, None, :], 3, axis=1), np.float32)
+
+
+def displaced_slab(half: float, thickness: float, depth: float, n: int = 32) -> desc.MeshDesc:
+    """A slab whose upper and lower sides are smooth waves that rise by up to `depth`.
+
+    The waves end at the edges, where the flat sides begin.
+    """
+
+    def side(up: float, k: tuple[int, int]):
+        turns = math.pi * np.array(k)
+
+        def position(at):
+            height = depth * np.sin(turns * at).prod(axis=-1) + up * thickness / 2.0
+            # From below, x is mirrored: the corners run counter-clockwise as seen from outside.
+            return np.c_[half * up * (2.0 * at[:, 0] - 1.0), half * (2.0 * at[:, 1] - 1.0), height]
+
+        def normal(at):
+            sine, cosine = np.sin(turns * at), np.cos(turns * at)
+            slope = depth * turns * cosine * sine[:, ::-1] / (2.0 * half)
+            n = np.c_[-slope[:, 0], -up * slope[:, 1], np.full(len(at), up)]
+            return n / np.linalg.norm(n, axis=-1, keepdims=True)
+
+        return grid("side", n, position, normal)
+
+    box = slab(half, thickness)
+    box.triangles = box.triangles[4:]  # the first four are the upper and lower sides
+    return joined("displaced slab", side(1.0, (4, 3)), side(-1.0, (3, 5)), box)
+
+
 # ---- scenes
 
 
@@ -218,6 +272,17 @@ class Maker:
             shader("background", Color=(radiance, radiance, radiance, 1.0), Strength=1.0)
         )
         self.scene.environment = desc.EnvironmentDesc(len(self.scene.materials) - 1)
+        return self
+
+    def panorama(self, image: desc.ImageDesc) -> Maker:
+        """A sky from a latitude-longitude image, which the floor sees in casters alone."""
+        sky = shader("background", Strength=1.0)
+        sky.nodes.append(desc.NodeDesc("Panorama", "environment_texture", image=self.image(image)))
+        sky.links.append(desc.LinkDesc(2, "Color", 1, "Color"))
+        self.scene.materials.append(sky)
+        self.scene.environment = desc.EnvironmentDesc(
+            len(self.scene.materials) - 1, visibility=NOT_DIRECTLY
+        )
         return self
 
 

@@ -16,7 +16,7 @@ from pathlib import Path
 
 from tests.stability import _report
 from tests.stability._cases import CASES
-from tests.stability._measure import METHODS, TRUTHS, compare, measure
+from tests.stability._measure import METHODS, compare, measure, measure_truth
 from tools.common import BUILD
 
 
@@ -37,8 +37,7 @@ def main(argv: list[str]) -> int:
 
     rows, start = [], time.monotonic()
     for done, case in enumerate(cases):
-        named = isinstance(case.truth, str)
-        truth = measure(case, TRUTHS[case.truth], 1) if named else case.truth()
+        truth = measure_truth(case)
         results = {}
         for method in methods:
             if method.name == case.truth:

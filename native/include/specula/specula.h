@@ -38,7 +38,7 @@ extern "C" {
 #endif
 
 /* Raised whenever a struct or the meaning of a call changes. */
-#define SPC_API_VERSION 6u
+#define SPC_API_VERSION 7u
 
 /* "No index", where an index is optional. */
 #define SPC_NONE 0xffffffffu
@@ -399,6 +399,9 @@ typedef struct spc_render_settings {
     uint32_t pixel_filter;     /* spc_pixel_filter */
     float filter_width;        /* pixels, full width; (0, 1000]; ignored by the box */
     uint32_t transparent_film; /* 1: the world is seen as alpha 0 by the camera */
+    /* The only chains that walks look for, from the receiver on, at most 6: "TT" are two refractions, "R"
+     * is one reflection; the rest is path tracing's. NULL or empty: all. Ignored by other methods. */
+    const char* chain_family;
 } spc_render_settings;
 
 /* Fills in the defaults (struct_size included). */
@@ -440,7 +443,8 @@ typedef struct spc_render_stats {
     uint64_t trial_estimates; /* estimates that ran Bernoulli trials */
     uint64_t trials;          /* sum over those estimates */
     uint64_t max_trials;
-    uint64_t capped_estimates; /* gave up at the trial cap */
+    uint64_t trial_histogram[17]; /* of those estimates: [2^i, 2^(i+1)) trials in bin i */
+    uint64_t capped_estimates;    /* gave up at the trial cap */
     double capped_energy; /* what those estimates added as far as they counted, luminance, sum over samples */
     double manifold_energy; /* radiance added by the manifold, luminance, sum over samples */
     uint64_t nan_samples;   /* samples and splats dropped for not being finite */

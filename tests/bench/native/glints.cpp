@@ -3,7 +3,7 @@
 // unbiased and biased, and Gaussians of position and slope [Yan16]. `relative_variance` is that of
 // one estimate for one direction of light, averaged over directions in proportion to what they give,
 // `found` the share of it that is found on average, `evaluations` are nodes, flakes and points, or
-// slopes on walks.
+// slopes on walks. And what is prepared before a render for a map that glints.
 #include "support/glints.h"
 
 #include <numeric>
@@ -112,6 +112,51 @@ void estimate(benchmark::State& state, const GlintScene& scene, const Estimator&
     });
 }
 
+// Waves of 5 texels, between 0 and 1.
+Image tile_of(Relief relief) {
+    constexpr uint32_t kSide = 256;
+    constexpr double kWave = 5.0 / kSide;
+    if (relief == Relief::normals) return test::plane_normals(kSide, kWave, 0.2, 5);
+    Image tile = test::plane_heights(kSide, kSide, kWave, 0.2, 5);
+    const auto [low, high] = std::minmax_element(tile.floats.begin(), tile.floats.end());
+    const float least = *low, most = *high;
+    for (float& height : tile.floats) height = (height - least) / (most - least);
+    return tile;
+}
+
+// In bytes, as most files have it, over and over, with noise in their last digit.
+Image large_map(uint32_t side, const Image& tile) {
+    std::vector<uint8_t> texels;
+    texels.reserve(size_t{side} * side * tile.channels);
+    Pcg pcg(9);
+    for (uint32_t y = 0; y < side; ++y)
+        for (uint32_t x = 0; x < side; ++x)
+            for (uint32_t c = 0; c < tile.channels; ++c) {
+                const size_t texel = size_t{y % tile.height} * tile.width + x % tile.width;
+                const float value = tile.floats[texel * tile.channels + c];
+                texels.push_back(static_cast<uint8_t>(254.0f * value + pcg.one()));
+            }
+    return image_from_bytes("large", texels, side, side, tile.channels, ColorSpace::data,
+                            AlphaMode::none);
+}
+
+// What a render needs beside the image of such a map.
+void prepare_map(benchmark::State& state, Relief relief) {
+    constexpr uint32_t kSide = 4096;
+    const Image map = large_map(kSide, tile_of(relief));
+    const auto prepare = [&] {
+        return relief == Relief::heights ? SlopeField::of_heights(map, 1)
+                                         : SlopeField::of_normals(map, 1.0f, 1);
+    };
+    const std::optional<SlopeField> field = prepare();
+    if (!holds(state, field && field->pyramid().levels() == 13, "there is no field of the map"))
+        return;
+    state.counters["bytes_for_each_texel"] =
+        static_cast<double>(field->memory_bytes()) / (double{kSide} * kSide);
+    time_passes(state, "texel", uint64_t{kSide} * kSide,
+                [&] { benchmark::DoNotOptimize(prepare()); });
+}
+
 }  // namespace
 
 void add_glints() {
@@ -132,6 +177,10 @@ void add_glints() {
                                              estimate(state, scene,
                                                       by(scene, row.settings, row.points));
                                          });
+    for (const auto& [name, relief] : {std::pair("glints/prepare_normals_4096", Relief::normals),
+                                       std::pair("glints/prepare_heights_4096", Relief::heights)})
+        benchmark::RegisterBenchmark(
+            name, [relief = relief](benchmark::State& state) { prepare_map(state, relief); });
 }
 
 }  // namespace spc::bench

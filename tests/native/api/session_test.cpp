@@ -102,6 +102,8 @@ TEST(RenderMisuse, Settings) {
     refuses("light tracing",
             [](auto& s) { s.method = SPC_METHOD_PT, s.light_tracing = 0xffffffff; });
     refuses("constraint", [](auto& s) { s.constraint = 2; });
+    refuses("chain_family", [](auto& s) { s.chain_family = "RX"; });
+    refuses("chain_family", [](auto& s) { s.chain_family = "TTTTTTT"; });
     refuses("glint method", [](auto& s) { s.glint_method = SPC_GLINT_METHOD_YAN + 1; });
     refuses("filter", [](auto& s) { s.pixel_filter = 3; });
     refuses("samples", [](auto& s) { s.samples = 0; });

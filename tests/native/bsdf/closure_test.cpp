@@ -294,6 +294,36 @@ TEST(Closure, AlbedoOfMetalsFollowsTheLobe) {
             }
 }
 
+// By Snell's law and Beer's, straight.
+TEST(Closure, CoatLetsThroughWhatItDoesNotReflectOrAbsorb) {
+    for (const double degrees : {0.0, 40.0, 75.0, 89.0}) {
+        const Vec3 wo = outgoing(kNormal, degrees);
+        const double cos_o = std::cos(degrees * std::numbers::pi / 180), ior = 1.6;
+        const double reflected = reference_fresnel(cos_o, ior);
+        const double cos_t = std::sqrt(1 - (1 - cos_o * cos_o) / (ior * ior));
+        const Coat clear{0.75f, 0.0f, 1.6f, Spectrum(1.0f)};
+        Coat tinted = clear;
+        tinted.tint = Spectrum(0.5f, 1.0f, 0.0f);
+        const double passed = 1 - 0.75 * reflected;
+        const Spectrum all = coat_transmittance(clear, kNormal, wo),
+                       some = coat_transmittance(tinted, kNormal, wo);
+        for (int k = 0; k < 3; ++k) EXPECT_NEAR(all[k], passed, 1e-5);
+        EXPECT_NEAR(some.x, passed * (0.25 + 0.75 * std::pow(0.5, 1 / cos_t)), 1e-5);
+        EXPECT_NEAR(some.y, passed, 1e-5);
+        EXPECT_NEAR(some.z, passed * 0.25, 1e-5);
+        for (const float alpha : {0.1f, 0.6f, 1.0f}) {
+            const Coat rough{1.0f, alpha, 1.6f, Spectrum(1.0f)};
+            const MicrofacetReflection lobe = mirror(kNormal, kGgx, alpha, coat_fresnel(1.6f));
+            EXPECT_EQ(coat_transmittance(rough, kNormal, wo).x, 1.0f - albedo(lobe, wo).x);
+        }
+    }
+    // Where nothing bends and nothing comes back, and where the normal is turned away.
+    const Coat none{1.0f, 0.0f, 1.0f, Spectrum(0.5f)};
+    for (const double degrees : {0.0, 90.0, 100.0})
+        EXPECT_TRUE(is_finite(coat_transmittance(none, kNormal, outgoing(kNormal, degrees))));
+    EXPECT_FLOAT_EQ(coat_transmittance(none, kNormal, kNormal).x, 0.5f);
+}
+
 TEST(Closure, WhiteFurnaceOfLambertAndDeltasIsExact) {
     Uniforms uniforms(14);
     for (const double degrees : {0.0, 30.0, 60.0, 89.0})

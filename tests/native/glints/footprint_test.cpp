@@ -63,6 +63,26 @@ Graph glinting() {
 
 using test::SceneMaker;
 
+// At `p`, with the z axis half-way between two points: a mirror there shows one to the other.
+Transform mirroring(const Vec3& p, const Vec3& a, const Vec3& b) {
+    const Frame frame = Frame::around(normalize(normalize(a - p) + normalize(b - p)));
+    Transform m = test::translation(p);
+    for (int i = 0; i < 3; ++i)
+        m.row[static_cast<size_t>(i)] = Vec3(frame.x[i], frame.y[i], frame.z[i]);
+    return m;
+}
+
+// Half a metre wide, hollow on the side of +z.
+Mesh dish(double radius) {
+    const auto normal = [=](double u, double v) {
+        const Vec3d p(0.5 * (u - 0.5), 0.5 * (v - 0.5), 0.0);
+        return Vec3d(-p.x, -p.y, std::sqrt(radius * radius - dot(p, p))) * (1.0 / radius);
+    };
+    return test::grid(
+        48, [=](double u, double v) { return Vec3d(0.0, 0.0, radius) - normal(u, v) * radius; },
+        normal);
+}
+
 struct Path {
     const char* name;
     std::function<void(SceneMaker&)> add;
@@ -76,39 +96,76 @@ std::vector<Path> paths() {
     };
     Transform stretched;  // uneven, turned and mirrored
     stretched.row = {Vec3(0.8f, 0.3f, 0.0f), Vec3(0.4f, -1.4f, 0.0f), Vec3(0.0f, 0.0f, 0.7f)};
-    return {{"seen directly", [](SceneMaker&) {}, {1.0f, -2.0f, 3.0f}},
-            {"from below", [](SceneMaker&) {}, {1.0f, -2.0f, -3.0f}},
-            {"instances",
-             [=](SceneMaker& maker) {
-                 for (const float z : {0.3f, 0.6f}) {
-                     Instance instance;
-                     instance.name = "another";
-                     instance.mesh = 0;
-                     instance.materials = {0};
-                     instance.object_to_world = stretched;
-                     instance.object_to_world.translation = Vec3(0.0f, 0.0f, z);
-                     maker.builder.add_instance(instance);
-                 }
-             },
-             {1.0f, -2.0f, 3.0f}},
-            {"in a convex mirror",
-             [=](SceneMaker& maker) {
-                 smooth_ball(maker, test::mirror(), {0.0f, 0.0f, 1.0f}, 0.5);
-             },
-             {0.0f, -3.0f, 2.0f},
-             {0.0f, -0.35f, 0.85f}},
-            {"through a ball of water",
-             [=](SceneMaker& maker) {
-                 smooth_ball(maker, test::refraction(1.33f), {0.0f, 0.0f, 0.7f}, 0.6);
-             },
-             {0.5f, -1.0f, 3.0f},
-             {0.05f, -0.05f, 0.7f}},
-            {"through a pane",
-             [=](SceneMaker& maker) {
-                 maker.add(test::square(3.0f), test::refraction(1.5f),
-                           test::rotation_x(0.3f, Vec3(0.0f, 0.0f, 1.0f)));
-             },
-             {0.5f, -1.5f, 3.0f}}};
+    return {
+        {"seen directly", [](SceneMaker&) {}, {1.0f, -2.0f, 3.0f}},
+        {"from below", [](SceneMaker&) {}, {1.0f, -2.0f, -3.0f}},
+        {"instances",
+         [=](SceneMaker& maker) {
+             for (const float z : {0.3f, 0.6f}) {
+                 Instance instance;
+                 instance.name = "another";
+                 instance.mesh = 0;
+                 instance.materials = {0};
+                 instance.object_to_world = stretched;
+                 instance.object_to_world.translation = Vec3(0.0f, 0.0f, z);
+                 maker.builder.add_instance(instance);
+             }
+         },
+         {1.0f, -2.0f, 3.0f}},
+        {"in a convex mirror",
+         [=](SceneMaker& maker) {
+             smooth_ball(maker, test::mirror(), {0.0f, 0.0f, 1.0f}, 0.5);
+         },
+         {0.0f, -3.0f, 2.0f},
+         {0.0f, -0.35f, 0.85f}},
+        {"through a ball of water",
+         [=](SceneMaker& maker) {
+             smooth_ball(maker, test::refraction(1.33f), {0.0f, 0.0f, 0.7f}, 0.6);
+         },
+         {0.5f, -1.0f, 3.0f},
+         {0.05f, -0.05f, 0.7f}},
+        {"through a pane",
+         [=](SceneMaker& maker) {
+             maker.add(test::square(3.0f), test::refraction(1.5f),
+                       test::rotation_x(0.3f, Vec3(0.0f, 0.0f, 1.0f)));
+         },
+         {0.5f, -1.5f, 3.0f}},
+        {"through a closed pane",
+         [=](SceneMaker& maker) {
+             maker.add(test::block(3.0f, 0.4f), test::refraction(1.5f),
+                       test::rotation_x(0.3f, Vec3(0.0f, 0.0f, 1.2f)));
+         },
+         {0.5f, -1.5f, 3.0f}},
+        {"in an instance of a mirror",
+         [=](SceneMaker& maker) {
+             smooth_ball(maker, test::mirror(), {5.0f, 0.0f, 1.0f}, 0.5);
+             Instance instance;
+             instance.name = "another";
+             instance.mesh = 1;
+             instance.materials = {1};
+             instance.object_to_world = stretched;
+             instance.object_to_world.translation = Vec3(0.0f, 0.0f, 1.0f);
+             maker.builder.add_instance(instance);
+         },
+         {0.0f, -3.0f, 2.0f},
+         {0.0f, -0.45f, 0.8f}},
+        {"in a concave mirror",
+         [=](SceneMaker& maker) {
+             const Vec3 at(0.0f, 0.3f, 1.2f);
+             maker.add(dish(0.8), test::mirror(), mirroring(at, {0.0f, -3.0f, 2.0f}, Vec3(0.0f)));
+         },
+         {0.0f, -3.0f, 2.0f},
+         {0.0f, 0.3f, 1.2f}},
+        {"in two mirrors",
+         [=](SceneMaker& maker) {
+             const Vec3 from(0.0f, -3.0f, 1.2f), first(0.0f, 0.2f, 1.3f), second(0.3f, -0.9f, 2.2f);
+             maker.add(dish(1.5), test::mirror(), mirroring(first, from, second));
+             maker.add(
+                 test::sphere(64, 0.5), test::mirror(),
+                 test::translation(second + mirroring(second, first, Vec3(0.0f)).column(2) * -0.5f));
+         },
+         {0.0f, -3.0f, 1.2f},
+         {0.0f, 0.2f, 1.3f}}};
 }
 
 struct Model {

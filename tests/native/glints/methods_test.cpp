@@ -215,20 +215,32 @@ TEST(GlintWalks, LoseNothingOnAFlatMap) {
 // In a picture, weights and all: under a sun and in a mirror.
 TEST(GlintWalksSlow, AgreeWithPathTracing) {
     constexpr uint32_t kSamples = 60000, kReference = 400000;
+    struct Case {
+        const char* name;
+        GlintFloor floor;
+    };
+    const std::vector<Case> cases{{"GGX", floor_of(glossy(0.3f), waves(), 6.0)},
+                                  {"Beckmann", floor_of(glossy(0.3f, "BECKMANN"), waves(), 6.0)},
+                                  {"bump", floor_of(raised(0.3f), heights(), 6.0)}};
     IntegratorSettings settings = test::unlimited();
     settings.glints.method = GlintMethod::walks;
-    const GlintFloor floor = floor_of(glossy(0.3f), waves(), 6.0);
-    for (const bool mirrored : {false, true}) {
-        const auto on = test::estimate_pixel(test::finish(floor, GlintsMode::on, mirrored),
-                                             settings, kSamples, 1);
-        const auto off = test::estimate_pixel(test::finish(floor, GlintsMode::off, mirrored),
-                                              test::unlimited(), kReference, 2);
-        const double error = std::hypot(on.radiance.standard_error(), off.radiance.standard_error());
-        const double z = (on.radiance.mean() - off.radiance.mean()) / error;
-        EXPECT_GT(std::erfc(std::abs(z) / std::sqrt(2.0)), test::sidak(kFamily, 2))
-            << on.radiance.mean() << " and " << off.radiance.mean() << " +- " << error;
-        EXPECT_LT(error, 0.03 * on.radiance.mean()) << "too little power";
-    }
+    const double significance = test::sidak(kFamily, 2 * int(cases.size()));
+    for (const Case& c : cases)
+        for (const bool mirrored : {false, true}) {
+            const auto on = test::estimate_pixel(test::finish(c.floor, GlintsMode::on, mirrored),
+                                                 settings, kSamples, 1);
+            const auto off = test::estimate_pixel(test::finish(c.floor, GlintsMode::off, mirrored),
+                                                  test::unlimited(), kReference, 2);
+            const double error =
+                std::hypot(on.radiance.standard_error(), off.radiance.standard_error());
+            const double z = (on.radiance.mean() - off.radiance.mean()) / error;
+            const std::string name = std::string(c.name) + (mirrored ? ", in a mirror" : "");
+            EXPECT_GT(std::erfc(std::abs(z) / std::sqrt(2.0)), significance)
+                << name << ": " << on.radiance.mean() << " and " << off.radiance.mean() << " +- "
+                << error;
+            EXPECT_LT(error, 0.03 * on.radiance.mean()) << name << ": too little power";
+            EXPECT_GT(on.stats.glints.estimates, kSamples / 3) << name;
+        }
 }
 
 // More walks find more, and never more than there is.

@@ -200,9 +200,25 @@ TEST(SlopeField, NoFieldOfNormalsThatPointInwards) {
     EXPECT_TRUE(SlopeField::of_normals(image, 0.5f, 2)) << "a weak map is lifted";
 }
 
+// Whatever the size, of either kind: eight bytes for two by two cells and what the levels above
+// them hold, and moments, at least.
 TEST(SlopeField, TakesLessThanFourBytesForEachTexel) {
-    const Image image = test::plane_normals(256, 0.1, 0.2, 7);
-    EXPECT_LT(SlopeField::of_normals(image, 1.0f, 2)->memory_bytes(), size_t{4} * 256 * 256);
+    for (const auto& [width, height] : {std::pair(256u, 256u), std::pair(257u, 130u),
+                                        std::pair(130u, 257u), std::pair(1000u, 37u)})
+        for (const Relief relief : {Relief::normals, Relief::heights}) {
+            const auto texels = [width = width, height = height](double of_each) {
+                return static_cast<size_t>(of_each * width * height);
+            };
+            const Image image = relief == Relief::heights
+                                    ? test::plane_heights(width, height, 0.1, 0.2, 7)
+                                    : test::normal_image(width, height, [](double u, double v) {
+                                          return Vec2(float(0.2 * std::sin(40.0 * u)),
+                                                      float(0.1 * std::cos(30.0 * v)));
+                                      });
+            const size_t bytes = field_of({"", image, 1.0f, relief}).memory_bytes();
+            EXPECT_LT(bytes, texels(4.0)) << width << " x " << height << ", " << int(relief);
+            EXPECT_GT(bytes, texels(3.0)) << width << " x " << height << ", " << int(relief);
+        }
 }
 
 }  // namespace

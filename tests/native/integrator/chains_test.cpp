@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The manifold without light paths, for each kind of chain: a sphere under a sun against what its
 // mapping of impact parameters to the floor makes of the light, the rest against path tracing.
-#include "support/casters.h"
-#include "support/radiance.h"
+#include "integrator/chain_cases.h"
 
 #include <gtest/gtest.h>
+
+#include <set>
 
 namespace spc::test {
 namespace {
@@ -20,7 +21,7 @@ struct Method {
     uint32_t longest;
     uint32_t samples = 15000;  // for each block, against path tracing
 };
-constexpr Method kWalks{"walks", ChainFinder::walks, 1, 60000},
+constexpr Method kWalks{"walks", ChainFinder::walks, kLongestManifoldChain, 60000},
     kSheets{"sheets", ChainFinder::sheets, kLongestManifoldChain};
 
 IntegratorSettings one_scattering() {
@@ -192,206 +193,142 @@ TEST(SphereUnderASunSlow, HasTheIrradianceOfItsMapping) {
 
 // ---- every kind of chain, against path tracing
 
-// A square with UVs whose normals come from image 0: waves of this slope.
-void add_waves(SceneMaker& maker, double slope) {
-    maker.builder.add_image(plane_normals(128, 0.25, slope, 5));
-}
-Mesh mapped_square(float half) {
-    return with_uvs(grid(
-                        1,
-                        [=](double u, double v) {
-                            return Vec3d(2.0 * u - 1.0, 2.0 * v - 1.0, 0.0) * double(half);
-                        },
-                        [](double, double) { return Vec3d(0, 0, 1); }),
-                    1);
-}
-
 struct ChainCase {
-    std::string name;
-    std::function<void(SceneMaker&, bool mapped)> build;
-    Vec3 lamp;
+    ChainScene scene;
     std::vector<Method> methods;
-    bool can_be_mapped = true;
     LightType light = LightType::point;
     float radius = 0.3f;  // of the lamp
 };
-// One surface of the casters; where `mapped`, by the normal map.
-void add_surface(SceneMaker& maker, float half, const Graph& graph, const Transform& transform,
-                 bool mapped) {
-    maker.add(mapped ? mapped_square(half) : flat(square(half)),
-              mapped ? normal_mapped(graph, Vec2(2.0f * half, 2.0f * half) * 0.6f) : graph,
-              transform, CausticsRole::caster);
-}
-void add_slab(SceneMaker& maker, float top, bool mapped) {
-    add_surface(maker, 2.5f, refraction(1.5f), translation({0, 0, top}), mapped);
-    add_surface(maker, 2.5f, refraction(1.5f), rotation_x(kPi, {0, 0, top - 0.2f}), false);
-}
-// Upright, behind the part of the floor that is looked at.
-void add_mirror(SceneMaker& maker, bool mapped) {
-    add_surface(maker, 0.6f, mirror(), rotation_x(0.5f * kPi, {0, 1.1f, 0.8f}), mapped);
-}
 
 std::vector<ChainCase> chain_cases() {
-    const Vec3 above(0.2f, -0.3f, 1.9f);
-    return {
-        {"R", [](SceneMaker& m, bool mapped) { add_mirror(m, mapped); }, above, {kWalks, kSheets}},
-        {"T",
-         [](SceneMaker& m, bool mapped) {
-             add_surface(m, 2.5f, refraction(1.4f), translation({0, 0, 0.7f}), mapped);
-         },
-         above,
-         {kWalks, kSheets}},
-        {"RT",
-         [](SceneMaker& m, bool mapped) {
-             add_mirror(m, false);
-             add_surface(m, 2.5f, refraction(1.3f), translation({0, 0, 1.45f}), mapped);
-             // Nothing comes to the floor but by the mirror.
-             m.add(square(0.9f), diffuse(0.0f), translation({0, -0.6f, 1.2f}), CausticsRole::off);
-         },
-         above,
-         {kSheets}},
-        {"TT", [](SceneMaker& m, bool mapped) { add_slab(m, 0.8f, mapped); }, above, {kSheets}},
-        {"TRT",
-         [](SceneMaker& m, bool mapped) {
-             add_mirror(m, false);
-             add_surface(m, 0.75f, refraction(1.4f), rotation_x(0.5f * kPi, {0, 1.0f, 0.8f}),
-                         mapped);
-         },
-         above,
-         {kSheets}},
-        // Half of the light is reflected at each interaction, outside and inside.
-        {"R, TT and TRT of a ball",
-         [](SceneMaker& m, bool) {
-             m.add(sphere(32, 0.5), combined(mirror(), refraction(1.5f), 0.5f),
-                   translation({0.0f, 0.9f, 0.6f}), CausticsRole::caster);
-         },
-         {0.1f, -0.4f, 1.3f},
-         {kSheets},
-         false},
-        {"TTTT",
-         [](SceneMaker& m, bool mapped) {
-             add_slab(m, 0.5f, false);
-             add_slab(m, 1.0f, mapped);
-         },
-         above,
-         {kSheets}}};
+    std::vector<ChainCase> cases;
+    // Of longer chains walks leave most light to path tracing, where it finds the lamp.
+    for (const ChainScene& scene : chain_scenes())
+        cases.push_back(
+            {scene, scene.interactions == 1 ? std::vector{kWalks, kSheets} : std::vector{kSheets}});
+    return cases;
 }
 
 // ---- rough vertices
 
 // Roughness 0.2 and 0.15: lobes of 0.04 and 0.0225 rad.
-std::vector<ChainCase> rough_chain_cases() {
-    const Vec3 above(0.2f, -0.3f, 1.9f);
-    const Graph metal = mirror(0.2f), frosted = refraction(1.4f, 0.15f);
-    const auto beckmann = [](Graph graph) {
-        graph.options.push_back({1, "distribution", "BECKMANN"});
-        return graph;
-    };
-    const Method single{"walks", ChainFinder::walks, 1, 30000},
-        any{"sheets", ChainFinder::sheets, kLongestManifoldChain, 60000};
-    return {
-        {"rough R",
-         [=](SceneMaker& m, bool) {
-             add_surface(m, 0.6f, metal, rotation_x(0.5f * kPi, {0, 1.1f, 0.8f}), false);
-         },
-         above,
-         {single},
-         false},
-        {"rough R, Beckmann",
-         [=](SceneMaker& m, bool) {
-             add_surface(m, 0.6f, beckmann(metal), rotation_x(0.5f * kPi, {0, 1.1f, 0.8f}), false);
-         },
-         above,
-         {single},
-         false},
-        // What its diffuse part scatters is path tracing's.
-        {"rough R of a mixture",
-         [=](SceneMaker& m, bool) {
-             add_surface(m, 0.6f, combined(metal, diffuse(0.7f), 0.5f),
-                         rotation_x(0.5f * kPi, {0, 1.1f, 0.8f}), false);
-         },
-         above,
-         {single},
-         false},
-        {"rough T",
-         [=](SceneMaker& m, bool) {
-             add_surface(m, 2.5f, frosted, translation({0, 0, 0.7f}), false);
-         },
-         above,
-         {any}},
-        {"rough T, T",
-         [=](SceneMaker& m, bool) {
-             add_surface(m, 2.5f, frosted, rotation_x(kPi, {0, 0, 0.6f}), false);
-             add_surface(m, 2.5f, refraction(1.4f), translation({0, 0, 0.8f}), false);
-         },
-         above,
-         {any}},
-        {"T, rough T",
-         [=](SceneMaker& m, bool) {
-             add_surface(m, 2.5f, refraction(1.4f), rotation_x(kPi, {0, 0, 0.6f}), false);
-             add_surface(m, 2.5f, frosted, translation({0, 0, 0.8f}), false);
-         },
-         above,
-         {any},
-         false,
-         LightType::point,
-         0.2f},
-        {"rough T, rough R, rough T",
-         [=](SceneMaker& m, bool) {
-             add_surface(m, 0.6f, metal, rotation_x(0.5f * kPi, {0, 1.1f, 0.8f}), false);
-             add_surface(m, 0.75f, frosted, rotation_x(0.5f * kPi, {0, 1.0f, 0.8f}), false);
-         },
-         above,
-         {any},
-         false},
-        // Half of the light passes the pane straight on.
-        {"rough R behind a pane",
-         [=](SceneMaker& m, bool) {
-             add_surface(m, 0.6f, metal, rotation_x(0.5f * kPi, {0, 1.1f, 0.8f}), false);
-             add_surface(m, 0.75f, combined(metal, transparent(1.0f), 0.5f),
-                         rotation_x(0.5f * kPi, {0, 1.0f, 0.8f}), false);
-         },
-         above,
-         {any},
-         false},
-        // Next event estimation finds lights without size at rough vertices.
-        {"rough R of a point",
-         [=](SceneMaker& m, bool) {
-             add_surface(m, 0.6f, metal, rotation_x(0.5f * kPi, {0, 1.1f, 0.8f}), false);
-         },
-         above,
-         {single},
-         false,
-         LightType::point,
-         0.0f},
-        {"rough T of a sun without a disc",
-         [=](SceneMaker& m, bool) {
-             add_surface(m, 2.5f, refraction(1.4f, 0.28f), translation({0, 0, 0.7f}), false);
-         },
-         above,
-         {any},
-         false,
-         LightType::sun,
-         0.0f},
-        {"rough ball",
-         [=](SceneMaker& m, bool) {
-             m.add(sphere(32, 0.5), combined(metal, refraction(1.5f, 0.2f), 0.5f),
-                   translation({0.0f, 0.9f, 0.6f}), CausticsRole::caster);
-         },
-         {0.1f, -0.4f, 1.3f},
-         {any},
-         false}};
+const Graph kMetal = mirror(0.2f), kFrosted = refraction(1.4f, 0.15f);
+Graph beckmann(Graph graph) {
+    graph.options.push_back({1, "distribution", "BECKMANN"});
+    return graph;
+}
+constexpr Method kRoughWalks{"walks", ChainFinder::walks, kLongestManifoldChain, 30000},
+    kRoughSheets{"sheets", ChainFinder::sheets, kLongestManifoldChain, 80000};
+
+using Build = std::function<void(SceneMaker&)>;
+ChainCase rough(const char* name, const Method& method, const Build& build) {
+    return {{name, 1, [build](SceneMaker& m, Reliefs) { build(m); }}, {method}};
+}
+void add_pane(SceneMaker& maker, float z, const Graph& graph) {
+    add_surface(maker, 2.5f, graph, translation({0, 0, z}));
+}
+// Whose back is above.
+void add_pane_over_glass(SceneMaker& maker, float z, const Graph& graph) {
+    add_surface(maker, 2.5f, graph, rotation_x(kPi, {0, 0, z}));
 }
 
-RenderScene make(const ChainCase& c, bool mapped) {
+std::vector<ChainCase> rough_reflections() {
+    const auto off = [](const Graph& graph) {
+        return [graph](SceneMaker& m) { add_mirror(m, Relief::none, graph); };
+    };
+    std::vector<ChainCase> cases{
+        rough("rough R", kRoughWalks, off(kMetal)),
+        rough("rough R, Beckmann", kRoughWalks, off(beckmann(kMetal))),
+        // What its diffuse part scatters is path tracing's.
+        rough("rough R of a mixture", kRoughWalks, off(combined(kMetal, diffuse(0.7f), 0.5f))),
+        // Half of the light passes the pane straight on.
+        rough("rough R behind a pane", kRoughSheets,
+              [](SceneMaker& m) {
+                  add_mirror(m, Relief::none, kMetal);
+                  add_pane_before_mirror(m, combined(kMetal, transparent(1.0f), 0.5f));
+              }),
+        // Next event estimation finds lights without size at rough vertices.
+        rough("rough R of a point", kRoughWalks, off(kMetal)),
+        rough("rough T, rough R, rough T", kRoughSheets, [](SceneMaker& m) {
+            add_mirror(m, Relief::none, kMetal);
+            add_pane_before_mirror(m, kFrosted);
+        })};
+    cases[4].radius = 0.0f;
+    const auto by_pane = [](const Graph& wall, const Graph& pane) {
+        return [=](SceneMaker& m) {
+            add_mirror(m, Relief::none, wall);
+            add_pane_over_mirror(m, pane);
+        };
+    };
+    cases.push_back(rough("rough R, T", kRoughSheets, by_pane(kMetal, refraction(1.3f))));
+    cases.push_back(rough("R, rough T", kRoughSheets, by_pane(mirror(), refraction(1.3f, 0.15f))));
+    cases.push_back(
+        rough("rough R, rough T", kRoughSheets, by_pane(kMetal, refraction(1.3f, 0.15f))));
+    return cases;
+}
+
+std::vector<ChainCase> rough_refractions() {
+    const auto through = [](const Graph& graph) {
+        return [graph](SceneMaker& m) { add_pane(m, 0.7f, graph); };
+    };
+    const auto pair = [](const Graph& below, const Graph& above) {
+        return [=](SceneMaker& m) {
+            add_pane_over_glass(m, 0.6f, below);
+            add_pane(m, 0.8f, above);
+        };
+    };
+    std::vector<ChainCase> cases{
+        rough("rough T", kRoughSheets, through(kFrosted)),
+        rough("rough T, Beckmann", kRoughSheets, through(beckmann(kFrosted))),
+        rough("rough T, T", kRoughSheets, pair(kFrosted, refraction(1.4f))),
+        rough("rough T, T, Beckmann", kRoughSheets, pair(beckmann(kFrosted), refraction(1.4f))),
+        rough("rough T, rough T, Beckmann", kRoughSheets,
+              pair(beckmann(kFrosted), beckmann(kFrosted))),
+        rough("T, rough T", kRoughSheets, pair(refraction(1.4f), kFrosted)),
+        rough("rough T of a sun without a disc", kRoughSheets, through(refraction(1.4f, 0.28f)))};
+    cases[5].radius = 0.2f;
+    cases[6].light = LightType::sun;
+    cases[6].radius = 0.0f;
+    return cases;
+}
+
+std::vector<ChainCase> rough_pairs_of_slabs() {
+    const auto slabs = [](const std::array<Graph, 4>& from_below) {
+        return [=](SceneMaker& m) {
+            for (size_t i = 0; i < 4; i += 2) {
+                const float z = 0.3f + 0.25f * float(i);
+                add_pane_over_glass(m, z, from_below[i]);
+                add_pane(m, z + 0.2f, from_below[i + 1]);
+            }
+        };
+    };
+    const Graph clear = refraction(1.4f), frosted = refraction(1.4f, 0.12f);
+    std::vector<ChainCase> cases{
+        rough("rough T, T, T, T", kRoughSheets, slabs({frosted, clear, clear, clear})),
+        rough("T, T, rough T, T", kRoughSheets, slabs({clear, clear, frosted, clear})),
+        rough("four times rough T", kRoughSheets, slabs({frosted, frosted, frosted, frosted}))};
+    for (ChainCase& c : cases) c.radius = 0.2f;
+    return cases;
+}
+
+ChainCase rough_ball() {
+    ChainCase ball = rough("rough ball", kRoughSheets, [](SceneMaker& m) {
+        add_for_light(m, sphere(32, 0.5), combined(kMetal, refraction(1.5f, 0.2f), 0.5f),
+                      translation({0.0f, 0.9f, 0.6f}));
+    });
+    ball.scene.lamp = {0.1f, -0.4f, 1.3f};
+    return ball;
+}
+
+RenderScene make(const ChainCase& c, Reliefs reliefs) {
     SceneMaker maker;
     add_floor(maker);
-    add_waves(maker, 0.1);
-    c.build(maker, mapped);
+    add_relief_image(maker, reliefs);
+    c.scene.build(maker, reliefs);
     LightDesc lamp;
     lamp.name = "lamp";
     lamp.type = c.light;
-    lamp.to_world = translation(c.lamp);
+    lamp.to_world = translation(c.scene.lamp);
     lamp.power = Spectrum(100.0f);
     lamp.radius = c.radius;
     lamp.visibility = kNotDirectly;
@@ -407,12 +344,13 @@ auto block_of(int block) {
     };
 }
 
-void expect_agreement(const std::vector<ChainCase>& cases, bool mapped) {
+void expect_agreement(const std::vector<ChainCase>& cases, Reliefs reliefs = {}) {
     constexpr uint32_t kTruth = 200000;
     const double significance = sidak(kFamily, 4 * 11);
+    const bool smooth = reliefs.one == Relief::none && reliefs.others == Relief::none;
     for (const ChainCase& c : cases) {
-        if (mapped && !c.can_be_mapped) continue;
-        const RenderScene world = make(c, mapped);
+        if (!smooth && !c.scene.has_relief) continue;
+        const RenderScene world = make(c, reliefs);
         Floor by_path_tracing(world, nullptr);
         std::vector<MeanEstimate> truth;
         for (int block = 0; block < 4; ++block)
@@ -423,7 +361,7 @@ void expect_agreement(const std::vector<ChainCase>& cases, bool mapped) {
             for (int block = 0; block < 4; ++block) {
                 const FloorMean found = floor.mean(block_of(block), method.samples, 2);
                 EXPECT_TRUE(same_mean(found.radiance, truth[size_t(block)], significance))
-                    << c.name << " by " << method.name << ", block " << block;
+                    << c.scene.name << " by " << method.name << ", block " << block;
                 radiance += found.radiance.mean();
                 caustics += found.caustics.mean();
                 variance += std::pow(found.radiance.standard_error(), 2) +
@@ -431,22 +369,45 @@ void expect_agreement(const std::vector<ChainCase>& cases, bool mapped) {
             }
             // What five standard errors are of the manifold's share.
             const double notices = 5.0 * std::sqrt(variance) / caustics;
-            std::cout << c.name << (mapped ? ", mapped," : "") << " by " << method.name
+            std::cout << c.scene.name << ", " << to_string(reliefs.one) << " and "
+                      << to_string(reliefs.others) << ", by " << method.name
                       << ": the manifold finds " << caustics / radiance
                       << " of the light, an error is noticed from " << notices << std::endl;
-            EXPECT_GT(caustics, 0.3 * radiance) << c.name;
-            EXPECT_LT(notices, 0.25) << c.name;
+            EXPECT_GT(caustics, 0.25 * radiance) << c.scene.name;
+            EXPECT_LT(notices, 0.25) << c.scene.name;
         }
     }
 }
 
-TEST(ChainsSlow, OfSmoothCastersAgreeWithPathTracing) { expect_agreement(chain_cases(), false); }
+std::vector<ChainCase> of_kinds(const std::set<std::string>& names, const Method& method) {
+    std::vector<ChainCase> cases = chain_cases();
+    std::erase_if(cases, [&](const ChainCase& c) { return !names.contains(c.scene.name); });
+    EXPECT_EQ(cases.size(), names.size());
+    for (ChainCase& c : cases) c.methods = {method};
+    return cases;
+}
+
+TEST(ChainsSlow, OfSmoothCastersAgreeWithPathTracing) { expect_agreement(chain_cases()); }
 TEST(ChainsSlow, OfNormalMappedCastersAgreeWithPathTracing) {
-    expect_agreement(chain_cases(), true);
+    expect_agreement(of_kinds({"R", "T"}, kWalks), {Relief::normals});
+    expect_agreement(of_kinds({"R", "T", "RT", "TT", "TRT", "TTTT"}, kSheets), {Relief::normals});
 }
-TEST(ChainsSlow, OfRoughCastersAgreeWithPathTracing) {
-    expect_agreement(rough_chain_cases(), false);
+TEST(ChainsSlow, OfSeveralNormalMappedCastersAgreeWithPathTracing) {
+    constexpr Method kPatient{"sheets", ChainFinder::sheets, kLongestManifoldChain, 40000};
+    expect_agreement(of_kinds({"RT", "TRT"}, kPatient), {Relief::none, Relief::normals});
+    expect_agreement(of_kinds({"RT", "TT", "TTTT"}, kPatient), {Relief::normals, Relief::normals});
 }
+TEST(ChainsSlow, OfBumpedCastersAgreeWithPathTracing) {
+    expect_agreement(of_kinds({"R", "T"}, kWalks), {Relief::heights});
+    expect_agreement(of_kinds({"R", "T", "RT", "TT"}, kSheets), {Relief::heights});
+    expect_agreement(of_kinds({"TT"}, kSheets), {Relief::heights, Relief::heights});
+}
+TEST(ChainsSlow, OfRoughMirrorsAgreeWithPathTracing) { expect_agreement(rough_reflections()); }
+TEST(ChainsSlow, ThroughRoughPanesAgreeWithPathTracing) { expect_agreement(rough_refractions()); }
+TEST(ChainsSlow, ThroughRoughSlabsAgreeWithPathTracing) {
+    expect_agreement(rough_pairs_of_slabs());
+}
+TEST(ChainsSlow, OfARoughBallAgreeWithPathTracing) { expect_agreement({rough_ball()}); }
 
 }  // namespace
 }  // namespace spc::test

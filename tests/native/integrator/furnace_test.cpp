@@ -63,6 +63,27 @@ TEST(Furnace, SmoothObjectsNearlyVanish) {
     }
 }
 
+// What a coat does not reflect is all there below it. Its table of albedos is good to 1 %.
+TEST(Furnace, CoatedBallsNearlyVanish) {
+    for (const float roughness : {0.0f, 0.2f, 0.5f, 1.0f})
+        for (const float ior : {1.5f, 1.0f}) {
+            SceneMaker maker;
+            maker.add(test::flat(test::sphere(16, 1.0)),
+                      test::single_shader("bsdf_principled",
+                                          {{1, "Base Color", {1, 1, 1, 1}},
+                                           {1, "Roughness", {0.3f, 0, 0, 0}},
+                                           {1, "IOR", {ior, 0, 0, 0}},
+                                           {1, "Coat Weight", {1, 0, 0, 0}},
+                                           {1, "Coat IOR", {1.6f, 0, 0, 0}},
+                                           {1, "Coat Roughness", {roughness, 0, 0, 0}}}));
+            test::set_world(maker, 1.0f);
+            const test::RadianceEstimate e =
+                test::estimate(maker.finish(), unlimited(), 40000, rays_at_unit_sphere(5));
+            EXPECT_NEAR(e.radiance.mean(), 1.0, 0.004) << roughness << ", IOR " << ior;
+            EXPECT_LT(e.radiance.standard_error(), 0.001) << "too little power";
+        }
+}
+
 // Glows as a white world would. The manifold is fed by meshes, and by no more of a world than its
 // narrow bright parts.
 void add_dome(SceneMaker& maker) {

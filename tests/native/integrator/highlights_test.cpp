@@ -33,7 +33,6 @@ Picture render_highlights(const RenderScene& world, bool with_chains, uint32_t r
     if (with_chains) {
         settings.manifold = unbiased_manifold();
         settings.manifold.finder = ChainFinder::sheets;
-        settings.manifold.longest_chain = kLongestManifoldChain;
         const std::atomic<bool> cancelled{false};
         highlights = learn_highlights(world, settings, kWalks, seed, 1, cancelled, stats);
         EXPECT_TRUE(highlights) << "no chain from the camera to a light";
@@ -145,6 +144,11 @@ Case with_bulb(const std::string& name, const std::function<void(SceneMaker&)>& 
 void add_seen(SceneMaker& maker, const Mesh& mesh, const Graph& graph, const Vec3& at) {
     maker.add(mesh, graph, translation(at), CausticsRole::caster);
 }
+// Hidden from the camera.
+void add_unseen(SceneMaker& maker, const Mesh& mesh, const Graph& graph, const Vec3& at) {
+    maker.add(mesh, graph, translation(at), CausticsRole::caster,
+              kVisibleAll & ~uint32_t{kVisibleCamera});
+}
 void add_mirror_ball(SceneMaker& maker) { add_seen(maker, sphere(24, 0.5), mirror(), {0, 0, 0}); }
 void add_glass_ball(SceneMaker& maker) { add_seen(maker, sphere(24, 0.5), glass(1.5f), {0, 0, 0}); }
 
@@ -157,6 +161,13 @@ TEST(HighlightsSlow, AgreeWithPathTracingForEveryCaster) {
         [](SceneMaker& maker) {
             add_seen(maker, sphere(24, 0.14), mirror(), {-0.15f, 0, 0});
             add_seen(maker, sphere(24, 0.14), glass(1.5f), {0.15f, 0, 0});
+        },
+        0.2f));
+    cases.push_back(with_bulb(
+        "a ball beside one that the camera does not see",
+        [](SceneMaker& maker) {
+            add_seen(maker, sphere(24, 0.14), mirror(), {-0.15f, 0, 0});
+            add_unseen(maker, sphere(24, 0.14), mirror(), {0.15f, 0, 0});
         },
         0.2f));
     cases.push_back(with_bulb(
@@ -254,6 +265,10 @@ TEST(Highlights, AreNotLookedForWhereNoneCanBe) {
         bulb(maker, 0.01f);
     }));
     EXPECT_FALSE(learned([&](SceneMaker& maker) { bulb(maker, 0.01f); }));
+    EXPECT_FALSE(learned([&](SceneMaker& maker) {
+        add_unseen(maker, sphere(24, 0.5), mirror(), {0, 0, 0});
+        bulb(maker, 0.01f);
+    }));
     EXPECT_FALSE(learned([&](SceneMaker& maker) {  // no ray ever hits it
         add_mirror_ball(maker);
         bulb(maker, 0.0f);

@@ -158,6 +158,49 @@ std::vector<Setup> lights_over_a_ball() {
             over_ball("panorama", set_panorama)};
 }
 
+// ---- emission from an image
+
+// Its corners, bottom row first: one is bright, one dim, two have colours of their own.
+constexpr float kCornersOfLight[4][3] = {
+    {60.0f, 40.0f, 20.0f}, {10.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 10.0f}, {0.5f, 0.5f, 0.5f}};
+constexpr float kPanelOfLight = 0.6f;  // half its side, m
+// Hangs from `transform` with its front below. Turned, it has its UVs along its edges; else these go
+// round by a quarter.
+void add_panel_of_light(SceneMaker& maker, const Transform& transform, bool turned = false) {
+    constexpr uint32_t kTexels = 16;
+    std::vector<float> texels;
+    for (uint32_t y = 0; y < kTexels; ++y)
+        for (uint32_t x = 0; x < kTexels; ++x)
+            for (const float value : kCornersOfLight[2 * (2 * y / kTexels) + 2 * x / kTexels])
+                texels.push_back(value);
+    const uint32_t image = maker.builder.add_image(image_from_floats(
+        "light", texels, kTexels, kTexels, 3, ColorSpace::linear, AlphaMode::none));
+    Graph graph = emission(1.0f);
+    graph.name = "image of light";
+    graph.nodes.push_back({"Image", "image_texture", image});
+    graph.options.push_back({2, "interpolation", "Closest"});
+    graph.links.push_back({2, "Color", 1, "Color"});
+    Mesh mesh = flat(square(kPanelOfLight));
+    for (Vec2& uv : mesh.uv_layers[0].uv)
+        if (!turned) uv = Vec2(1.0f - uv.y, uv.x);
+    add(maker, mesh, graph, transform, kVisibleAll & ~uint32_t{kVisibleCamera}, CausticsRole::off);
+}
+
+std::vector<Setup> under_an_image_of_light(bool turned = false) {
+    const auto hang = [=](SceneMaker& m) {
+        add_panel_of_light(m, rotation_x(kPi + 0.2f, {0.3f, -0.2f, 1.7f}), turned);
+    };
+    return {{"mirror",
+             [=](SceneMaker& m) {
+                 hang(m);
+                 add_panel(m, mirror());
+             }},
+            {"glass", [=](SceneMaker& m) {
+                 hang(m);
+                 add_caster(m, slab(0.5f, 0.2f), glass(1.5f), translation({0.1f, 0, 0.7f}));
+             }}};
+}
+
 // Water between floor and camera on one side and the lamp on the other.
 std::vector<Setup> other_media() {
     const auto water = [](float angle, SceneMaker& m) {
@@ -270,6 +313,59 @@ TEST(LightPathsSlow, AgreeWithPathTracingForEveryCaster) {
     expect_agreement(casters_under_a_bulb(), few_bounces(), CausticsRole::receiver, 8, true);
 }
 TEST(LightPathsSlow, AgreeWithPathTracingForEveryLight) { expect_agreement(lights_over_a_ball()); }
+TEST(LightPathsSlow, AgreeWithPathTracingForEmissionFromAnImage) {
+    expect_agreement(under_an_image_of_light());
+    // The image turned by a quarter shows.
+    std::vector<Picture> pictures;
+    for (const bool turned : {false, true}) {
+        SceneMaker maker;
+        set_camera(maker);
+        add_floor(maker);
+        under_an_image_of_light(turned)[0].build(maker);
+        const RenderScene world = maker.finish();
+        pictures.push_back(render(world, few_bounces(), kSheets, 500, 1));
+    }
+    EXPECT_FALSE(same_mean(pictures[0].mean[4], pictures[1].mean[4], sidak(kFamily, 5)));
+}
+
+// What comes straight to the floor, by quadrature over the panel.
+TEST(LightPathsSlow, EmissionFromAnImageIsThatOfItsTexels) {
+    constexpr double kHeight = 1.7, kNoticed = 1.03;
+    constexpr uint32_t kSamples = 40000;
+    constexpr int kCells = 200;
+    SceneMaker maker;
+    add_floor(maker);
+    add_panel_of_light(maker, rotation_x(kPi, {0.0f, 0.0f, float(kHeight)}));
+    const RenderScene world = maker.finish();
+    for (const Vec3& p : {Vec3(0.0f), Vec3(0.5f, 0.4f, 0.0f), Vec3(-0.7f, 0.9f, 0.0f)}) {
+        std::array<double, 3> expected{};
+        for (int j = 0; j < kCells; ++j)
+            for (int i = 0; i < kCells; ++i) {
+                const double side = 2.0 * double(kPanelOfLight);
+                const double x = ((i + 0.5) / kCells - 0.5) * side,
+                             y = ((j + 0.5) / kCells - 0.5) * side;
+                const double squared =
+                    std::pow(x - double(p.x), 2) + std::pow(y - double(p.y), 2) + kHeight * kHeight;
+                const double irradiance = std::pow(kHeight * side / (kCells * squared), 2);
+                for (size_t c = 0; c < 3; ++c)
+                    expected[c] += 0.8 / std::numbers::pi * irradiance *
+                                   double(kCornersOfLight[2 * (x > 0.0) + (y > 0.0)][c]);
+            }
+        std::array<MeanEstimate, 3> found;
+        PathStats stats;
+        for (uint32_t i = 0; i < kSamples; ++i) {
+            const Ray down{p + Vec3(0, 0, 0.01f), {0, 0, -1}};
+            const Spectrum radiance =
+                path_radiance(world, few_bounces(), {}, down, Vec2(0.5f), Sampler(3, i, 0), stats)
+                    .radiance;
+            for (int c = 0; c < 3; ++c) found[size_t(c)].add(double(radiance[c]));
+        }
+        for (size_t c = 0; c < 3; ++c) {
+            EXPECT_TRUE(is_mean(found[c], expected[c], sidak(kFamily, 9))) << p << ", channel " << c;
+            EXPECT_FALSE(is_mean(found[c], kNoticed * expected[c], sidak(kFamily, 9))) << p;
+        }
+    }
+}
 TEST(LightPathsSlow, AgreeWithPathTracingInOtherMedia) { expect_agreement(other_media()); }
 TEST(LightPathsSlow, AgreeWithPathTracingInAbsorbingMedia) {
     expect_agreement(absorbing_media(), few_bounces(), CausticsRole::receiver, 16);

@@ -50,8 +50,6 @@ inline Picture render(const RenderScene& world, IntegratorSettings settings, con
     constexpr uint32_t kPixels = kSide * kSide;
     if (method.manifold) settings.manifold = unbiased_manifold();
     settings.manifold.finder = method.finder;
-    if (method.finder != ChainFinder::walks)
-        settings.manifold.longest_chain = kLongestManifoldChain;
     SheetPool sheets;
     PassState state;
     if (method.finder == ChainFinder::sheets) {
@@ -145,14 +143,7 @@ inline LightDesc lamp(LightType type, float power) {
 }
 inline void add(SceneMaker& maker, const Mesh& mesh, const Graph& graph, const Transform& transform,
                 uint32_t visibility, CausticsRole role) {
-    Instance instance;
-    instance.name = mesh.name + " of " + graph.name;
-    instance.mesh = maker.builder.add_mesh(mesh);
-    instance.object_to_world = transform;
-    instance.materials = {maker.builder.add_material(graph)};
-    instance.visibility = visibility;
-    instance.role = role;
-    maker.builder.add_instance(instance);
+    maker.add(mesh, graph, transform, role, visibility);
 }
 inline void add_bulb(SceneMaker& maker, const Vec3& p = {0.8f, -0.8f, 0.7f}, float radius = 0.3f,
                      uint32_t visibility = kNotDirectly) {

@@ -54,7 +54,6 @@ public:
           guide_(aim_at_casters(*world_.scene, world_.lights, world_.casters, Squares::of_beams)) {
         settings_.manifold = unbiased_manifold();
         settings_.manifold.finder = ChainFinder::sheets;
-        settings_.manifold.longest_chain = 4;
         if (light_tracing) settings_.light_tracing = {&guide_, kPaths};
     }
 

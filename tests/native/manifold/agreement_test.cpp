@@ -222,7 +222,6 @@ RenderScene make(const Chain3& chain) {
 ManifoldSettings settings() {
     ManifoldSettings s;
     s.enabled = true;
-    s.longest_chain = kLongestManifoldChain;
     s.seeds_by_area = 1.0f;
     return s;
 }

@@ -239,23 +239,39 @@ struct TracedChain {
             if (vertex.interaction == Interaction::refraction) vertex.eta = 1.0f / vertex.eta;
         return other;
     }
-    // |d solid angle at x / d area at y| across the ray, by differences of the traced map.
-    double geometry() const {
-        const Vec3d d0 = normalize(Vec3d(vertices[0].patch.p) - x);
-        const Vec3d out = normalize(y - Vec3d(vertices.back().patch.p));
-        const Frame frame = Frame::around(Vec3(d0)), plane = Frame::around(Vec3(out));
-        const auto landing = [&](const Vec3d& turn) {
-            const auto [from, w] = trace(x, normalize(d0 + turn));
-            const Vec3d q = from + w * (dot(y - from, out) / dot(w, out)) - y;
-            return std::array{dot(q, Vec3d(plane.x)), dot(q, Vec3d(plane.y))};
-        };
+    Vec3d leaving_x() const { return normalize(Vec3d(vertices.front().patch.p) - x); }
+    Vec3d to_light() const { return normalize(y - Vec3d(vertices.back().patch.p)); }
+
+    // |d solid angle at x / d area at y| across the ray, or by solid angle at a distant light.
+    double geometry(bool distant = false) const {
+        const Vec3d d0 = leaving_x(), out = to_light();
+        return 1.0 / stretch(d0, out, [&](const Vec3d& turn) {
+                   const auto [from, w] = trace(x, normalize(d0 + turn));
+                   return distant ? w : from + w * (dot(y - from, out) / dot(w, out));
+               });
+    }
+    // |d area across the light / d area across the ray at x| of parallel light from a distant one.
+    double concentration() const {
+        const Vec3d d0 = leaving_x(), out = to_light();
+        const TracedChain back = reversed();
+        return 1.0 / stretch(out, d0, [&](const Vec3d& shift) {
+                   const auto [from, w] = back.trace(y + shift, out * -1.0);
+                   return from + w * (dot(x - from, d0) / dot(w, d0));
+               });
+    }
+
+private:
+    // By how much areas grow from across one direction to across another, by differences.
+    template <class Map>
+    static double stretch(const Vec3d& across, const Vec3d& then, const Map& map) {
+        const Frame from = Frame::around(Vec3(across)), to = Frame::around(Vec3(then));
         constexpr double h = 1e-5;
         const auto slope = [&](const Vec3& axis) {
-            const auto a = landing(Vec3d(axis) * h), b = landing(Vec3d(axis) * -h);
-            return std::array{(a[0] - b[0]) / (2 * h), (a[1] - b[1]) / (2 * h)};
+            const Vec3d change = (map(Vec3d(axis) * h) - map(Vec3d(axis) * -h)) / (2 * h);
+            return std::array{dot(change, Vec3d(to.x)), dot(change, Vec3d(to.y))};
         };
-        const auto a = slope(frame.x), b = slope(frame.y);
-        return 1.0 / std::abs(a[0] * b[1] - a[1] * b[0]);
+        const auto a = slope(from.x), b = slope(from.y);
+        return std::abs(a[0] * b[1] - a[1] * b[0]);
     }
 };
 
@@ -308,64 +324,92 @@ std::optional<TracedChain> random_chain(int count, bool mapped, Pcg& pcg) {
     return chain;
 }
 
-void for_random_chains(bool mapped, const std::function<void(const TracedChain&)>& body) {
-    for (int count = 1; count <= 3; ++count) {
+void for_random_chains(bool mapped, bool distant,
+                       const std::function<void(const TracedChain&)>& body) {
+    for (int count = 1; count <= 4; ++count) {
         Pcg pcg{uint64_t(count)};
         int done = 0;
-        for (int trial = 0; trial < 2000 && done < 300; ++trial)
+        for (int trial = 0; trial < 4000 && done < 300; ++trial)
             if (const std::optional<TracedChain> chain = random_chain(count, mapped, pcg)) {
                 // Near a fold differences see its curvature.
-                const double g = chain->geometry();
+                const double g = chain->geometry(distant);
                 if (!(g > 1e-4 && g < 1e2)) continue;
                 body(*chain);
                 ++done;
             }
-        EXPECT_EQ(done, 300);
+        EXPECT_EQ(done, 300) << count;
     }
 }
 
 // Vertices keep single precision.
 constexpr double kChainPrecision = 1e-4;
 
-TEST(ChainDerivative, MatchesDifferencesThroughManyVertices) {
+ChainEnd end_of(const TracedChain& chain, bool distant) {
+    return {distant, Vec3(chain.y), Vec3(chain.to_light())};
+}
+
+void expect_differences(bool distant) {
     for (const bool mapped : {false, true})
-        for_random_chains(mapped, [](const TracedChain& chain) {
-            const ChainEnd end{false, Vec3(chain.y), {}};
-            const auto derivative = chain_derivative(Vec3(chain.x), chain.vertices, end);
+        for_random_chains(mapped, distant, [&](const TracedChain& chain) {
+            const auto derivative =
+                chain_derivative(Vec3(chain.x), chain.vertices, end_of(chain, distant));
             ASSERT_TRUE(derivative);
-            const double g = chain.geometry();
+            const double g = chain.geometry(distant);
             // A sharp focus magnifies what rounding leaves of the vertices' places.
             EXPECT_NEAR(derivative->geometry / g, 1.0, kChainPrecision * std::max(1.0, g));
         });
+}
+TEST(ChainDerivative, MatchesDifferencesThroughManyVertices) { expect_differences(false); }
+TEST(ChainDerivative, MatchesDifferencesThroughManyVerticesToASun) { expect_differences(true); }
+
+// Without maps the indices at both ends are all that there is to it.
+double etendue_of_indices(const TracedChain& chain) {
+    double indices = 1.0;
+    for (const ChainVertex& vertex : chain.vertices)
+        if (vertex.interaction == Interaction::refraction)
+            indices /= double(vertex.eta) * double(vertex.eta);
+    return indices;
+}
+void expect_etendue_of_indices(bool mapped, double largest_deviation) {
+    if (mapped)
+        EXPECT_GT(largest_deviation, 0.2);
+    else
+        EXPECT_LT(largest_deviation, kChainPrecision);
 }
 
 // The etendue against the other way round: traced, and by the function itself.
 TEST(ChainDerivative, IsReciprocal) {
     for (const bool mapped : {false, true}) {
         double largest = 0.0;
-        for_random_chains(mapped, [&](const TracedChain& chain) {
-            const auto there =
-                chain_derivative(Vec3(chain.x), chain.vertices, {false, Vec3(chain.y), {}});
+        for_random_chains(mapped, false, [&](const TracedChain& chain) {
+            const auto there = chain_derivative(Vec3(chain.x), chain.vertices, end_of(chain, false));
             const TracedChain back = chain.reversed();
-            const auto returned =
-                chain_derivative(Vec3(back.x), back.vertices, {false, Vec3(back.y), {}});
+            const auto returned = chain_derivative(Vec3(back.x), back.vertices, end_of(back, false));
             ASSERT_TRUE(there && returned);
             const double expected = back.geometry();
             const double tolerance = kChainPrecision * std::max(1.0, expected);
             EXPECT_NEAR(there->geometry * there->etendue / expected, 1.0, tolerance);
             EXPECT_NEAR(returned->geometry / expected, 1.0, tolerance);
             EXPECT_NEAR(there->etendue * returned->etendue, 1.0, kChainPrecision);
-            double indices = 1.0;
-            for (const ChainVertex& vertex : chain.vertices)
-                if (vertex.interaction == Interaction::refraction)
-                    indices /= double(vertex.eta) * double(vertex.eta);
-            largest = std::max(largest, std::abs(there->etendue / indices - 1.0));
+            largest = std::max(largest, std::abs(there->etendue / etendue_of_indices(chain) - 1.0));
         });
-        // Without maps indices are all there is to it.
-        if (mapped)
-            EXPECT_GT(largest, 0.2);
-        else
-            EXPECT_LT(largest, kChainPrecision);
+        expect_etendue_of_indices(mapped, largest);
+    }
+}
+
+// The other way round light is parallel: the etendue tells how its beam narrows on the way to x.
+TEST(ChainDerivative, OfADistantEndTellsHowParallelLightIsConcentrated) {
+    for (const bool mapped : {false, true}) {
+        double largest = 0.0;
+        for_random_chains(mapped, true, [&](const TracedChain& chain) {
+            const auto there = chain_derivative(Vec3(chain.x), chain.vertices, end_of(chain, true));
+            ASSERT_TRUE(there);
+            const double expected = chain.concentration();
+            EXPECT_NEAR(there->geometry * there->etendue / expected, 1.0,
+                        kChainPrecision * std::max(1.0, expected));
+            largest = std::max(largest, std::abs(there->etendue / etendue_of_indices(chain) - 1.0));
+        });
+        expect_etendue_of_indices(mapped, largest);
     }
 }
 

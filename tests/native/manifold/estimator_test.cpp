@@ -308,7 +308,6 @@ ManifoldSettings fixed_starts(bool biased) {
     ManifoldSettings settings = test::unbiased_manifold();
     settings.finder = ChainFinder::mnee;
     settings.biased = biased;
-    settings.longest_chain = kLongestManifoldChain;
     return settings;
 }
 

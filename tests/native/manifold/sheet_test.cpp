@@ -29,7 +29,6 @@ ManifoldSettings settings() {
     ManifoldSettings s;
     s.enabled = true;
     s.finder = ChainFinder::sheets;
-    s.longest_chain = kLongestManifoldChain;
     return s;
 }
 

@@ -17,7 +17,6 @@ ManifoldSettings settings() {
     ManifoldSettings s;
     s.enabled = true;
     s.finder = ChainFinder::sheets;
-    s.longest_chain = kLongestManifoldChain;
     return s;
 }
 
@@ -66,6 +65,10 @@ struct CasterCase {
 void add_ball(SceneMaker& maker, const Graph& graph) {
     maker.add(test::sphere(48, 0.5), graph, test::translation({0, 0, 0.8f}), CausticsRole::caster);
 }
+void add_mirror_beside(SceneMaker& maker, const Graph& graph) {
+    maker.add(test::square(0.8f), graph, test::rotation_x(1.3f, {0.0f, 0.9f, 0.8f}),
+              CausticsRole::caster);
+}
 std::vector<CasterCase> cases() {
     return {{"mirror ball", [](SceneMaker& m) { add_ball(m, test::mirror()); }, 0.02},
             {"glass ball", [](SceneMaker& m) { add_ball(m, test::glass(1.5f)); }, 0.01},
@@ -79,8 +82,22 @@ std::vector<CasterCase> cases() {
             {"wavy mirror",
              [](SceneMaker& m) {
                  m.builder.add_image(test::plane_normals(128, 0.25, 0.03, 5));
-                 m.add(test::square(0.8f), test::normal_mapped(test::mirror(), Vec2(1.0f, 1.0f)),
-                       test::rotation_x(1.3f, {0.0f, 0.9f, 0.8f}), CausticsRole::caster);
+                 add_mirror_beside(m, test::normal_mapped(test::mirror(), Vec2(1.0f, 1.0f)));
+             },
+             0.01},
+            {"bumpy mirror",
+             [](SceneMaker& m) {
+                 m.builder.add_image(test::plane_heights(128, 128, 0.25, 0.03, 5));
+                 add_mirror_beside(m, test::bump_mapped(test::mirror(), Vec2(1.0f, 1.0f), 1.6f));
+             },
+             0.01},
+            {"two wavy sheets of glass",
+             [](SceneMaker& m) {
+                 m.builder.add_image(test::plane_normals(128, 0.5, 0.02, 5));
+                 for (const float z : {0.5f, 0.9f})
+                     m.add(test::square(0.8f),
+                           test::normal_mapped(test::glass(1.3f), Vec2(1.0f, 1.0f)),
+                           test::rotation_x(0.2f, {0, 0, z}), CausticsRole::caster);
              },
              0.01}};
 }

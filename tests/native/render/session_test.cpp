@@ -125,6 +125,54 @@ TEST(Session, FlakesAreThereForTheirMethodAlone) {
     }
 }
 
+// Tiles side by side: smooth and rough without a map, and of the given roughness with a normal map
+// and with a bump.
+RenderScene scene_that_may_glint(float roughness, GlintsMode mode) {
+    SceneMaker maker;
+    maker.builder.add_image(test::plane_normals(64, 5.0 / 64, 0.2, 5));
+    Camera camera;
+    camera.to_world = test::rotation_x(std::atan2(3.0f, 2.0f), Vec3(0.0f, -3.0f, 2.0f));
+    camera.width = camera.height = kSide;
+    camera.crop = {0, 0, kSide, kSide};
+    camera.viewplane = {-0.3f, 0.3f, -0.3f, 0.3f};
+    maker.builder.set_camera(camera);
+    const Graph rough = test::single_shader("bsdf_glossy", {{1, "Roughness", {roughness, 0, 0, 0}}});
+    float x = -0.9f;
+    for (Graph graph :
+         {test::diffuse(0.8f), test::mirror(0.2f), test::glass(1.5f),
+          test::normal_mapped(rough, {8, 8}), test::bump_mapped(rough, {8, 8}, 0.02f)}) {
+        graph.glints = mode;
+        maker.add(test::square(0.2f), graph, test::translation(Vec3(x, 0.0f, 0.0f)));
+        x += 0.45f;
+    }
+    maker.builder.add_light(test::sun_towards({-0.2f, 0.8f, 0.6f}, 0.05f, 3.0f));
+    return maker.finish();
+}
+
+// Where nothing glints, automatic glints are no glints, to the last bit. Its twin: with a lobe as
+// narrow as it takes they are.
+TEST(Session, GlintsAreNotThereWhereNothingGlints) {
+    for (const float roughness : {0.45f, 0.2f}) {
+        const bool glints = roughness < 0.4f;
+        const RenderScene automatic = scene_that_may_glint(roughness, GlintsMode::automatic),
+                          off = scene_that_may_glint(roughness, GlintsMode::off);
+        RenderSettings settings;
+        settings.samples = 16;
+        settings.threads = 2;
+        const Rendered a = render(automatic, settings), b = render(off, settings);
+        EXPECT_EQ(a.combined == b.combined, !glints);
+        EXPECT_EQ(a.variance == b.variance, !glints);
+        EXPECT_EQ(a.caustics, b.caustics);
+        EXPECT_EQ(a.stats.glint_bytes > 0, glints);
+        EXPECT_EQ(a.stats.path.glints.estimates > 0, glints);
+        EXPECT_EQ(a.stats.path.rays == b.stats.path.rays, !glints);
+        EXPECT_EQ(b.stats.glint_bytes, 0u);
+        EXPECT_EQ(b.stats.path.glints.estimates, 0u);
+        EXPECT_GT(*std::max_element(b.combined.begin(), b.combined.end()), 1.0f)
+            << "a black picture would pass";
+    }
+}
+
 TEST(SessionWithLightPaths, ThreadsDoNotShow) {
     const RenderScene world = scene_of(true);
     const Rendered one = render(world, settings_with(12));
@@ -147,7 +195,6 @@ TEST(SessionWithHighlights, ThreadsDoNotShow) {
         const auto settings = [&](uint32_t threads) {
             RenderSettings result = settings_with(12, threads);
             result.integrator.manifold.finder = ChainFinder::sheets;
-            result.integrator.manifold.longest_chain = kLongestManifoldChain;
             result.light_tracing = light_paths;
             return result;
         };

@@ -296,6 +296,19 @@ TEST(Specular, WhichClosuresAreInterfaces) {
     const SpecularInterface coat = specular("bsdf_principled", {{"Roughness", {0}}});
     EXPECT_TRUE(coat.reflects && !coat.refracts);
     EXPECT_EQ(coat.why, "Principled BSDF (specular), roughness 0, IOR 1.5");
+    // What is stronger than a coat of another normal leads.
+    const SpecularInterface varnish =
+        specular("bsdf_principled", {{"Coat Weight", {1}}, {"Coat Roughness", {0}}});
+    EXPECT_TRUE(varnish.reflects && !varnish.refracts);
+    EXPECT_EQ(varnish.why, "Principled BSDF (coat), roughness 0, IOR 1.5");
+    GraphBuilder b;
+    const uint32_t chrome = b.node(
+        "bsdf_principled",
+        {{"Metallic", {1}}, {"Roughness", {0}}, {"Coat Weight", {1}}, {"Coat Roughness", {0}}});
+    b.link(b.node("normal_map", {{"Color", {0.6f, 0.5f, 0.9f}}}), "Normal", chrome, "Normal");
+    const Material mapped = compile(b.surface(chrome), {});
+    EXPECT_EQ(mapped.specular.why, "Principled BSDF (metal), roughness 0, mapped normal");
+    EXPECT_EQ(mapped.warnings.size(), 1u);
     // A black half is not there.
     const SpecularInterface black =
         specular("bsdf_principled",

@@ -122,6 +122,20 @@ TEST(SlopeMap, PrincipledGlintsInItsReflections) {
     EXPECT_THAT(map.why, HasSubstr("(specular), roughness 0.3"));
 }
 
+// A coat glints by its own normal, or with what lies below by the same one.
+TEST(SlopeMap, Coats) {
+    const Graph metal = test::normal_mapped(test::principled(1.0f, 0.3f), {1, 1});
+    EXPECT_EQ(compiled(test::coated(metal, 0.1f, true)).slopes.why,
+              "Principled BSDF (metal), roughness 0.3; Principled BSDF (coat), roughness 0.1");
+    EXPECT_EQ(compiled(test::coated(metal, 0.1f, false)).slopes.why,
+              "Principled BSDF (metal), roughness 0.3");
+    Graph varnish = test::coated(metal, 0.1f, true);
+    std::erase_if(varnish.links, [](const GraphLink& link) { return link.to_socket == "Normal"; });
+    EXPECT_EQ(compiled(varnish).slopes.why, "Principled BSDF (coat), roughness 0.1");
+    EXPECT_EQ(compiled(test::coated(metal, 0.0f, true)).slopes.why,
+              "Principled BSDF (metal), roughness 0.3");
+}
+
 TEST(SlopeMap, AutomaticTakesNarrowLobesAlone) {
     EXPECT_EQ(compiled(glossy(0.3f, GlintsMode::automatic)).slopes.image, 0u);
     for (const float roughness : {0.0f, 0.5f})

@@ -248,6 +248,66 @@ TEST(Principled, SpecularLevelScalesTheReflectance) {
     expect_near(weight(closures_of(single("bsdf_principled", {{"IOR", {1}}})), 0), Vec3(0.8f), 0.0f);
 }
 
+TEST(Principled, CoatOverAll) {
+    TestPoint at;
+    const Constants mixed{{"Metallic", {0.25f}},
+                          {"Transmission Weight", {0.2f}},
+                          {"Emission Color", {1, 2, 3}},
+                          {"Emission Strength", {4}},
+                          {"Alpha", {0.5f}}};
+    Constants inputs = mixed;
+    inputs.insert(inputs.end(), {{"Coat Weight", {0.6f}},
+                                 {"Coat Roughness", {0.4f}},
+                                 {"Coat IOR", {1.7f}},
+                                 {"Coat Tint", {0.9f, 0.5f, 2}}});
+    const Material bare = compile(single("bsdf_principled", mixed), {}),
+                   coated = compile(single("bsdf_principled", inputs), {});
+    const ClosureList below = closures_of(bare, at.point), list = closures_of(coated, at.point);
+    const Coat coat{0.6f, 0.16f, 1.7f, Spectrum(0.9f, 0.5f, 1.0f)};
+    const Vec3 through(coat_transmittance(coat, at.point.ng, at.point.wo));
+    ASSERT_EQ(below.count, 5);  // gap, metal, glass, specular, Lambert
+    ASSERT_EQ(list.count, 6);
+    expect_near(weight(list, 0), weight(below, 0), 0.0f);
+    for (int i = 1; i < 5; ++i) expect_near(weight(list, i), weight(below, i) * through, 1e-6f);
+    expect_near(weight(list, 5), Vec3(0.5f * 0.6f), 1e-7f);
+    const auto lobe = kind_of<MicrofacetReflection>(list, 5);
+    EXPECT_FLOAT_EQ(lobe.alpha, 0.16f);
+    EXPECT_EQ(lobe.fresnel.kind, Fresnel::Kind::dielectric);
+    EXPECT_EQ(lobe.fresnel.eta, 1.7f);
+    expect_near(Vec3(list.emission), Vec3(2, 4, 6) * through, 1e-6f);
+    expect_near(Vec3(evaluate_emission(coated, {}, at.point)), Vec3(2, 4, 6) * through, 1e-6f);
+    expect_near(Vec3(coated.mean_emission), Vec3(2, 4, 6), 0.0f);  // as if clear
+    expect_near(Vec3(evaluate_transparency(coated, {}, at.point)), Vec3(0.5f), 0.0f);
+    // The same from behind.
+    at.turn_to_back();
+    expect_near(weight(closures_of(coated, at.point), 5), Vec3(0.5f * 0.6f), 1e-7f);
+    expect_near(Vec3(evaluate_emission(coated, {}, at.point)), Vec3(2, 4, 6) * through, 1e-6f);
+}
+
+TEST(Principled, CoatHasANormalOfItsOwn) {
+    GraphBuilder b;
+    const uint32_t shader =
+        b.node("bsdf_principled", {{"IOR", {1}}, {"Coat Weight", {1}}, {"Coat Roughness", {0.5f}}});
+    b.link(b.node("normal_map", {{"Color", {0.8f, 0.5f, 0.9f}}}), "Normal", shader, "Coat Normal");
+    TestPoint at;
+    const ClosureList list = closures_of(compile(b.surface(shader), {}), at.point);
+    ASSERT_EQ(list.count, 2);
+    const auto lobe = kind_of<MicrofacetReflection>(list, 1);
+    expect_near(kind_of<Lambert>(list, 0).n, {0, 0, 1}, 0.0f);
+    expect_near(lobe.n, normalize(Vec3(0.6f, 0, 0.8f)), 1e-6f);
+    const Coat coat{1.0f, 0.25f, 1.5f, Spectrum(1.0f)};
+    expect_near(weight(list, 0), Vec3(coat_transmittance(coat, lobe.n, at.point.wo)) * 0.8f, 1e-6f);
+}
+
+TEST(Principled, CoatOfNoIndexReflectsNothingButTints) {
+    const ClosureList list = closures_of(single(
+        "bsdf_principled",
+        {{"IOR", {1}}, {"Coat Weight", {2}}, {"Coat IOR", {0.5f}}, {"Coat Tint", {0.5f, 1, 1}}}));
+    ASSERT_EQ(list.count, 1);
+    EXPECT_LT(weight(list, 0).x, 0.4f);
+    EXPECT_NEAR(weight(list, 0).y, 0.8f, 1e-6f);
+}
+
 TEST(Principled, GivesBackNoMoreThanItGets) {
     Uniforms random(3);
     for (int n = 0; n < 3000; ++n) {
@@ -264,7 +324,11 @@ TEST(Principled, GivesBackNoMoreThanItGets) {
                             {"Alpha", {corner()}},
                             {"Specular IOR Level", {corner()}},
                             {"Specular Tint", {corner() * 2, corner() * 2, corner() * 2}},
-                            {"Transmission Weight", {corner()}}},
+                            {"Transmission Weight", {corner()}},
+                            {"Coat Weight", {corner()}},
+                            {"Coat Roughness", {corner()}},
+                            {"Coat IOR", {1.0f + corner()}},
+                            {"Coat Tint", {corner(), corner(), corner()}}},
                            {{"distribution", random() < 0.5f ? "GGX" : "MULTI_GGX"}}),
                     {});
         TestPoint at;

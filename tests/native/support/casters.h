@@ -155,7 +155,16 @@ inline Graph normal_mapped(Graph graph, const Vec2& repeat) {
     return graph;
 }
 
-// The same whose image holds heights, times `distance` (m).
+// A normal_mapped() Principled under a coat, whose normal the map turns, too, if so asked.
+inline Graph coated(Graph graph, float roughness, bool mapped) {
+    graph.name = "coated " + graph.name;
+    graph.inputs.push_back({1, "Coat Weight", {1, 0, 0, 0}});
+    graph.inputs.push_back({1, "Coat Roughness", {roughness, 0, 0, 0}});
+    if (mapped) graph.links.push_back({2, "Normal", 1, "Coat Normal"});
+    return graph;
+}
+
+// A normal_mapped() whose image holds heights, times `distance` (m).
 inline Graph bump_mapped(Graph graph, const Vec2& repeat, float distance) {
     graph = normal_mapped(std::move(graph), repeat);
     graph.nodes[2] = {"Bump", "bump", kNone};

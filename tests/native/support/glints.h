@@ -14,6 +14,8 @@ struct GlintFloor {
     double pixel_texels = 12.0;  // width of a pixel at the floor
     float view_angle = 0.6f;     // from the floor's normal, rad
     std::function<void(SceneMaker&)> light;
+    Projection projection = Projection::perspective;
+    float aperture_radius = 0.0f;  // m, focused half-way to the floor
 };
 
 inline LightDesc sun_towards(const Vec3& wi, float angle, float irradiance) {
@@ -42,6 +44,18 @@ inline Camera look_at(const Vec3& target, const Vec3& from, float distance, floa
     return camera;
 }
 
+// The same as the floor wants it.
+inline Camera look_at(const Vec3& target, const Vec3& from, float distance, const GlintFloor& floor) {
+    const auto width = static_cast<float>(2.0 * floor.pixel_texels / floor.map.width);
+    Camera camera = look_at(target, from, distance, width);
+    camera.projection = floor.projection;
+    if (floor.projection == Projection::orthographic)
+        camera.viewplane = {-0.5f * width, 0.5f * width, -0.5f * width, 0.5f * width};
+    camera.aperture_radius = floor.aperture_radius;
+    camera.focus_distance = 0.5f * distance;
+    return camera;
+}
+
 // A floor of 2 x 2 m with the map over it once, seen from 1 km, in a picture of one pixel.
 // `mirrored`: by way of a mirror.
 inline RenderScene finish(const GlintFloor& floor, GlintsMode mode, bool mirrored = false) {
@@ -52,7 +66,6 @@ inline RenderScene finish(const GlintFloor& floor, GlintsMode mode, bool mirrore
     maker.builder.add_image(floor.map);
     maker.add(square(1.0f), graph);
     const Vec3 from(0.0f, -std::sin(floor.view_angle), std::cos(floor.view_angle));
-    const auto width = static_cast<float>(2.0 * floor.pixel_texels / floor.map.width);
     if (mirrored) {
         const Vec3 at = from * 5.0f, to_camera = normalize(Vec3(0.5f, -1.0f, 0.3f));
         const Frame frame = Frame::around(normalize(from * -1.0f + to_camera));
@@ -60,9 +73,9 @@ inline RenderScene finish(const GlintFloor& floor, GlintsMode mode, bool mirrore
         for (int i = 0; i < 3; ++i)
             m.row[static_cast<size_t>(i)] = Vec3(frame.x[i], frame.y[i], frame.z[i]);
         maker.add(square(1.0f), mirror(), m);
-        maker.builder.set_camera(look_at(at, to_camera, kDistance, width));
+        maker.builder.set_camera(look_at(at, to_camera, kDistance, floor));
     } else {
-        maker.builder.set_camera(look_at(Vec3(0.0f), from, kDistance, width));
+        maker.builder.set_camera(look_at(Vec3(0.0f), from, kDistance, floor));
     }
     floor.light(maker);
     return maker.finish();
@@ -70,7 +83,8 @@ inline RenderScene finish(const GlintFloor& floor, GlintsMode mode, bool mirrore
 
 // Samples of the pixel, with glints through the filter or as plain path tracing.
 struct PixelEstimate {
-    MeanEstimate radiance;
+    MeanEstimate radiance;  // of the channels
+    std::array<MeanEstimate, 3> channels;
     PathStats stats;
 };
 inline PixelEstimate estimate_pixel(const RenderScene& world, const IntegratorSettings& settings,
@@ -84,7 +98,7 @@ inline PixelEstimate estimate_pixel(const RenderScene& world, const IntegratorSe
     for (uint32_t i = 0; i < samples; ++i) {
         const Sampler sampler(seed, i, 0);
         const Vec2 offset = filter.sample(sampler[Domain::film].two());
-        const Vec2 film = offset + Vec2(0.5f), lens(0.5f);
+        const Vec2 film = offset + Vec2(0.5f), lens = sampler[Domain::lens].two();
         const PixelKernel pixel{&filter, film, offset};
         const PathSample sample =
             path_radiance(world, settings, state, camera.ray(film.x, film.y, lens), lens, sampler,
@@ -93,6 +107,8 @@ inline PixelEstimate estimate_pixel(const RenderScene& world, const IntegratorSe
         result.radiance.add(
             (double(sample.radiance.x) + double(sample.radiance.y) + double(sample.radiance.z)) /
             3.0);
+        for (size_t k = 0; k < 3; ++k)
+            result.channels[k].add(double(sample.radiance[static_cast<int>(k)]));
     }
     return result;
 }

@@ -6,8 +6,8 @@
 
 namespace spc::test {
 
-// As sample_light_point() describes it. Without a hit that of the scene's first sun; empty where
-// that is not there, or where none would be drawn.
+// As sample_light_point() describes it. Without a hit that of the scene's first sun or, without one,
+// of the world; empty where none is there, or where none would be drawn.
 inline std::optional<LightPoint> light_point_met(const RenderScene& world, const Ray& ray,
                                                  const std::optional<Hit>& hit) {
     const LightSet& lights = world.lights;
@@ -16,9 +16,11 @@ inline std::optional<LightPoint> light_point_met(const RenderScene& world, const
     y.distant = !hit;
     y.direction = ray.direction;
     if (!hit) {
-        if (lights.disc_suns.empty()) return std::nullopt;
-        y.light = lights.disc_suns[0];
-        y.pdf = pdf_light_point_sun(lights, y.light, ray.direction);
+        if (lights.disc_suns.empty() && !lights.has_world) return std::nullopt;
+        const bool sun = !lights.disc_suns.empty();
+        y.light = sun ? lights.disc_suns[0] : lights.of_world();
+        y.pdf = sun ? pdf_light_point_sun(lights, y.light, ray.direction)
+                    : pdf_light_point_world(lights, ray.direction);
     } else if (hit->light != kNone) {
         y.light = hit->light;
         y.p = ray.origin + ray.direction * hit->t;

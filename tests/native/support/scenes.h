@@ -115,7 +115,7 @@ public:
         builder.set_camera(camera);
     }
     uint32_t add(const Mesh& mesh, const Graph& graph, const Transform& transform = {},
-                 CausticsRole role = CausticsRole::automatic) {
+                 CausticsRole role = CausticsRole::automatic, uint32_t visibility = kVisibleAll) {
         Instance instance;
         instance.name = mesh.name + " of " + graph.name;
         instance.mesh = builder.add_mesh(mesh);
@@ -123,6 +123,7 @@ public:
         instance.materials.assign(builder.mesh(instance.mesh).slot_count,
                                   builder.add_material(graph));
         instance.role = role;
+        instance.visibility = visibility;
         return builder.add_instance(instance);
     }
     // Square light of the given side at `center`, shining along -z of `transform`.

@@ -46,6 +46,16 @@ def test_noise_of_the_reference_is_no_error_of_the_image(random, truth):
     assert found.mse == pytest.approx(0.09, abs=4.0 * found.mse_error)
 
 
+def test_what_was_subtracted_is_told(random, truth):
+    variance = np.full(SHAPE, 0.04)
+    variance[5, 7] = 400.0
+    found = _metrics.errors(noisy(random, truth), truth, variance)
+    assert found.reference_mse == pytest.approx(variance.mean())
+    assert found.reference_mse_trimmed == pytest.approx(0.04)
+    clean = _metrics.errors(noisy(np.random.default_rng(1), truth), truth, exact(truth))
+    assert (clean.reference_mse, clean.reference_mse_trimmed) == (0.0, 0.0)
+
+
 def test_relative_mse_does_not_depend_on_exposure(random, truth):
     image = noisy(random, truth)
     once = _metrics.errors(image, truth, exact(truth))
@@ -219,6 +229,7 @@ def test_light_tracing_is_where_the_name_says():
 
 def test_methods_for_glints_run_where_there_are_any():
     glints = [name for name in METHODS if name.startswith("glints-")]
+    glints.append("pt-plain")
     for name, methods in (("shoes", glints), ("kettle", glints), ("cornell", [])):
         assert suited(glints, _scenes.example(name)) == methods
     assert suited(glints, Scene("box", Path("box.blend"), None)) == glints, "who knows"
@@ -231,7 +242,23 @@ def test_methods_fit_into_their_charts():
     for group in GROUPS:
         members = [method for method in METHODS.values() if group in method.groups]
         assert 2 <= len(members) <= 8
-        looks = [(method.color, method.marker, method.line) for method in members]
-        assert len({look[:2] for look in looks}) == len(looks)
-        # Neither colour alone nor marker and line alone may be needed.
-        assert len({look[1:] for look in looks}) == len(looks)
+        # Either colour alone or marker and line alone tell them apart.
+        assert len({method.color for method in members}) == len(members)
+        assert len({(method.marker, method.line) for method in members}) == len(members)
+
+
+def test_a_method_looks_like_no_other_one():
+    looks = {name: (m.color, m.marker, m.line) for name, m in METHODS.items()}
+    assert len(set(looks.values())) == len(looks)
+
+
+def test_light_tracing_of_others_stands_beside_ours():
+    assert {"lt", "lux-light"} <= {n for n, m in METHODS.items() if "light" in m.groups}
+
+
+def test_all_ways_to_see_glints_share_a_chart():
+    wanted = {"pt", "pt-plain", "sheets-lt", "glints-walks", "glints-walks-8", "glints-yan"}
+    found = {name for name, method in METHODS.items() if "glints" in method.groups}
+    assert found == wanted | {"cycles-pt"}
+    assert METHODS["pt-plain"].job["materials"] == {"glints": "OFF"}
+    assert "materials" not in METHODS["pt"].job

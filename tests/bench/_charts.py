@@ -15,11 +15,13 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.ticker import FuncFormatter, NullFormatter
 
-from tests.bench._methods import GROUPS, METHODS
+from tests.bench._methods import GROUPS, METHODS, Method
 from tests.bench._metrics import display
 from tests.bench._summary import REFERENCE_FACTOR, REGION_TITLES, Curve, SceneResult
 
 PANEL_WIDTH, HEIGHT = 5.2, 4.4  # inches
+MARKER, STAR = 7.0, 11.0  # points; a star's arms are thin
+BESIDE = {"textcoords": "offset points", "va": "center", "fontsize": 8}  # of a number at a marker
 STYLE = {
     "font.size": 10,
     "axes.spines.top": False,
@@ -43,6 +45,13 @@ def charted_groups(scene: SceneResult) -> dict[str, list[Curve]]:
     return found
 
 
+def glint_curves(scene: SceneResult) -> list[Curve]:
+    """Those of the chart of glints; none where a scene has no insets with them."""
+    if "glints" not in scene.regions:
+        return []
+    return [c for n, c in scene.curves.items() if c.charted and "glints" in METHODS[n].groups]
+
+
 def error_chart(scene: SceneResult, curves: Sequence[Curve], title: str) -> plt.Figure:
     """MSE over render time, logarithmic, a panel for each region."""
     regions = [name for name in REGION_TITLES if name in scene.regions]
@@ -63,7 +72,33 @@ def error_chart(scene: SceneResult, curves: Sequence[Curve], title: str) -> plt.
     return figure
 
 
-def _panel(axis, scene: SceneResult, curves: Sequence[Curve], region: str) -> None:
+def glints_chart(scene: SceneResult, curves: Sequence[Curve], title: str) -> plt.Figure:
+    """RMSE of the insets with glints over render time; and what memory each method took at most,
+    whose rows are the legend of both."""
+    with plt.rc_context(STYLE):
+        figure, (errors, memory) = plt.subplots(1, 2, figsize=(PANEL_WIDTH * 2, HEIGHT))
+        _panel(errors, scene, curves, "glints", root=True)
+        errors.set_ylabel("root of the mean squared error")
+        errors.set_title("the insets with glints", loc="left", fontsize=10, color="#444444")
+        for row, curve in enumerate(curves):
+            method, megabytes = METHODS[curve.method], curve.points[-1].peak_memory / 1e6
+            memory.plot([0.0, megabytes], [row, row], color=method.color, linestyle=method.line)
+            memory.plot(megabytes, row, color=method.color, **_marker(method))
+            memory.annotate(f"{megabytes:.0f}", (megabytes, row), (8, 0), **BESIDE, color="#444444")
+        memory.set_yticks(range(len(curves)), [METHODS[c.method].full_label for c in curves])
+        memory.invert_yaxis()
+        memory.set_xlim(left=0.0)
+        memory.margins(x=0.12)
+        memory.set_title("peak memory of the process, MB", loc="left", fontsize=10, color="#444444")
+        figure.suptitle(f"{scene.name}: {title}", x=0.01, ha="left", fontsize=12)
+        figure.tight_layout()
+    return figure
+
+
+def _panel(
+    axis, scene: SceneResult, curves: Sequence[Curve], region: str, root: bool = False
+) -> None:
+    """MSE over time, or its root; hollow where the reference's own error may be part of it."""
     lowest, highest, times = np.inf, 0.0, []
     for curve in curves:
         method = METHODS[curve.method]
@@ -73,17 +108,28 @@ def _panel(axis, scene: SceneResult, curves: Sequence[Curve], region: str) -> No
         x = np.array([p.render_seconds for p in points])
         y = np.array([p.regions[region].mse for p in points])
         error = np.array([p.regions[region].mse_error for p in points])
+        if root:
+            y, error = np.sqrt(y), error / (2.0 * np.sqrt(y))
         axis.errorbar(
             x,
             y,
             yerr=[np.minimum(error, 0.9 * y), error],  # a logarithm has no zero
             color=method.color,
-            marker=method.marker,
+            **_marker(method),
             linestyle=method.line,
             label=method.full_label,
             linewidth=1.8,
-            markersize=6,
             capsize=3,
+        )
+        near = np.array([p.regions[region].near_reference() for p in points])
+        axis.plot(
+            x[near],
+            y[near],
+            color=method.color,
+            **_marker(method),
+            linestyle="none",
+            markerfacecolor="white",
+            zorder=3,
         )
         lowest, highest = min(lowest, y.min()), max(highest, y.max())
         times += x.tolist()
@@ -94,23 +140,31 @@ def _panel(axis, scene: SceneResult, curves: Sequence[Curve], region: str) -> No
     axis.set_xlabel("seconds of rendering")
     axis.set_title(REGION_TITLES[region], loc="left", fontsize=10, color="#444444")
     if times:
-        _guides(axis, scene, region, (min(times), max(times)), (lowest, highest))
+        _guides(axis, scene, region, (min(times), max(times)), (lowest, highest), root)
 
 
-def _guides(axis, scene: SceneResult, region: str, times, errors) -> None:
+def _marker(method: Method) -> dict:
+    """In Matplotlib's words."""
+    return {"marker": method.marker, "markersize": STAR if method.marker == "*" else MARKER}
+
+
+def _guides(axis, scene: SceneResult, region: str, times, errors, root: bool) -> None:
     """The slope of 1/time, and where the reference's own error begins to matter."""
     x = np.array(times)
-    axis.plot(x, 1.6 * errors[1] * x[0] / x, color="#999999", linewidth=1.0, zorder=1)
+    power = 0.5 if root else 1.0
+    axis.plot(x, 1.6 * errors[1] * (x[0] / x) ** power, color="#999999", linewidth=1.0, zorder=1)
     axis.annotate(
-        "1/time", (x[0], 1.6 * errors[1]), color="#666666", fontsize=8, va="bottom", ha="left"
+        "1/√time" if root else "1/time",
+        (x[0], 1.6 * errors[1]),
+        **{"color": "#666666", "fontsize": 8, "va": "bottom", "ha": "left"},
     )
-    floor = REFERENCE_FACTOR * scene.reference["mse"][region]
+    floor = (REFERENCE_FACTOR * scene.reference["mse"][region]) ** power
     bottom, top = axis.get_ylim()
     if floor > bottom:
         axis.axhspan(bottom, min(floor, top), color="#eeeeee", zorder=0)
         axis.set_ylim(bottom, top)
         axis.annotate(
-            f"less than {REFERENCE_FACTOR:g} x the reference's own error",
+            f"hollow: less than {REFERENCE_FACTOR:g} x the reference's own squared error",
             (0.01, 0.01),
             xycoords="axes fraction",
             **{"color": "#666666", "fontsize": 8, "va": "bottom", "ha": "left"},

@@ -5,6 +5,7 @@ The last argument is a JSON file, the job: `scene` (path), `engine`, `size`, `th
 (of rendering), `seed`, `image` (.npy to write: (H, W, 3) float32, linear, bottom row first) and
 `result` (the JSON file to write); and optionally
   specula          properties of `scene.specula`
+  materials        properties of `specula` of every material
   cycles           properties of `scene.cycles`
   shadow_caustics  whether Cycles walks where the scene's flags say so
   light_factor     on the power of every lamp
@@ -119,6 +120,9 @@ def configure(scene, job: dict) -> None:
     scene.cycles.use_animated_seed = False
     if job["engine"] == "SPECULA":
         scene.specula.seed = job["seed"]
+    for name, value in job.get("materials", {}).items():
+        for material in bpy.data.materials:
+            setattr(material.specula, name, value)
     for light in bpy.data.lights:
         light.energy *= job.get("light_factor", 1.0)
     if "border" in job:

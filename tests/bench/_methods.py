@@ -40,7 +40,7 @@ FAMILIES = {
     "luxcore": Family("LuxCore", "luxcore", "_luxcore_job.py", ":", described=True),
 }
 
-# Groups of at most eight methods that share a chart, and their titles.
+# Groups of at most eight methods, each of another colour, that share a chart, and their titles.
 GROUPS = {
     "best": "ours and the others'",
     "variants": "constraints and stages",
@@ -48,9 +48,10 @@ GROUPS = {
     "light": "manifold sampling, light tracing, and both",
     "starts": "random walks and fixed starts",
     "luxcore": "LuxCore",
-    "glints": "ways to average glints over a pixel",
+    "glints": "ways to average glints over a pixel (where none is named: the search of all parts)",
 }
 WITH_GLINTS = ("kettle", "shoes")  # of the example scenes
+PLAIN = {"glints": "OFF"}  # of materials: path traced like anything else
 
 # Okabe and Ito's colours, which colour-blind readers can tell apart, without their yellow, which
 # is too pale for a line.
@@ -98,16 +99,21 @@ class Method:
         return f"{FAMILIES[self.family].label} {self.label}"
 
 
-def _specula(name, label, groups, color, marker, light_factor=1.0, scenes=(), **settings) -> Method:
+def _specula(
+    name, label, groups, color, marker, light_factor=1.0, scenes=(), materials=None, **settings
+) -> Method:
     method = settings["method"]
     biased = method.endswith("_BIASED") or settings.get("glint_method") in BIASED_GLINTS
     # Only the manifold has it as a setting.
     splats = method == "LT" or settings.get("light_tracing", "OFF") != "OFF"
+    job = {"engine": "SPECULA", "method": method, "specula": settings, "light_factor": light_factor}
+    if materials:
+        job["materials"] = materials
     return Method(
         name,
         label,
         "specula",
-        {"engine": "SPECULA", "method": method, "specula": settings, "light_factor": light_factor},
+        job,
         groups,
         color,
         marker,
@@ -169,7 +175,7 @@ def _cycles(name, label, color, marker, **changes) -> Method:
         label,
         "cycles",
         job | changes,
-        ("best", "starts") if biased else ("best",),
+        {"cycles-pt": ("best", "glints"), "cycles-mnee": ("best", "starts")}.get(name, ("best",)),
         color,
         marker,
         unbiased=not biased,
@@ -233,35 +239,44 @@ METHODS = {
             light_tracing="ON",
         ),
         _unbiased(
-            "sms-one", "SMS, one stage", ("variants",), ORANGE, "v", "ANGLE_DIFFERENCE", False
+            "sms-one", "SMS, one stage", ("variants",), ORANGE, "p", "ANGLE_DIFFERENCE", False
         ),
         _unbiased("sms-half", "SMS, half-vector", ("variants",), BLUE, "^", "HALF_VECTOR", True),
         _unbiased(
             "sms-half-one",
             "SMS, half-vector, one stage",
             ("variants",),
-            *(SKY, "D", "HALF_VECTOR", False),
+            *(SKY, "h", "HALF_VECTOR", False),
         ),
         _biased(4, SKY, "v", "sets"),
-        _biased(8, BLUE, "^", "sets"),
+        _biased(8, BLUE, ">", "sets"),
         _biased(16, GREEN, "D", "sets", "starts"),
-        _biased(16, BLUE, "^", "light", light_tracing="ON"),
-        _biased(32, PURPLE, "P", "sets"),
-        _fixed_starts("mnee", "MNEE unbiased", BLUE, "^", "MNEE"),
-        _fixed_starts("mnee-biased", "MNEE biased", SKY, "v", "MNEE_BIASED"),
-        _glints("glints-walks", "glints by walks", VERMILLION, "s", "WALKS"),
-        _glints("glints-walks-8", "glints by 8 walks", BLUE, "^", "WALKS_BIASED", set_size=8),
+        _biased(16, BLUE, "<", "light", light_tracing="ON"),
+        _biased(32, PURPLE, "p", "sets"),
+        _fixed_starts("mnee", "MNEE unbiased", BLUE, "P", "MNEE"),
+        _fixed_starts("mnee-biased", "MNEE biased", SKY, "^", "MNEE_BIASED"),
+        _specula(
+            "pt-plain",
+            "plain path tracing",
+            ("glints",),
+            *(GREY, "s"),
+            scenes=WITH_GLINTS,
+            materials=PLAIN,
+            method="PT",
+        ),
+        _glints("glints-walks", "glints by walks", VERMILLION, "^", "WALKS"),
+        _glints("glints-walks-8", "glints by 8 walks", SKY, ">", "WALKS_BIASED", set_size=8),
         _glints("glints-yan", "glints by Gaussians", PURPLE, "X", "YAN"),
         _cycles("cycles-pt", "path tracing", BLUE, "o"),
         _cycles("cycles-guiding", "path guiding", SKY, "^"),
         _cycles("cycles-mnee", "shadow caustics", PURPLE, "X", shadow_caustics=True),
-        _lux("lux-light", "light tracing", ORANGE, "v", "best", "luxcore"),
+        _lux("lux-light", "light tracing", GREY, "h", "best", "light", "luxcore"),
         _lux("lux-cache", "photon cache", BLUE, "P", "luxcore", unbiased=False, correlated=True),
         _lux("lux-bidir-sobol", "bidirectional", SKY, "<", "luxcore"),
         _lux(
             "lux-bidir-metropolis",
             "bidir. Metropolis",
-            *(GREY, ">", "best", "luxcore"),
+            *(ORANGE, ">", "best", "luxcore"),
             correlated=True,
         ),
         # Two percent too dark: the bias must show.

@@ -36,6 +36,9 @@ class Errors:
     bias_z: float
     bias_trimmed: float
     bias_trimmed_z: float
+    # The reference's own squared error, which was subtracted from `mse` and from `mse_trimmed`.
+    reference_mse: float
+    reference_mse_trimmed: float
 
 
 def errors(
@@ -63,6 +66,8 @@ def errors(
         bias_z=z,
         bias_trimmed=bias_trimmed,
         bias_trimmed_z=z_trimmed,
+        reference_mse=float(variance.mean()),
+        reference_mse_trimmed=float(variance[kept].mean()),
     )
 
 

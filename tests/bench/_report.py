@@ -42,6 +42,9 @@ def write(
             )
             for group, curves in _charts.charted_groups(result).items()
         ]
+        if glints := _charts.glint_curves(result):
+            figure = _charts.glints_chart(result, glints, GROUPS["glints"])
+            drawings[result.name].append(_charts.save(figure, charts / f"{result.name}_rmse"))
         pictures[result.name] = list(_pictures(scene, result, records, budget))
     document = {
         "about": about,

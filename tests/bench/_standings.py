@@ -21,20 +21,22 @@ class Standing:
     low: float
     high: float
     scenes: int
+    near_reference: int  # scenes where the reference's own error may be part of one of the two
 
 
 def standing(
     scenes: Sequence[SceneResult], method: str, against: str, region: str, budget: float
 ) -> Standing | None:
     """Of `method` against a method, or against the best of a renderer ("luxcore")."""
-    ratios = []
+    ratios, near = [], 0
     for scene in scenes:
         baseline = against
         if against not in METHODS:
             baseline = scene.best_of(against, region, budget)
         if baseline and (ratio := scene.equal_time(method, baseline, region, budget)):
             ratios.append(ratio)
+            near += scene.near_reference((method, baseline), region, budget)
     if not ratios:
         return None
     mean = math.exp(sum(map(math.log, ratios)) / len(ratios))
-    return Standing(mean, min(ratios), max(ratios), len(ratios))
+    return Standing(mean, min(ratios), max(ratios), len(ratios), near)

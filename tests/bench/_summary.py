@@ -48,10 +48,22 @@ class RegionErrors:
     bias_trimmed_z: float
     # What the seeds share of their squared error, and its standard error; None for a single seed.
     shared: tuple[float, float] | None
+    # The reference's own squared error, which is subtracted already.
+    reference_mse: float = 0.0
+    reference_mse_trimmed: float = 0.0
 
-    def measurable(self) -> bool:
+    def squared(self, trimmed: bool) -> float:
+        """The mean squared error of all pixels, or without the worst."""
+        return self.mse_trimmed if trimmed else self.mse
+
+    def measurable(self, trimmed: bool = False) -> bool:
         """Whether anything is left beside the reference's own error."""
-        return self.mse > 0.0
+        return self.squared(trimmed) > 0.0
+
+    def near_reference(self, trimmed: bool = False) -> bool:
+        """Whether the reference is too noisy for this error: part of it may be the reference's."""
+        own = self.reference_mse_trimmed if trimmed else self.reference_mse
+        return self.squared(trimmed) < REFERENCE_FACTOR * own
 
 
 @dataclass(frozen=True)
@@ -70,7 +82,9 @@ class Point:
     regions: dict[str, RegionErrors]
     success_rate: float | None  # of walks
     trials: float | None  # of one estimate of a probability
-    capped_energy: float | None  # share of the manifold's
+    # Of the manifold's light (luminance), what came from estimates that stopped at the limit of
+    # trials, which is too little.
+    capped_energy_share: float | None
 
     @property
     def in_time(self) -> bool:
@@ -106,7 +120,9 @@ class SceneResult:
     target: dict[str, float] = field(default_factory=dict)  # MSE by region
     notes: list[str] = field(default_factory=list)
 
-    def equal_time(self, method: str, baseline: str, region: str, budget: float) -> float | None:
+    def equal_time(
+        self, method: str, baseline: str, region: str, budget: float, trimmed: bool = False
+    ) -> float | None:
         """How many times smaller the MSE of `method` is than that of `baseline` after the same
         time; None where one is missing or not comparable."""
         points = []
@@ -120,9 +136,14 @@ class SceneResult:
         if abs(mine.render_seconds / other.render_seconds - 1.0) > TIME_TOLERANCE:
             return None
         errors = mine.regions[region], other.regions[region]
-        if not all(error.measurable() for error in errors):
+        if not all(error.measurable(trimmed) for error in errors):
             return None
-        return errors[1].mse / errors[0].mse
+        return errors[1].squared(trimmed) / errors[0].squared(trimmed)
+
+    def near_reference(self, methods: Sequence[str], region: str, budget: float) -> bool:
+        """Whether the error of any of these is one that the reference's may be part of."""
+        points = (self.curves[name].at(budget) for name in methods)
+        return any(point.regions[region].near_reference() for point in points)
 
     def best_of(self, family: str, region: str, budget: float) -> str | None:
         """The charted method of a renderer with the smallest error that can be compared."""
@@ -219,7 +240,7 @@ def _point(
         regions=regions,
         success_rate=share(records, "walks_converged", "walks"),
         trials=share(records, "trials", "trial_estimates"),
-        capped_energy=share(records, "capped_energy", "manifold_energy"),
+        capped_energy_share=share(records, "capped_energy", "manifold_energy"),
     )
 
 
@@ -247,6 +268,8 @@ def _region(
         bias_trimmed=whole.bias_trimmed,
         bias_trimmed_z=z("bias_trimmed"),
         shared=shared,
+        reference_mse=mean("reference_mse"),
+        reference_mse_trimmed=mean("reference_mse_trimmed"),
     )
 
 

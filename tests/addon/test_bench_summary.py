@@ -7,15 +7,18 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tests.bench import _checks, _standings, _summary
+from tests.bench import _checks, _page, _standings, _summary
+from tests.bench._methods import WITH_GLINTS
 from tests.bench._metrics import Estimate
 from tests.bench._summary import Curve, Point, RegionErrors, SceneResult
 
 BUDGET = 8.0
 
 
-def region(mse=1.0, bias=0.0, bias_z=0.0, shared=None):
-    return RegionErrors(mse, 0.01 * mse, mse, mse, mse, bias, bias_z, bias, bias_z, shared)
+def region(mse=1.0, bias=0.0, bias_z=0.0, shared=None, trimmed=None, own=0.0):
+    trimmed = mse if trimmed is None else trimmed
+    biases = (bias, bias_z, bias, bias_z)
+    return RegionErrors(mse, 0.01 * mse, trimmed, mse, trimmed, *biases, shared, own, own)
 
 
 def point(budget=BUDGET, seconds=None, regions=None, **errors):
@@ -33,7 +36,7 @@ def point(budget=BUDGET, seconds=None, regions=None, **errors):
         regions=regions,
         success_rate=None,
         trials=None,
-        capped_energy=None,
+        capped_energy_share=None,
     )
 
 
@@ -180,3 +183,177 @@ def test_each_check_can_fail(change, name):
     found = failing(scene(pt=[dataclasses.replace(sound, **change)]))
     assert len(found) == 1
     assert name in found[0]
+
+
+# ---------------------------------------------------------------------------------------- promises
+
+
+def named(name, where="image", budget=BUDGET, **errors):
+    """A scene with one region beside the image; of each method's error, or error and trimmed error,
+    a point at `budget`, None being a method that is not charted."""
+    result = scene()
+    result.name = name
+    result.regions[where] = 1.0
+    result.reference["mse"][where] = 1e-4
+    for method, error in errors.items():
+        mse, trimmed = error if isinstance(error, tuple) else (error, error)
+        regions = {r: region(mse=mse or 1.0, trimmed=trimmed) for r in {"image", where}}
+        curve = Curve(method.replace("_", "-"), [point(budget=budget, regions=regions)])
+        curve.differs = "" if mse else "it is something else"
+        result.curves[curve.method] = curve
+    return result
+
+
+def promised(*scenes):
+    """Passed and text of each promise that applies, by what its title begins and ends with."""
+    found = [check for check in _checks.checks(scenes, BUDGET) if check.promise]
+    assert len({check.name for check in found}) == len(found)
+    return {check.name: (check.passed, check.text) for check in found}
+
+
+BOTH = "SMS unbiased + LT: at most 1.15x the better of SMS and LT's error, whole image"
+
+
+@pytest.mark.parametrize(
+    ("both", "holds"), [((1.14, 1.16), (True, False)), ((1.16, 1.14), (False, True))]
+)
+def test_both_are_held_against_the_better_of_two(both, holds):
+    found = promised(named("box", sms=(1.0, 3.0), lt=(2.0, 1.0), sms_lt=both))
+    texts = [found[f"{BOTH} ({pixels})"] for pixels in ("all pixels", "trimmed")]
+    assert tuple(passed for passed, _ in texts) == holds
+    for (passed, text), error in zip(texts, both, strict=True):
+        assert text.startswith(f"box {error:g}x at 8 s")
+        assert ("TOO MUCH" in text) == (not passed)
+
+
+def test_what_was_not_rendered_promises_nothing():
+    assert not promised(named("box", sms=1.0, sms_lt=9.0), named("ring", lt=1.0, sms_lt=9.0))
+    assert not promised(named("box", sms=1.0, lt=None, sms_lt=9.0)), "shows something else"
+
+
+def test_a_promise_holds_on_all_scenes_and_at_all_times():
+    kept = named("box", sms=1.0, lt=2.0, sms_lt=0.5)
+    broken = named("ring", sms=1.0, lt=2.0, sms_lt=0.5)
+    for name, error in (("sms", 1.0), ("lt", 2.0), ("sms-lt", 1.5)):
+        broken.curves[name].points.insert(0, point(budget=2.0, mse=error))
+    assert promised(kept)[f"{BOTH} (all pixels)"] == (True, "box 1/2 at 8 s")
+    text = "box 1/2 at 8 s; ring 1.5x at 2 s, TOO MUCH (at 1 of 2 times)"
+    assert promised(kept, broken)[f"{BOTH} (all pixels)"] == (False, text)
+
+
+def test_what_cannot_be_compared_is_told_and_proves_nothing():
+    result = named("box", sms=1.0, lt=2.0, sms_lt=0.5)
+    for name in result.curves:
+        result.curves[name].points.insert(0, point(budget=2.0, mse=0.5))
+    result.curves["lt"].points[0] = point(budget=2.0, seconds=3.0)
+    found = promised(result)[f"{BOTH} (all pixels)"]
+    assert found == (True, "box 1/2 at 8 s (nothing to compare at 2 s)")
+    late = named("box", sms=1.0, lt=2.0, sms_lt=0.5)
+    late.curves["lt"].points[0] = point(seconds=2.0 * BUDGET)
+    assert promised(late)[f"{BOTH} (all pixels)"] == (False, "box: nothing to compare at 8 s")
+
+
+@pytest.mark.parametrize("method", ["sms_lt", "lt"])
+@pytest.mark.parametrize(
+    ("error", "scene_name", "holds"),
+    [
+        (0.9, "reflective_plane", {"SMS": True, "LuxCore": True}),
+        (1.1, "reflective_plane", {"SMS": False, "LuxCore": True}),
+        (2.1, "reflective_plane", {"SMS": False, "LuxCore": False}),
+        (2.1, "ring", {"SMS": False}),
+        (0.9, "ring", {"SMS": True}),
+        (2.1, "swimming_pool", {}),
+    ],
+)
+def test_caustics_that_are_seen_directly(method, error, scene_name, holds):
+    errors = {"sms": 100.0, "lux_light": 10.0, method: error}
+    found = promised(named(scene_name, "direct", **errors))
+    who = {"sms_lt": "SMS unbiased + LT", "lt": "light tracing"}[method]
+    than = {"SMS": "1/100 of SMS unbiased", "LuxCore": "1/5 of LuxCore light tracing"}
+    end = "error, caustics that the camera sees directly"
+    assert {name: passed for name, (passed, _) in found.items()} == {
+        f"{who}: at most {than[against]}'s {end} ({pixels})": passed
+        for against, passed in holds.items()
+        for pixels in ("all pixels", "trimmed")
+    }
+
+
+def test_all_pixels_and_trimmed_are_judged_by_themselves():
+    result = named("ring", "direct", sms=(100.0, 1.0), lt=(0.9, 0.02))
+    assert sorted(passed for passed, _ in promised(result).values()) == [False, True]
+
+
+@pytest.mark.parametrize("name", WITH_GLINTS)
+@pytest.mark.parametrize(
+    ("best", "yan", "cycles"), [(0.9, True, True), (1.9, True, False), (2.1, False, False)]
+)
+def test_glints_are_held_against_yan_and_cycles(name, best, yan, cycles):
+    result = named(name, "glints", pt=5.0, sheets_lt=best, glints_yan=10.0, cycles_pt=50.0)
+    found = promised(result)
+    assert len(found) == 4
+    for title, (passed, text) in found.items():
+        assert passed == (yan if "Yan" in title else cycles)
+        assert "by light sheets + LT" in text
+    assert not promised(named("box", "glints", pt=0.1, glints_yan=10.0, cycles_pt=50.0))
+    others = named(name, "glints", glints_yan=1.0, cycles_pt=100.0)
+    assert not promised(others), "Yan's method is not ours"
+
+
+def test_a_promise_says_where_the_reference_is_too_noisy():
+    result = named("ring", "direct", sms=100.0, lt=0.9)
+    near = {name: region(mse=0.9, own=0.1) for name in ("image", "direct")}
+    result.curves["lt"].points[0] = point(regions=near)
+    for passed, text in promised(result).values():
+        assert passed
+        assert "less than the reference is good for" in text
+
+
+# ------------------------------------------------------------------------------------------- page
+
+ABOUT = {
+    "date": "today",
+    "processor": "one",
+    "threads": 1,
+    "load_average": 0.0,
+    "budgets": [BUDGET],
+    "seeds": 2,
+    "quick": False,
+    "command": "./dev bench",
+    "missing": {},
+}
+
+
+def page(result):
+    checks = _checks.checks([result], BUDGET)
+    return _page.render(ABOUT, [result], checks, {result.name: []}, {result.name: []})
+
+
+@pytest.mark.parametrize(("own", "marked"), [(0.04, False), (0.06, True)])
+def test_errors_near_the_reference_s_are_marked(own, marked):
+    near = point(regions={"image": region(mse=1.0, own=own)})
+    assert near.regions["image"].near_reference() == marked
+    assert near.regions["image"].near_reference(trimmed=True) == marked
+    result = scene(sms=[near], cycles_pt=[point(mse=2.0)])
+    rows = [line for line in page(result).splitlines() if line.startswith("<tr>")]
+    # Summary; MSE, trimmed MSE, and two ratios; work.
+    marks = [row.count(_page.NEAR) for row in rows if "SMS unbiased</th>" in row]
+    assert marks == ([1, 4, 0] if marked else [0, 0, 0])
+    assert _standings.standing([result], "sms", "cycles-pt", "image", BUDGET).near_reference == (
+        1 if marked else 0
+    )
+
+
+def test_the_page_tells_what_is_measured_from_what_is_promised():
+    text = page(named("ring", "direct", sms=100.0, lt=2.0))
+    sound, _, promises = text.partition("What methods should do")
+    assert "light tracing: at most 1/100 of SMS unbiased" in promises
+    assert "light tracing: at most 1/100 of SMS unbiased" not in sound
+    assert "None of what they speak of was rendered" in page(scene(sms=[point()]))
+
+
+def test_light_of_capped_estimates_is_called_so():
+    capped = dataclasses.replace(point(), capped_energy_share=0.0125)
+    text = page(scene(sms=[capped]))
+    assert "manifold's light from<br>capped estimates" in text
+    assert "1.250%" in text
+    assert "share of capped" not in text

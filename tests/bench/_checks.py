@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the bench checks of itself, and says on its page."""
+"""What the bench checks of itself and of the methods, and says on its page."""
 
 from __future__ import annotations
 
@@ -8,8 +8,14 @@ from dataclasses import dataclass
 
 from tests.bench import _metrics
 from tests.bench._machine import BUSY_SHARE
-from tests.bench._methods import METHODS
-from tests.bench._summary import BUDGET_TOLERANCE, REFERENCE_FACTOR, Point, SceneResult
+from tests.bench._methods import CYCLES, METHODS, SMS, WITH_GLINTS
+from tests.bench._summary import (
+    BUDGET_TOLERANCE,
+    REFERENCE_FACTOR,
+    REGION_TITLES,
+    Point,
+    SceneResult,
+)
 
 SLOPE_Z = 3.0  # standard errors
 SHARED_Z = 4.0
@@ -22,6 +28,7 @@ class Check:
     name: str
     passed: bool
     text: str
+    promise: bool = False  # what a method should do, not how sound the measurement is
 
 
 def checks(scenes: Sequence[SceneResult], budget: float) -> list[Check]:
@@ -33,7 +40,7 @@ def checks(scenes: Sequence[SceneResult], budget: float) -> list[Check]:
         _references(scenes),
         _quiet(scenes),
     ]
-    return [*found, *_biases(scenes)]
+    return [*found, *_biases(scenes), *_promises(scenes, budget)]
 
 
 def _path_traced(scenes: Sequence[SceneResult]) -> Iterator[tuple[str, SceneResult, list[Point]]]:
@@ -130,3 +137,140 @@ def _biases(scenes: Sequence[SceneResult]) -> list[Check]:
                 wrong.append(f"{scene.name} {name} {errors.bias:+.2%} (z = {errors.bias_z:+.1f})")
     title = f"Specula's unbiased methods have the reference's mean (|z| < {BIAS_Z:g})"
     return [Check(title, not wrong, "; ".join(wrong) or "yes")]
+
+
+# ---------------------------------------------------------------------------------------- promises
+
+
+@dataclass(frozen=True)
+class Promise:
+    """That the squared error of the best of `methods` is at most `bound` times that of the best of
+    `against` after the same time."""
+
+    who: str
+    methods: tuple[str, ...]  # those that were rendered count
+    than: str
+    against: tuple[str, ...]  # only where all of them were rendered
+    bound: float
+    region: str
+    scenes: tuple[str, ...] = ()  # (): all
+    every_budget: bool = False  # else the longest alone
+
+    def title(self, trimmed: bool) -> str:
+        pixels = "trimmed" if trimmed else "all pixels"
+        bound = f"{self.bound:g}x" if self.bound >= 1.0 else f"1/{1.0 / self.bound:g} of"
+        return (
+            f"{self.who}: at most {bound} {self.than}'s error, "
+            f"{REGION_TITLES[self.region]} ({pixels})"
+        )
+
+
+BOTH, LIGHT, LUX_LIGHT, YAN = "sms-lt", "lt", "lux-light", "glints-yan"
+PLANE, PLANE_AND_RING = ("reflective_plane",), ("reflective_plane", "ring")
+# Yan's are no method of ours, whoever wrote them down.
+OURS = tuple(
+    name
+    for name, method in METHODS.items()
+    if method.family == "specula" and name != YAN and not method.hidden
+)
+PROMISES = (
+    Promise(
+        "SMS unbiased + LT",
+        (BOTH,),
+        "the better of SMS and LT",
+        (SMS, LIGHT),
+        1.15,
+        "image",
+        every_budget=True,
+    ),
+    *(
+        Promise(who, (method,), than, (against,), bound, "direct", scenes)
+        for who, method in (("SMS unbiased + LT", BOTH), ("light tracing", LIGHT))
+        for than, against, bound, scenes in (
+            ("SMS unbiased", SMS, 1.0 / 100.0, PLANE_AND_RING),
+            ("LuxCore light tracing", LUX_LIGHT, 1.0 / 5.0, PLANE),
+        )
+    ),
+    *(
+        Promise("the best of ours", OURS, than, (against,), bound, "glints", WITH_GLINTS)
+        for than, against, bound in (
+            ("Yan et al.", YAN, 1.0 / 5.0),
+            ("Cycles path tracing", CYCLES, 1.0 / 50.0),
+        )
+    ),
+)
+
+
+def _promises(scenes: Sequence[SceneResult], budget: float) -> Iterator[Check]:
+    """Each with all pixels and without the worst; none where nothing of it was rendered."""
+    for promise in PROMISES:
+        concerned = [scene for scene in scenes if _concerns(promise, scene)]
+        if concerned:
+            for trimmed in (False, True):
+                found = [_kept(promise, scene, budget, trimmed) for scene in concerned]
+                passed = all(kept for kept, _ in found)
+                text = "; ".join(text for _, text in found)
+                yield Check(promise.title(trimmed), passed, text, promise=True)
+
+
+def _concerns(promise: Promise, scene: SceneResult) -> bool:
+    def there(name: str) -> bool:
+        return name in scene.curves and scene.curves[name].charted
+
+    return (
+        (not promise.scenes or scene.name in promise.scenes)
+        and promise.region in scene.regions
+        and any(map(there, promise.methods))
+        and all(map(there, promise.against))
+    )
+
+
+def _kept(promise: Promise, scene: SceneResult, budget: float, trimmed: bool) -> tuple[bool, str]:
+    """Whether it holds on a scene, and the figure of the time at which it holds least. What cannot
+    be compared at any time does not hold."""
+    budgets = [budget]
+    if promise.every_budget:
+        budgets = sorted({point.budget for c in scene.curves.values() for point in c.points})
+    shares = {
+        seconds: share
+        for seconds in budgets
+        if (share := _share(promise, scene, seconds, trimmed)) is not None
+    }
+    unknown = ", ".join(f"{seconds:g} s" for seconds in budgets if seconds not in shares)
+    if not shares:
+        return False, f"{scene.name}: nothing to compare at {unknown}"
+    worst = max(shares, key=lambda seconds: shares[seconds][0])
+    share, name, near = shares[worst]
+    kept = share <= promise.bound
+    text = f"{scene.name} {_factor(share)} at {worst:g} s"
+    text += f" by {METHODS[name].label}" if len(promise.methods) > 1 else ""
+    text += ", less than the reference is good for" if near else ""
+    text += "" if kept else ", TOO MUCH"
+    failing = sum(share > promise.bound for share, *_ in shares.values())
+    text += f" (at {failing} of {len(shares)} times)" if failing and len(shares) > 1 else ""
+    return kept, text + (f" (nothing to compare at {unknown})" if unknown else "")
+
+
+def _share(
+    promise: Promise, scene: SceneResult, budget: float, trimmed: bool
+) -> tuple[float, str, bool] | None:
+    """Error over the other's, whose method it is, and whether the reference's own error may be part
+    of one; None where nothing can be compared."""
+    found = []
+    for name in promise.methods:
+        ratios = [
+            scene.equal_time(name, other, promise.region, budget, trimmed)
+            for other in promise.against
+        ]
+        if all(ratios):
+            found.append((1.0 / min(ratios), name))
+    if not found:
+        return None
+    share, name = min(found)
+    regions = (scene.curves[n].at(budget).regions[promise.region] for n in (name, *promise.against))
+    return share, name, any(region.near_reference(trimmed) for region in regions)
+
+
+def _factor(share: float) -> str:
+    """Such as `1.1x` or `1/320`."""
+    return f"{share:.3g}x" if share > 0.5 else f"1/{1.0 / share:.3g}"

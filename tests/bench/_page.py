@@ -14,11 +14,12 @@ from tests.bench._checks import Check
 from tests.bench._methods import CYCLES, METHODS, SMS
 from tests.bench._metrics import CAUSTICS_SHARE, WORST
 from tests.bench._standings import BASELINES, standing
-from tests.bench._summary import REGION_TITLES, Curve, Point, SceneResult
+from tests.bench._summary import REFERENCE_FACTOR, REGION_TITLES, Curve, Point, SceneResult
 
 HERE = Path(__file__).resolve().parent
 TEMPLATE, STYLE = HERE / "page.html", HERE / "page.css"
 NONE = "&ndash;"
+NEAR = "&deg;"  # marks what the reference's own error may be part of
 
 
 @dataclass(frozen=True)
@@ -41,7 +42,10 @@ def render(
         style=STYLE.read_text(),
         about=_about(about),
         summary=_summary_table(scenes, budget),
-        checks=_checks_list(checks),
+        checks=_checks_list([check for check in checks if not check.promise]),
+        promises=_checks_list([check for check in checks if check.promise]),
+        factor=f"{REFERENCE_FACTOR:g}",
+        near=NEAR,
         worst=f"{WORST:.1%}",
         share=f"{CAUSTICS_SHARE:.0%}",
         budget=f"{budget:g}",
@@ -101,7 +105,7 @@ def _standing_cell(found, same: bool) -> str:
         return "1"
     if not found:
         return NONE
-    text = f"<b>{ratio(found.mean)}</b>"
+    text = f"<b>{ratio(found.mean)}</b>{_near(found.near_reference > 0)}"
     if found.scenes > 1:
         text += (
             f"<br><small>{ratio(found.low)} to {ratio(found.high)}, {found.scenes} scenes</small>"
@@ -110,6 +114,8 @@ def _standing_cell(found, same: bool) -> str:
 
 
 def _checks_list(checks: Sequence[Check]) -> str:
+    if not checks:
+        return "<p>None of what they speak of was rendered.</p>"
     rows = [
         f'<li class="{"pass" if check.passed else "fail"}"><b>{"pass" if check.passed else "FAIL"}'
         f"</b> {escape(check.name)}: {escape(check.text)}</li>"
@@ -128,7 +134,8 @@ def _scene(
     lines = [
         f"{scene.size[0]} x {scene.size[1]} pixels; reference: {reference.get('method', 'given')}, "
         f"{reference.get('samples', '?')} samples per pixel, mean squared error "
-        f"{number(reference['mse']['image'])}; pictures: exposure {scene.exposure:.3g}"
+        f"{_own_errors(reference['mse'])}, which is subtracted; "
+        f"pictures: exposure {scene.exposure:.3g}"
     ]
     if "caustics" in scene.regions:
         lines.append(f"caustics: {scene.regions['caustics']:.1%} of the pixels")
@@ -185,9 +192,10 @@ def _region_table(scene: SceneResult, budget: float, region: str) -> str:
     rows = []
     for name, curve, point in _last_points(scene, budget):
         errors = point.regions[region]
-        cells = [_label(name, curve), _with_error(errors.mse, errors.mse_error)]
+        cells = [_label(name, curve)]
         cells += [
-            number(errors.mse_trimmed),
+            _with_error(errors.mse, errors.mse_error) + _near(errors.near_reference()),
+            number(errors.mse_trimmed) + _near(errors.near_reference(trimmed=True)),
             number(errors.rel_mse),
             number(errors.rel_mse_trimmed),
         ]
@@ -195,12 +203,15 @@ def _region_table(scene: SceneResult, budget: float, region: str) -> str:
         cells.append(f"{errors.bias_trimmed:+.2%} ({errors.bias_trimmed_z:+.1f})")
         for baseline in (CYCLES, lux, SMS):
             value = scene.equal_time(name, baseline, region, budget) if baseline else None
-            cells.append(ratio(value) if value else NONE)
+            near = value and scene.near_reference((name, baseline), region, budget)
+            cells.append(ratio(value) + _near(near) if value else NONE)
         cells.append(
             escape(curve.time_to_target[region]) if region in curve.time_to_target else NONE
         )
         rows.append(cells)
-    return table(head, rows, f"Errors at equal time, {budget:g} s, {REGION_TITLES[region]}")
+    own = number(scene.reference["mse"][region])
+    caption = f"Errors at equal time, {budget:g} s, {REGION_TITLES[region]}; reference's own: {own}"
+    return table(head, rows, caption)
 
 
 def _work_table(scene: SceneResult, budget: float) -> str:
@@ -209,7 +220,7 @@ def _work_table(scene: SceneResult, budget: float) -> str:
     head += [
         "walks that<br>succeed",
         "Bernoulli<br>trials",
-        "share of capped<br>estimates",
+        "manifold's light from<br>capped estimates",
         "peak<br>memory",
     ]
     rows = [
@@ -222,7 +233,7 @@ def _work_table(scene: SceneResult, budget: float) -> str:
             f"{point.samples:.1f}",
             NONE if point.success_rate is None else f"{point.success_rate:.1%}",
             NONE if point.trials is None else f"{point.trials:.2f}",
-            NONE if point.capped_energy is None else f"{point.capped_energy:.3%}",
+            NONE if point.capped_energy_share is None else f"{point.capped_energy_share:.3%}",
             f"{point.peak_memory / 1e6:.0f} MB",
         ]
         for name, curve, point in _last_points(scene, budget)
@@ -241,6 +252,16 @@ def _label(name: str, curve: Curve) -> str:
 def _with_error(value: float, error: float) -> str:
     """The error in percent: powers of ten are hard to read against each other."""
     return f"{number(value)} <small>± {error / value:.0%}</small>" if value > 0.0 else number(value)
+
+
+def _near(near: bool) -> str:
+    return NEAR if near else ""
+
+
+def _own_errors(by_region: Mapping[str, float]) -> str:
+    """A reference's, such as `1e-05 (whole image), 2e-05 (caustics)`."""
+    shown = [(REGION_TITLES[name], mse) for name, mse in by_region.items() if name in REGION_TITLES]
+    return ", ".join(f"{number(mse)} ({title})" for title, mse in shown)
 
 
 def _bias(value: float, z: float) -> str:

@@ -61,13 +61,8 @@ struct PathHistory {
         if (length_squared(along) > 0.0f) set_direction(scene, normalize(along));
     }
     // Of the camera's path to a surface that it meets after the last one.
-    CameraApproach approach_to(const Surface& next) const {
-        if (stage != Stage::scattered) return {};
-        const Vec3 along = next.p - caustic.x;
-        return {caustic.film_per_area * caustic.pdf_omega *
-                    std::abs(dot(next.ng, along) / dot(caustic.sides.ng, along)),
-                caustic.scatterings + 1};
-    }
+    CameraApproach approach_to(const Scene& scene, const BounceLimits& limits,
+                               const Surface& next) const;
     // A chain that comes here, and may go on with a rough vertex; null if there is none, as behind a
     // transparent part of a caster: CausticPath::through_caster.
     const CausticPath* chain_so_far() const {
@@ -103,7 +98,7 @@ struct PathHistory {
         caustic.begins_rough = !(reached_by_scattering && caustic.rough_caster);
         caustic.through_caster = passed_caster = false;
         caustic.before = before;
-        caustic.scatterings = approach_to_it.scatterings;
+        caustic.approach = approach_to_it.bounces;
         caustic.film_per_area = 0.0f;
         caustic.count = 0;
     }
@@ -142,24 +137,27 @@ struct PathHistory {
 };
 
 // A light path so far: its chain, which may be empty, then smooth scatterings from the receiver, or
-// from a rough caster, on.
+// from a rough caster, on, and chains between them.
 struct LightHistory {
     struct Vertex {
         Vec3 p;
         CausticVertex vertex;  // its probability is trace_back()'s
     };
-    std::array<Vertex, kLongestChain> vertices;  // from the light on; `count` are valid
+    // Casters since the light or the last scattering; `count` are valid.
+    std::array<Vertex, kLongestChain> vertices;
     uint32_t count = 0;
     bool passed_caster = false;   // straight through a part of one since the last vertex
     bool through_caster = false;  // or between earlier ones
 
-    uint32_t scatterings = 0;  // the first one's and later ones
-    // From then on: the path as the camera's has it, film_per_area but for what comes next, and its
-    // throughput.
+    // Of a path that has scattered: as the camera's has it, film_per_area but for what comes next,
+    // and its throughput.
     CausticPath path{};
     Spectrum throughput{0.0f};
     Vec3 last{0.0f};  // where it scattered
 
+    bool has_scattered() const { return path.approach.scatterings > 0; }
+    // Between the light and the receiver.
+    uint32_t chain_length() const { return has_scattered() ? path.count : count; }
     // Whether the chain goes on with this delta interaction.
     bool append_delta(const Surface& surface, const ClosureSample& sample, const CasterSet& casters);
     void append_transparent(const Instance& instance) {
@@ -181,8 +179,8 @@ struct LightHistory {
 private:
     // To where the path was before it came to p.
     Vec3 direction_back(const ChainEnd& end, const Vec3& p) const;
-    // Adds the chain to a path that begins at the receiver; returns its throughput.
-    Spectrum trace_back(const Scene& scene, const ChainEnd& end, CausticPath& path) const;
+    // Adds the vertices to a path that begins at its x.
+    void append_back(CausticPath& back) const;
 };
 
 }  // namespace spc

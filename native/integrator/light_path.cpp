@@ -56,13 +56,13 @@ private:
         ray_.t_near = past(hit->t);
         if (hit->light != kNone) return true;  // lamps are looked through
         const Instance& instance = scene_.instances[hit->surface.instance];
-        const bool may_end = history_.scatterings > 0 || (history_.count > 0 && instance.receiver);
+        const bool may_end = history_.has_scattered() || (history_.count > 0 && instance.receiver);
         if (may_end && (instance.visibility & kVisibleCamera) != 0) connect(hit->surface);
         if ((instance.visibility & kVisibleScattered) == 0)
             return true;  // nothing but the camera sees it
-        const bool may_throw_on = history_.count == 0 && instance.rough_caster;
-        const bool may_scatter =
-            (may_end || may_throw_on) && history_.scatterings < most_scatterings(settings_.limits);
+        const bool may_throw_on = history_.chain_length() == 0 && instance.rough_caster;
+        const bool may_scatter = (may_end || may_throw_on) && history_.path.approach.scatterings <
+                                                                  most_scatterings(settings_.limits);
         if (!may_scatter && !instance.caster && !scene_.any_transparency) return false;
 
         Surface surface;
@@ -88,12 +88,13 @@ private:
 
     bool turn(const Surface& surface, const ClosureSample& next) {
         const uint32_t kind = next.refracted ? kVisibleTransmission : kVisibleGlossy;
-        if (history_.count == 0 && (visibility_ & kind) == 0) return false;
+        if (!history_.has_scattered() && history_.count == 0 && (visibility_ & kind) == 0)
+            return false;
         return history_.append_delta(surface, next, world_.casters);
     }
 
     bool scatter(const Surface& surface, const ClosureSample& next, const Sampler& here) {
-        const bool first = history_.scatterings == 0;
+        const bool first = !history_.has_scattered();
         if (first) rays_before_ = stats_.rays;
         if (first && history_.count == 0)
             end_.pdf_direct = pdf_direct(world_.lights, scene_, surface.p, y_);
@@ -115,7 +116,7 @@ private:
     }
 
     // Whether but a share of the paths comes so far: LightTracing::goes_on.
-    bool is_thinned() const { return history_.scatterings > 0 && history_.count > 0; }
+    bool is_thinned() const { return history_.has_scattered() && history_.chain_length() > 0; }
 
     // Splats what reaches the camera from a surface beyond the chain.
     void connect(const SurfaceHit& hit) {

@@ -255,8 +255,8 @@ struct PathTracer {
 
     float weight_of_direct(const Surface& surface, const CameraApproach& approach,
                            const DirectSample& light, const ClosureEval& f) const {
-        const bool throws_on =
-            approach.scatterings > 0 && scene().instances[surface.hit.instance].rough_caster;
+        const bool throws_on = approach.bounces.scatterings > 0 &&
+                               scene().instances[surface.hit.instance].rough_caster;
         if (throws_on) {
             const LightEnd end = end_of_direct(surface, light);
             CausticPath path = caustic_path(scene(), receiver_at(surface, approach), f, light.wi);
@@ -353,13 +353,11 @@ struct PathTracer {
     }
 
     CameraApproach approach_to(const Surface& surface) const {
-        if (settings.light_tracing.guide == nullptr ||
-            bounces.total > most_scatterings(settings.limits))
-            return {};
-        if (bounces.total > 0) return history.approach_to(surface);
+        if (settings.light_tracing.guide == nullptr) return {};
+        if (bounces.total > 0) return history.approach_to(scene(), settings.limits, surface);
         const std::optional<CameraView> view = scene().camera.view(surface.p, lens);
         if (!view) return {};
-        return {view->film_per_area * std::abs(dot(surface.ng, surface.wo)), 0};
+        return {view->film_per_area * std::abs(dot(surface.ng, surface.wo))};
     }
 
     Receiver receiver_at(const Surface& surface, const CameraApproach& approach) const {
@@ -398,11 +396,9 @@ struct PathTracer {
         return sum;
     }
 
-    // See CausticPath::begins_rough. Without deltas light paths find all that the camera sees.
+    // See CausticPath::begins_rough. Where the camera comes as light paths do, they find them.
     bool may_begin_rough_chain(const Surface& surface, const CameraApproach& approach) const {
-        const bool all_by_light_paths = settings.light_tracing.guide != nullptr &&
-                                        approach.film_per_area > 0.0f && world.casters.empty();
-        return !world.rough_chain_casters.empty() && !all_by_light_paths &&
+        return !world.rough_chain_casters.empty() && !(approach.film_per_area > 0.0f) &&
                settings.manifold.finder != ChainFinder::mnee &&
                !(history.has_scattered() && scene().instances[surface.hit.instance].rough_caster);
     }

@@ -420,7 +420,7 @@ CausticPath caustic_path(const Scene& scene, const Receiver& receiver, const Clo
     path.sides = sides_of(receiver);
     path.pdf_omega = at_x.pdf_omega;
     path.receiver = true;
-    path.scatterings = receiver.approach.scatterings;
+    path.approach = receiver.approach.bounces;
     path.film_per_area = film_per_area(scene, receiver.approach, receiver.hit, receiver.wo, wi);
     path.before = receiver.before;
     return path;

@@ -40,14 +40,10 @@ bool within_limits(const BounceLimits& limits, const BounceCounts& before, const
            transmission <= limits.transmission;
 }
 
-// Whether light paths may find a chain with rough vertices: where the camera comes to x as they do,
-// and the chain has no deltas between x and its last rough vertex. They scatter at rough surfaces,
-// and do not turn again.
+// Whether light paths may find chains with rough vertices, at which they scatter: where the camera
+// comes to x as they do.
 bool light_paths_may_find(const Techniques& techniques, const CausticPath& path) {
-    if (techniques.light_tracing.guide == nullptr || path.film_per_area == 0.0f) return false;
-    const auto begin = path.vertices.begin(), end = begin + path.count;
-    const auto smooth = std::find_if(begin, end, [](const CausticVertex& v) { return !v.rough; });
-    return std::none_of(smooth, end, [](const CausticVertex& v) { return v.rough; });
+    return techniques.light_tracing.guide != nullptr && path.film_per_area > 0.0f;
 }
 
 // Whether an estimate comes to the path's first caster by choose_caster().
@@ -91,6 +87,15 @@ double probability_from_light(const Scene& scene, const CausticPath& path,
                                     .probability);
     }
     return product;
+}
+
+// Vertex i of a path, as seen from `from`.
+ChainVertex chain_vertex(const Scene& scene, const CausticPath& path, uint32_t i, const Vec3& from) {
+    const CausticVertex& vertex = path.vertices[i];
+    const CasterPatch patch = evaluate_caster(scene, vertex.hit, false);
+    const float eta =
+        eta_seen_from(patch.ng, from - patch.p, scene.material_of(vertex.hit).interface().ior);
+    return {vertex.interaction, eta, patch};
 }
 
 // What a ray scatters as that turns so.
@@ -145,7 +150,8 @@ LightEnd light_end(const LightPoint& y, const Vec3& away) {
 
 float film_per_area(const Scene& scene, const CameraApproach& approach, const SurfaceHit& hit,
                     const Vec3& wo, const Vec3& wi) {
-    if (approach.scatterings == 0 || approach.film_per_area == 0.0f) return approach.film_per_area;
+    if (approach.bounces.scatterings == 0 || approach.film_per_area == 0.0f)
+        return approach.film_per_area;
     Surface from_light;
     evaluate_surface(scene, hit, wi, from_light);
     const float pdf = eval(from_light.closures, from_light.ng, wi, wo).pdf_omega;
@@ -173,16 +179,19 @@ bool manifold_owns(const Techniques& techniques, const CausticPath& path) {
 bool light_tracing_owns(const Techniques& techniques, const CausticPath& path) {
     // Switched-off caustics leave diffuse rays not all that light paths meet.
     // The manifold's limits hold for all that light tracing owns.
-    const uint32_t n = path.scatterings;
-    const BounceCounts whichever{
-        .total = n, .diffuse = n, .glossy = n, .transmission = n, .transparent = 0};
+    const auto [n, reflections, refractions] = path.approach;
+    const BounceCounts whichever{.total = n + reflections + refractions,
+                                 .diffuse = n,
+                                 .glossy = n + reflections,
+                                 .transmission = n + refractions,
+                                 .transparent = 0};
     const bool all_seen = techniques.manifold.reflections && techniques.manifold.refractions;
     const bool by_casters = path.count > 0
                                 ? path.receiver && !path.is_rough() &&
                                       allowed(techniques.manifold, path.vertices[0].interaction)
-                                : path.rough_caster && path.scatterings > 0;
+                                : path.rough_caster && n > 0;
     return techniques.light_tracing.guide != nullptr && by_casters && path.film_per_area > 0.0f &&
-           std::isfinite(path.film_per_area) && (path.scatterings == 0 || all_seen) &&
+           std::isfinite(path.film_per_area) && (n == 0 || all_seen) &&
            within_limits(techniques.limits, whichever, path);
 }
 
@@ -221,6 +230,26 @@ Spectrum chain_throughput(const Scene& scene, CausticPath& path, const ChainEnd&
     return throughput;
 }
 
+std::optional<Turns> turns_between(const Scene& scene, CausticPath& path, const Vec3& z) {
+    const ChainEnd end{false, z, Vec3(0.0f)};
+    const Spectrum throughput = chain_throughput(scene, path, end);
+    if (is_black(throughput)) return std::nullopt;
+    std::array<ChainVertex, kLongestChain> storage;
+    const std::span<ChainVertex> chain(storage.data(), path.count);
+    double probability = 1.0;
+    Vec3 from = path.x;
+    for (uint32_t i = 0; i < path.count; ++i) {
+        chain[i] = chain_vertex(scene, path, i, from);
+        from = chain[i].patch.p;
+        probability *= static_cast<double>(path.vertices[i].probability);
+    }
+    const std::optional<ChainDerivative> derivative = chain_derivative(path.x, chain, end);
+    const double back = probability_from_light(scene, path, chain, end);
+    if (!derivative || !(probability > 0.0) || !(back > 0.0)) return std::nullopt;
+    return Turns{throughput * static_cast<float>(1.0 / probability),
+                 static_cast<float>(probability / (back * derivative->etendue))};
+}
+
 std::optional<CausticDensities> caustic_densities(const Techniques& techniques,
                                                   const CausticPath& path, const LightEnd& end) {
     const Scene& scene = techniques.scene;
@@ -230,22 +259,20 @@ std::optional<CausticDensities> caustic_densities(const Techniques& techniques,
     Vec3 from = path.x;
     for (uint32_t i = 0; i < path.count; ++i) {
         const CausticVertex& vertex = path.vertices[i];
-        CasterPatch patch = evaluate_caster(scene, vertex.hit, false);
-        const float eta =
-            eta_seen_from(patch.ng, from - patch.p, scene.material_of(vertex.hit).interface().ior);
+        chain[i] = chain_vertex(scene, path, i, from);
+        CasterPatch& patch = chain[i].patch;
         if (vertex.rough) {
             float unused;
             const Vec3 to_light =
                 i + 1 < path.count
                     ? normalize(surface_position(scene, path.vertices[i + 1].hit) - patch.p)
                     : end.end.from(patch.p, unused);
-            const std::optional<Vec2> slope =
-                facet_between(patch, vertex.interaction, eta, normalize(from - patch.p), to_light);
+            const std::optional<Vec2> slope = facet_between(patch, vertex.interaction, chain[i].eta,
+                                                            normalize(from - patch.p), to_light);
             if (!slope) return std::nullopt;
             lean(patch, *slope);
             facets *= static_cast<double>(vertex.facet_pdf);
         }
-        chain[i] = {vertex.interaction, eta, patch};
         before_last = probability;
         probability *= static_cast<double>(vertex.probability);
         from = patch.p;
@@ -296,7 +323,7 @@ std::optional<CausticDensities> caustic_densities(const Techniques& techniques,
         const double cos_x = std::abs(static_cast<double>(dot(path.sides.ng, wi)));
         const LightTracing& paths = techniques.light_tracing;
         // All of those that a rough caster scatters go on.
-        const bool thinned = path.scatterings > 0 && path.count > 0;
+        const bool thinned = path.approach.scatterings > 0 && path.count > 0;
         if (emitted > 0.0f)
             p.light_tracing = paths.paths * (thinned ? paths.goes_on : 1.0) /
                               static_cast<double>(path.film_per_area) *

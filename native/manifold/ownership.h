@@ -81,11 +81,21 @@ struct CausticVertex {
 
 inline constexpr uint32_t kLongestChain = 12;
 
-// How the camera's path comes to a surface: directly, or after smooth scatterings alone.
+// Smooth scatterings of the camera's path before a surface, and its turns at casters between them.
+// Straight through transparent surfaces counts as nothing.
+struct ApproachBounces {
+    uint32_t scatterings = 0, reflections = 0, refractions = 0;
+
+    void add_turn(Interaction interaction) {
+        ++(interaction == Interaction::reflection ? reflections : refractions);
+    }
+};
+// How the camera's path comes to a surface: directly, or from a surface that it sees directly, by
+// smooth scatterings and by way of casters between them.
 struct CameraApproach {
     // CausticPath::film_per_area but for the light path's leave of this surface; 0: any other way.
     float film_per_area = 0.0f;
-    uint32_t scatterings = 0;
+    ApproachBounces bounces{};
 };
 
 // From a smooth scattering at the receiver x through the chain: without the light's end. With no
@@ -109,13 +119,12 @@ struct CausticPath {
     // Bounces of the camera's path when it came to x; none in a light path's record, which does not
     // know of which kinds they would be.
     BounceCounts before{};
-    // Smooth scatterings of the camera's path before x; straight through transparent surfaces counts
-    // as nothing.
-    uint32_t scatterings = 0;
+    ApproachBounces approach{};  // of the camera's path to x
     // Pixels^2 of the film per m^2 at x where the camera sees x. Where it sees the last of several
     // surfaces z_1 = x, z_2, ... that scatter smoothly: pixels^2 per m^2 there, times what the
     // densities of the camera's path between them are in those of the light path,
-    //   prod p(z_i+1 -> z_i) cos_i / (p(z_i -> z_i+1) cos_i+1).
+    //   prod p(z_i+1 -> z_i) cos_i / (p(z_i -> z_i+1) cos_i+1),
+    // and Turns::density of the casters on the way.
     // 0 if the camera's path came any other way.
     float film_per_area = 0.0f;
     uint32_t count = 0;
@@ -217,6 +226,14 @@ struct CausticDensities {
 // fills in the chances of their lobes. By the places of the vertices alone, so that all techniques
 // have the same.
 Spectrum chain_throughput(const Scene& scene, CausticPath& path, const ChainEnd& end);
+// What turns at casters make of the camera's path from one smooth scattering to the next.
+struct Turns {
+    Spectrum weight;  // throughput over the chances of their lobes
+    float density;    // of the camera's path, in the light path's, but for p and cos at both ends
+};
+// `path`: from the scattering at x on, its vertices' lobes are filled in; z is the next one. Empty
+// where the chain cannot be, by the accuracy that there is.
+std::optional<Turns> turns_between(const Scene& scene, CausticPath& path, const Vec3& z);
 // Empty where the chain cannot be, by the accuracy that there is.
 std::optional<CausticDensities> caustic_densities(const Techniques& techniques,
                                                   const CausticPath& path, const LightEnd& end);

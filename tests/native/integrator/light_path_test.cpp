@@ -89,7 +89,7 @@ std::vector<Setup> casters_under_a_bulb() {
         {"glass ball",
          [](SceneMaker& m) {
              add_ball(m, glass(1.5f));
-             add_bulb(m);
+             add_bulb(m, {0.8f, -0.8f, 0.7f}, 0.6f);  // few walks are unlucky
          }},
         {"sheets around the ball",
          [sheet](SceneMaker& m) {
@@ -436,6 +436,23 @@ std::vector<Setup> walls() {
              }}};
 }
 
+// Light from the wall comes to the floor by way of more casters.
+std::vector<Setup> walls_behind_casters() {
+    const auto wall_and = [](const char* name, const Mesh& mesh, const Graph& graph,
+                             const Transform& transform) {
+        return Setup{name, [=](SceneMaker& m) {
+                         add_wall(m, satin());
+                         add_projector(m);
+                         add_bulb(m, kBeforeWall, 0.35f);
+                         add_caster(m, mesh, graph, transform);
+                     }};
+    };
+    return {wall_and("wall behind a sheet that refracts", square(0.9f), refraction(1.3f),
+                     rotation_x(0.5f * kPi, {0.0f, 0.9f, 0.9f})),
+            wall_and("wall in a mirror", square(0.9f), mirror(),
+                     rotation_x(-0.5f * kPi, {0.0f, -1.0f, 0.9f}))};
+}
+
 IntegratorSettings more_bounces() {
     IntegratorSettings settings = few_bounces();
     settings.limits.diffuse = 3;
@@ -445,6 +462,9 @@ IntegratorSettings more_bounces() {
 // The floor shows what comes from the wall; its own caustics are path tracing's.
 TEST(LightPathsSlow, AgreeForIndirectCaustics) {
     expect_agreement(walls(), more_bounces(), CausticsRole::off, 40);
+}
+TEST(LightPathsSlow, AgreeForIndirectCausticsBehindCasters) {
+    expect_agreement(walls_behind_casters(), more_bounces(), CausticsRole::off, 40);
 }
 // Light that comes in one way and another; few of the paths go on.
 IntegratorSettings few_going_on() {

@@ -38,12 +38,16 @@ inline double chance_of(const Scene& scene, const Surface& surface, const Closur
     return next.refracted ? 1.0 - reflected : reflected;
 }
 
-// A path from the camera through `scatterings` + 1 smooth vertices and a chain to a light.
-struct Traced {
-    Ray ray;                           // of the camera
-    std::vector<Surface> smooth;       // camera's order
-    std::vector<CausticVertex> chain;  // receiver's order
-    std::vector<Vec3> corners;         // its vertices
+// Casters between two smooth vertices, or the last one and the light: camera's order.
+struct Stretch {
+    std::vector<CausticVertex> chain;
+    std::vector<Vec3> corners;  // its vertices
+};
+// A path from the camera through smooth vertices and a chain to a light.
+struct Traced : Stretch {
+    Ray ray;                       // of the camera
+    std::vector<Surface> smooth;   // camera's order
+    std::vector<Stretch> between;  // smooth vertices, one less of them
     PathHistory history;
     LightPoint y;
     double share;     // of path tracing, by what it makes of the path itself
@@ -108,11 +112,14 @@ private:
     }
 
     bool append(Traced& path, const Surface& surface, const ClosureSample& next) const {
+        path.history.set_next(*world_.scene, surface.p);
         if (!next.delta) {
-            if (!path.chain.empty() || path.smooth.size() == 3) return false;
-            path.history.set_next(*world_.scene, surface.p);
-            CameraApproach approach = path.history.approach_to(surface);
-            if (path.smooth.empty()) {
+            if (path.smooth.size() == 3) return false;
+            CameraApproach approach = path.history.approach_to(*world_.scene, kLimits, surface);
+            if (!path.smooth.empty()) {
+                path.between.push_back(path);
+                static_cast<Stretch&>(path) = {};
+            } else {
                 const std::optional<CameraView> view = world_.scene->camera.view(surface.p, kLens);
                 approach.film_per_area = view->film_per_area * std::abs(dot(surface.ng, surface.wo));
             }
@@ -126,6 +133,7 @@ private:
         path.chain.push_back(
             {surface.hit, next.refracted ? Interaction::refraction : Interaction::reflection});
         path.corners.push_back(surface.p);
+        path.history.append_delta(surface.hit, next, world_.casters);
         path.p_camera *= chance_of(*world_.scene, surface, next);
         return true;
     }
@@ -139,7 +147,9 @@ private:
     // The integrator itself, with all techniques and with none, but for light that comes otherwise:
     // what path tracing is left with.
     bool weigh(Traced& path, const Sampler& sampler) const {
-        const auto bounces = static_cast<uint32_t>(path.smooth.size() + path.chain.size());
+        size_t vertices = path.smooth.size() + path.chain.size();
+        for (const Stretch& stretch : path.between) vertices += stretch.chain.size();
+        const auto bounces = static_cast<uint32_t>(vertices);
         const PassState no_estimates{{0.0f, 0.0f, 0.0f}, sheets()};
         const auto radiance = [&](IntegratorSettings settings, uint32_t total) {
             settings.limits.total = total;
@@ -215,20 +225,29 @@ inline std::optional<ByManifold> by_manifold(const Bench& bench, const Traced& p
     PathHistory before;
     BounceCounts bounces{};
     CameraApproach approach{};
-    for (const Surface& surface : path.smooth) {
-        const bool first = &surface == &path.smooth.front();
-        approach = before.approach_to(surface);
-        if (first)
+    for (size_t i = 0; i < path.smooth.size(); ++i) {
+        const Surface& surface = path.smooth[i];
+        approach = before.approach_to(scene, kLimits, surface);
+        if (i == 0)
             approach.film_per_area = scene.camera.view(surface.p, kLens)->film_per_area *
                                      std::abs(dot(surface.ng, surface.wo));
         if (&surface == &x) break;
+        const Stretch& stretch = path.between[i];
         ClosureSample next{};
-        next.wi = normalize((&surface + 1)->p - surface.p);
+        next.wi = normalize((stretch.corners.empty() ? path.smooth[i + 1].p : stretch.corners[0]) -
+                            surface.p);
         next.pdf_omega = eval(surface.closures, surface.ng, surface.wo, next.wi).pdf_omega;
         before.append_smooth(scene, surface, next, true, approach, bounces);
         before.keep(surface, approach);
         before.set_direction(scene, next.wi);
         bounces.add(BounceKind::diffuse);
+        for (const CausticVertex& vertex : stretch.chain) {
+            ClosureSample turn{};
+            turn.delta = turn.on_caster_normal = true;
+            turn.refracted = vertex.interaction == Interaction::refraction;
+            before.append_delta(vertex.hit, turn, bench.world().casters);
+            bounces.add(turn.refracted ? BounceKind::transmission : BounceKind::glossy);
+        }
     }
     const Media media{};
     const Receiver receiver{x.p,    x.p_error, x.ng,     x.wo,    &x.closures, 16,
@@ -275,20 +294,26 @@ inline std::optional<CausticDensities> by_light(const Bench& bench, const Traced
         from = p;
         return true;
     };
-    for (size_t k = path.chain.size(); k-- > 0;) {
-        if (!comes_to(path.corners[k], path.chain[k].hit, 1e-4f)) return std::nullopt;
-        const bool refracted = path.chain[k].interaction == Interaction::refraction;
-        std::optional<ClosureSample> next;
-        for (int tries = 0; tries < 1000 && !(next && next->refracted == refracted); ++tries)
-            next = sample(surface.closures, surface.ng, surface.wo, {pcg.one(), 0.5f, 0.5f});
-        if (!next || !history.append_delta(surface, *next, bench.world().casters))
-            return std::nullopt;
-        ray = {offset_origin({surface.p, surface.ng, surface.p_error}, next->wi), next->wi, 0.0f,
-               kInfinity};
-    }
+    const auto turns = [&](const Stretch& stretch, float accuracy) {
+        for (size_t k = stretch.chain.size(); k-- > 0;) {
+            if (!comes_to(stretch.corners[k], stretch.chain[k].hit, accuracy)) return false;
+            const bool refracted = stretch.chain[k].interaction == Interaction::refraction;
+            std::optional<ClosureSample> next;
+            for (int tries = 0; tries < 1000 && !(next && next->refracted == refracted); ++tries)
+                next = sample(surface.closures, surface.ng, surface.wo, {pcg.one(), 0.5f, 0.5f});
+            if (!next || !history.append_delta(surface, *next, bench.world().casters)) return false;
+            ray = {offset_origin({surface.p, surface.ng, surface.p_error}, next->wi), next->wi,
+                   0.0f, kInfinity};
+        }
+        return true;
+    };
+    if (!turns(path, 1e-4f)) return std::nullopt;
     for (size_t i = path.smooth.size(); i-- > 0;) {
         if (!comes_to(path.smooth[i].p, path.smooth[i].hit, 1e-3f)) return std::nullopt;
-        const Vec3 target = i > 0 ? path.smooth[i - 1].p : path.ray.origin;
+        const Vec3 target = i == 0 ? path.ray.origin
+                            : path.between[i - 1].corners.empty()
+                                ? path.smooth[i - 1].p
+                                : path.between[i - 1].corners.back();
         const Vec3 towards = normalize(target - surface.p);
         Surface from_camera;
         evaluate_surface(scene, surface.hit, towards, from_camera);
@@ -305,6 +330,7 @@ inline std::optional<CausticDensities> by_light(const Bench& bench, const Traced
         history.append_smooth(from_camera, *arrival, pdf);
         ray = {offset_origin({surface.p, surface.ng, surface.p_error}, towards), towards, 0.0f,
                kInfinity};
+        if (!turns(path.between[i - 1], 1e-3f)) return std::nullopt;
     }
     return std::nullopt;
 }

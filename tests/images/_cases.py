@@ -15,7 +15,7 @@ class Case:
     `detects_together` that which is found when all variants share it; large where solutions with
     small basins give rare bright samples. `detects_joint` and `detects_light` are the same with
     light tracing beside the manifold, and alone; None where it finds next to nothing, since the
-    camera sees the receivers through the casters.
+    camera sees the receivers through the casters. `detects_sheets`: of both renders with sheets.
     """
 
     name: str
@@ -32,6 +32,7 @@ class Case:
     detects_together: float = 0.05
     detects_joint: float = 0.15
     detects_light: float | None = None
+    detects_sheets: float = 0.2
 
 
 CASES = {
@@ -58,6 +59,7 @@ CASES = {
             detects=0.3,
             detects_together=0.12,
             detects_light=0.3,
+            detects_sheets=0.6,
         ),
         Case(
             "refractive_sphere",
@@ -70,6 +72,7 @@ CASES = {
             detects=0.4,
             detects_together=0.15,
             detects_joint=0.8,
+            detects_sheets=0.8,
         ),
         Case(
             "swimming_pool",
@@ -82,6 +85,35 @@ CASES = {
             detects=0.15,
             detects_together=0.08,
             detects_joint=0.4,
+            detects_sheets=0.3,
+        ),
+        Case(
+            "displaced",
+            (48, 27),
+            32768,
+            256,
+            64,
+            light_factor=10.0,
+            max_bounces=3,
+            detects=0.6,
+            detects_together=0.25,
+            detects_joint=0.3,
+            detects_light=0.4,
+            detects_sheets=0.2,
+        ),
+        Case(
+            "slab",
+            (40, 40),
+            32768,
+            256,
+            32,
+            light_factor=10.0,
+            max_bounces=3,
+            detects=1.0,
+            detects_together=0.4,
+            detects_joint=0.15,
+            detects_light=0.1,
+            detects_sheets=0.15,
         ),
         Case("cornell", (64, 64), 8192, 1024),
     )
@@ -93,6 +125,14 @@ DELTA_LIGHTS = {
 }
 # All methods at once, as artists render.
 AUTOMATIC = Case("shop_window", (64, 48), 8192, 64, light_factor=20.0, max_bounces=4)
+# Rough casters with normal maps: light paths find their caustics, glints what the camera sees.
+GLITTERING = {
+    case.name: case
+    for case in (
+        Case("shoes", (40, 40), 16384, 112, light_factor=10.0, max_bounces=3, detects_light=1.0),
+        Case("kettle", (40, 40), 16384, 192, texels=8, max_bounces=3, detects_light=0.5),
+    )
+}
 WITH_CASTERS = tuple(case for case in CASES.values() if case.biased_samples)
 CORNELL = CASES["cornell"]
 

@@ -4,7 +4,7 @@
 The last argument is a JSON file, the job:
   scene           .blend file
   size            [width, height] of the frame
-  light_factor    the sizes of area, point and spot lights are multiplied by it
+  light_factor    the sizes of area, point and spot lights and of suns are multiplied by it
   sun             if given, all lights become suns without a disc, of this irradiance in W/m^2,
                   that shine to the origin from where they were
   texels          the world's image is averaged over squares of so many texels
@@ -87,6 +87,8 @@ def prepare(job: dict):
             light.size_y *= job.get("light_factor", 1)
         elif light.type in ("POINT", "SPOT"):
             light.shadow_soft_size *= job.get("light_factor", 1)
+        elif light.type == "SUN":
+            light.angle *= job.get("light_factor", 1)
         if job.get("sun"):
             name = light.name
             light.type = "SUN"

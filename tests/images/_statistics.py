@@ -46,6 +46,14 @@ def total_z(image, reference) -> np.ndarray:
     return total(image.mean - reference.mean) / total_error(image, reference)
 
 
+def weighted_z(image, reference) -> np.ndarray:
+    """(3,): of the sum over all blocks, those with little noise in the reference counting most."""
+    weights = block_sums(reference.mean) / block_sums(reference.variance)
+    difference = block_sums(image.mean - reference.mean)
+    variance = block_sums(image.variance + reference.variance)
+    return total(weights * difference) / np.sqrt(total(weights**2 * variance))
+
+
 def total(image: np.ndarray) -> np.ndarray:
     return image.sum(axis=(0, 1))
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Renders the reference images by brute-force path tracing; about a quarter of an hour.
+"""Renders the reference images by brute-force path tracing; about half an hour.
 
 usage, in the project's root: /usr/bin/python3 -m tests.images.make_references [NAME ...]
 
@@ -20,7 +20,7 @@ from pathlib import Path
 import numpy as np
 
 from tests.images import _cases, _children, _reference, _statistics
-from tests.images._cases import AUTOMATIC, CASES, CORNELL, Case
+from tests.images._cases import AUTOMATIC, CASES, CORNELL, GLITTERING, Case
 
 PARTS = 8  # of a render, each with a line of progress
 LIMIT = 100_000  # bytes of a file
@@ -47,7 +47,7 @@ RECIPES = {
         },
         "Specula, path tracing, Blender 3.4.1",
     )
-    for case in (*CASES.values(), AUTOMATIC)
+    for case in (*CASES.values(), *GLITTERING.values(), AUTOMATIC)
 } | {
     "cornell_cycles": Recipe(
         CORNELL,

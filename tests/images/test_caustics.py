@@ -88,7 +88,7 @@ def detected(case, names: list[str]) -> float | None:
     if names == [JOINT.name]:
         return case.detects_joint
     if names == [*SHEETS]:
-        return 2.0 * case.detects  # the walks beside them are rare, and bright
+        return case.detects_sheets  # the walks beside them are rare, and bright
     return case.detects_together if len(names) > 1 else case.detects
 
 

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import dataclasses
 
-import numpy as np
 import pytest
 
 from tests.images import _children
@@ -33,14 +32,6 @@ def image(tmp_path_factory, seed, reference):
     )
 
 
-def weighted_z(image, truth) -> np.ndarray:
-    """(3,): of the sum over all blocks, those with little noise in the truth counting most."""
-    weights = statistics.block_sums(truth.mean) / statistics.block_sums(truth.variance)
-    difference = statistics.block_sums(image.mean - truth.mean)
-    variance = statistics.block_sums(image.variance + truth.variance)
-    return statistics.total(weights * difference) / np.sqrt(statistics.total(weights**2 * variance))
-
-
 def test_every_method_has_its_part(image):
     for key in ("walks", "splats", "glint_estimates"):
         assert image.stats[key] > 0, key
@@ -50,7 +41,7 @@ def test_every_method_has_its_part(image):
 
 def test_means_agree_with_path_tracing(image, reference):
     truth = reference(AUTOMATIC.name)
-    blocks, total = statistics.block_z(image, truth), weighted_z(image, truth)
+    blocks, total = statistics.block_z(image, truth), statistics.weighted_z(image, truth)
     assert abs(blocks).max() < BLOCK_Z, statistics.strongest(blocks)
     assert abs(total).max() < TOTAL_Z, statistics.strongest(total)
 
@@ -58,5 +49,5 @@ def test_means_agree_with_path_tracing(image, reference):
 @pytest.mark.parametrize("factor", [DETECTED, 1.0 / DETECTED])
 def test_a_wrong_factor_is_found(image, reference, factor):
     scaled = dataclasses.replace(image, mean=image.mean * factor)
-    total = weighted_z(scaled, reference(AUTOMATIC.name))
+    total = statistics.weighted_z(scaled, reference(AUTOMATIC.name))
     assert abs(total).max() > TOTAL_Z, statistics.strongest(total)

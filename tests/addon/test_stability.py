@@ -9,6 +9,7 @@ import pytest
 from tests.stability import _report
 from tests.stability._cases import CASES
 from tests.stability._measure import BLOCKS, METHODS, Pictures, compare
+from tests.stability._scenes import brilliant
 
 COMPARISONS = len(CASES) * len(METHODS)
 ERROR = 0.002  # of the blocks, relative
@@ -48,6 +49,21 @@ def test_fixed_starts_are_excused_where_path_tracing_is_blind(case, known):
     where = next(c for c in CASES if c.name == case)
     mark = _report.Result(where, method, pictures(0.5, 2), found).verdict
     assert mark == (_report.KNOWN if known else _report.FAILS)
+
+
+def test_a_million_triangles_are_so_many():
+    case = next(c for c in CASES if c.name == "a million triangles")
+    assert sum(len(shape.triangles) for shape in case.build().meshes) >= 1_000_000
+
+
+def test_the_cut_stone_is_closed_and_faces_outwards():
+    stone = brilliant(0.5)
+    edges = {tuple(triangle[[i, i - 2]]) for triangle in stone.triangles for i in range(3)}
+    assert len(edges) == 3 * len(stone.triangles)
+    assert {(b, a) for a, b in edges} == edges
+    a, b, c = stone.positions[stone.triangles].astype(np.float64).swapaxes(0, 1)
+    volume = np.linalg.det(np.stack([a, b, c], axis=1)) / 6.0  # of tetrahedra to the origin
+    assert (volume > 0.0).all()  # which is inside
 
 
 def test_nothing_excuses_nan():

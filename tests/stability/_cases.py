@@ -13,6 +13,7 @@ from specula.export import desc
 from tests.stability._scenes import (
     FLOOR_ALBEDO,
     Maker,
+    brilliant,
     camera,
     diffuse,
     directions,
@@ -60,6 +61,7 @@ def over(*casters, light=lambda maker: maker.bulb()) -> desc.SceneDesc:
 
 
 BALL = placed((0.0, 0.0, 0.7))
+FINE = 708  # quads along each side of a grid: a million triangles
 UNSEEN = desc.Visibility.ALL & ~desc.Visibility.CAMERA
 
 
@@ -374,6 +376,16 @@ CASES = (
         lambda: over((sphere(0.4), glass(1.0), BALL)),
     ),
     Case("glass ball", "reflections and refractions", lambda: over((sphere(0.4), glass(), BALL))),
+    Case(
+        "a million triangles",
+        "solutions on facets of a thousandth",
+        lambda: over((sphere(0.4, FINE), glass(), BALL)),
+    ),
+    Case(
+        "cut stone",
+        "no derivatives of normals, between facets",
+        lambda: over((brilliant(0.45), glass(), placed((0.0, 0.1, 0.6), rotation_x(0.35)))),
+    ),
     Case("two mirrors", "chains across objects", between_mirrors),
     Case(
         "rough ball",

@@ -160,6 +160,25 @@ def slab(half: float, thickness: float) -> desc.MeshDesc:
     return mesh("slab", signs * np.array([half, half, thickness / 2]), triangles)
 
 
+def brilliant(radius: float, sides: int = 8) -> desc.MeshDesc:
+    """A cut stone: a table above, its point below, flat triangles between them; the girdle's plane
+    goes through the origin."""
+
+    def ring(r: float, z: float, shift: float) -> np.ndarray:
+        angle = 2.0 * math.pi * (np.arange(sides) + shift) / sides
+        return np.c_[r * np.cos(angle), r * np.sin(angle), np.full(sides, z)]
+
+    positions = np.concatenate(
+        [ring(0.55, 0.35, 0.0), ring(1.0, 0.0, 0.5), [(0.0, 0.0, -0.55)]], dtype=np.float64
+    )
+    triangles = [(0, i, i + 1) for i in range(1, sides - 1)]  # the table
+    for i in range(sides):
+        after, below = (i + 1) % sides, sides + i
+        triangles += [(i, below, after), (after, below, sides + after)]
+        triangles.append((below, 2 * sides, sides + after))
+    return mesh("brilliant", radius * positions, triangles)
+
+
 def joined(name: str, *parts: desc.MeshDesc) -> desc.MeshDesc:
     """One mesh of several that have normals or are flat."""
     starts = np.cumsum([0, *(len(part.positions) for part in parts)])

@@ -259,9 +259,9 @@ TEST(LightTracingStressSlow, ACasterThatFillsTheView) {
     expect_no_harm([build](SceneMaker& m, uint32_t casters) { build(m, casters, 0.4f); });
 }
 
-// ---- seams: path tracing finds a lamp of this size
+// ---- seams: path tracing finds a lamp of this size so often that twelve seeds know of its tail
 
-constexpr float kLargeLamp = 0.4f;
+constexpr float kLargeLamp = 0.8f;
 
 void expect_agreement(const Camera& camera) {
     SceneMaker maker;

@@ -4,7 +4,8 @@
 The method is unbiased, and nothing is clamped. What is rendered is kept in build/bench/references
 in parts, each with a seed of its own: another run of the same scene and method adds to them, until
 they have so many seconds of rendering together. The reference is the mean of all; its variance is
-estimated from every sample, that of rounding to half floats included.
+estimated from every sample, that of rounding to half floats included. With --add they join the
+samples of the reference that is stored, whichever program rendered those.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ import numpy as np
 from tests.bench import _children, _metrics, _program, _scenes, _store
 from tests.bench._children import Progress
 from tests.images import _reference
+from tests.images._reference import Reference
 from tools.common import BUILD, ROOT, DevError
 
 FOLDER = BUILD / "bench" / "references"
@@ -38,8 +40,9 @@ SCRIPTS = (_children.HERE / SCRIPT, ROOT / "tests" / "images" / "_render.py")  #
 class Parts:
     """What was rendered so far: moments of all samples."""
 
-    def __init__(self, folder: Path):
+    def __init__(self, folder: Path, first_seed: int = FIRST_SEED):
         self.folder = folder
+        self.first_seed = first_seed
         self.reports = [json.loads(path.read_text()) for path in sorted(folder.glob("*.json"))]
 
     @property
@@ -47,7 +50,7 @@ class Parts:
         return sum(report["seconds"] for report in self.reports)
 
     def next_seed(self) -> int:
-        return max((report["seed"] + 1 for report in self.reports), default=FIRST_SEED)
+        return max((report["seed"] + 1 for report in self.reports), default=self.first_seed)
 
     def merged(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, int]:
         """Mean, variance of the mean, caustics, light paths' share of them, samples."""
@@ -85,16 +88,46 @@ def render_part(blend: Path, job: dict, parts: Parts) -> None:
     parts.reports.append(report)
 
 
-def write(path: Path, blend: Path, method: str, parts: Parts) -> None:
+def stored_reference(path: Path, about: dict[str, str], size: tuple[int, int]) -> Reference:
+    """The one that samples are to be added to: of the same picture by the same method."""
+    if not path.is_file():
+        raise DevError(f"--add: there is no {path}")
+    stored = _reference.read(path)
+    height, width = stored.mean.shape[:2]
+    differing = [key for key, value in about.items() if stored.about.get(key) != value]
+    if (width, height) != size:
+        differing.append(f"{width}x{height} pixels")
+    if differing or stored.caustics is None:
+        raise DevError(f"--add {path}: not of this picture: {', '.join(differing) or 'no layers'}")
+    return stored
+
+
+def joined(stored: Reference, merged: tuple) -> tuple:
+    """As `Parts.merged`, with the samples of a stored reference."""
+    mean, variance, caustics, direct, count = merged
+    total = stored.samples + count
+    old, new = stored.samples / total, count / total
+    return (
+        old * stored.mean + new * mean,
+        old**2 * stored.variance + new**2 * variance,
+        old * stored.caustics + new * caustics,
+        direct,
+        total,
+    )
+
+
+def write(path: Path, about: dict[str, str], parts: Parts, stored: Reference | None) -> None:
     """The EXR, and a line on how good it is."""
-    mean, variance, caustics, direct, samples = parts.merged()
-    about = {
-        "scene": blend.stem,
-        "sceneDigest": hashlib.sha256(blend.read_bytes()).hexdigest(),
-        "method": method,
+    merged, seeds, seconds = parts.merged(), [r["seed"] for r in parts.reports], parts.seconds
+    if stored is not None:
+        merged = joined(stored, merged)
+        seeds = [*seeds_of(stored), *seeds]
+        seconds += float(stored.about["seconds"])
+    mean, variance, caustics, direct, samples = merged
+    about = about | {
         "samples": str(samples),
-        "seeds": " ".join(str(report["seed"]) for report in parts.reports),
-        "seconds": f"{parts.seconds:.0f}",
+        "seeds": " ".join(map(str, seeds)),
+        "seconds": f"{seconds:.0f}",
         "date": time.strftime("%Y-%m-%d"),
     }
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -104,9 +137,13 @@ def write(path: Path, blend: Path, method: str, parts: Parts) -> None:
     relative = np.sqrt(stored.variance.mean() / (stored.mean**2).mean())
     print(
         f"{path}: {path.stat().st_size} bytes, {samples} samples per pixel in "
-        f"{parts.seconds:.0f} s, mean squared error {stored.variance.mean():.3g} "
+        f"{seconds:.0f} s, mean squared error {stored.variance.mean():.3g} "
         f"(root: {relative:.2%} of the picture's root mean square)"
     )
+
+
+def seeds_of(stored: Reference) -> list[int]:
+    return [int(seed) for seed in stored.about["seeds"].split()]
 
 
 def image_size(text: str, blend: Path) -> tuple[int, int]:
@@ -131,6 +168,7 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--method", choices=METHODS, help="default: PT where it converges")
     parser.add_argument("--size", default="", metavar="WxH", help="pixels (long side 256)")
     parser.add_argument("--threads", type=int, default=len(os.sched_getaffinity(0)))
+    parser.add_argument("--add", action="store_true", help="to the samples of the stored one")
     parser.add_argument("--out", type=Path, metavar="EXR", help="(tests/bench/references)")
     args = parser.parse_args()
     if args.seconds <= 0.0:
@@ -151,11 +189,16 @@ def main() -> int:
     FOLDER.mkdir(parents=True, exist_ok=True)
     _program.freeze_library("reference")
     size = image_size(args.size, blend)
-    digest = hashlib.sha256(blend.read_bytes()).hexdigest()[:12]
+    digest = hashlib.sha256(blend.read_bytes()).hexdigest()
+    about = {"scene": blend.stem, "sceneDigest": digest, "method": method}
+    path = args.out or _scenes.REFERENCES / f"{blend.stem}.exr"
+    stored = stored_reference(path, about, size) if args.add else None
+    first_seed = max(seeds_of(stored)) + 1 if stored else FIRST_SEED
     program = _store.specula_digest(SCRIPTS)[:8]  # a wrong estimator must not leave its parts
-    folder = FOLDER / f"{blend.stem}-{method.lower()}-{size[0]}x{size[1]}-{digest}-{program}"
+    name = f"{blend.stem}-{method.lower()}-{size[0]}x{size[1]}-{digest[:12]}-{program}"
+    folder = FOLDER / f"{name}-{first_seed}"
     folder.mkdir(exist_ok=True)
-    parts = Parts(folder)
+    parts = Parts(folder, first_seed)
     job = {"size": size, "method": method, "threads": args.threads}
     todo = args.seconds - parts.seconds
     progress = Progress("reference", [todo * (1.0 + OVERHEAD / PART_SECONDS)])
@@ -167,7 +210,7 @@ def main() -> int:
         render_part(blend, job | {"seconds": min(PART_SECONDS, seconds)}, parts)
         progress.advance((parts.seconds - before) * (1.0 + OVERHEAD / PART_SECONDS))
     progress.clear()
-    write(args.out or _scenes.REFERENCES / f"{blend.stem}.exr", blend, method, parts)
+    write(path, about, parts, stored)
     return 0
 
 

@@ -8,6 +8,18 @@ namespace spc {
 
 namespace {
 
+// What light paths carry by chains that the manifold looks for, and that times the trials to come to
+// one: LightTracing::effort.
+struct Effort {
+    double light = 0.0, trials = 0.0;
+    ManifoldStats searches{};
+
+    void add(const Effort& other) {
+        light += other.light;
+        trials += other.trials;
+    }
+};
+
 // One light path under way.
 class LightTracer {
 public:
@@ -20,6 +32,12 @@ public:
           sampler_(sampler),
           splats_(splats),
           stats_(stats) {}
+
+    // Beside what it adds to the picture the path tells how well sheets lead to its chain.
+    void ask(const LightSheets& sheets, Effort& effort) {
+        sheets_ = &sheets;
+        effort_ = &effort;
+    }
 
     // Where in its light's square the path begins; empty if nothing left the light.
     std::optional<EmissionSample> trace() {
@@ -142,10 +160,24 @@ private:
             ++stats_.nan_splats;
             return;
         }
+        const double carried =
+            static_cast<double>(luminance(value)) * densities->sum() / densities->light_tracing;
+        if (effort_ != nullptr && densities->manifold > 0.0) weigh_effort(path, carried);
+        stats_.carried += carried;
+        stats_.carried_for_manifold += carried * densities->manifold / densities->sum();
         ++stats_.splats;
         const double square = static_cast<double>(dot(value, value) * (1.0f / 3.0f));
         (is_thinned() ? stats_.squares_behind : stats_.squares) += square;
         splats_.push_back({view->film, value});
+    }
+
+    void weigh_effort(const CausticPath& path, double carried) {
+        constexpr uint32_t kMostTrials = 1024;
+        Pcg pcg(sampler_[Domain::manifold_seeds].stream_seed());
+        effort_->light += carried;
+        effort_->trials +=
+            carried * trials_beside_sheets(techniques_of(world_, settings_), *sheets_, path, end_,
+                                           kMostTrials, pcg, effort_->searches);
     }
 
     // Fraction of the light that passes from the surface to the camera.
@@ -165,6 +197,8 @@ private:
     const Sampler& sampler_;
     std::vector<Splat>& splats_;
     LightPathStats& stats_;
+    const LightSheets* sheets_ = nullptr;
+    Effort* effort_ = nullptr;
 
     LightPoint y_{};
     uint32_t visibility_ = 0;  // of its light
@@ -190,26 +224,31 @@ Sampler light_sampler(uint32_t seed, uint64_t index) {
 // show where the light comes from, few beside a render of a second.
 constexpr std::array<uint32_t, 3> kGenerations{1u << 14, 1u << 14, 1u << 15};
 constexpr uint32_t kPilotChunk = 1u << 11;
+// Of the pilot's paths so few tell how well sheets lead to their chains: each searches for its own.
+constexpr uint32_t kAskEvery = 32;
 // One lucky path must not draw all others to it.
 constexpr float kLargestWeight = 32.0f;  // times the mean
 
 // The paths from number `first` on.
 std::vector<EmissionSample> pilot(const RenderScene& world, const IntegratorSettings& settings,
-                                  float margin, uint32_t seed, uint64_t first, uint32_t paths,
-                                  uint32_t threads, const std::atomic<bool>& cancelled,
-                                  LightPathStats& stats, CoarsePicture& moments) {
+                                  const LightSheets& sheets, float margin, uint32_t seed,
+                                  uint64_t first, uint32_t paths, uint32_t threads,
+                                  const std::atomic<bool>& cancelled, LightPathStats& stats,
+                                  CoarsePicture& moments, Effort& effort) {
     const uint32_t chunks = paths / kPilotChunk;
     std::vector<std::vector<EmissionSample>> found(chunks);
     std::vector<LightPathStats> counted(chunks);
     std::vector<CoarsePicture> of_chunks(chunks, moments);
+    std::vector<Effort> efforts(chunks);
     parallel_for(threads, chunks, [&](uint32_t c) {
         std::vector<Splat> splats;
         for (uint32_t i = 0; i < kPilotChunk && !cancelled.load(); ++i) {
             const uint64_t index = first + uint64_t{c} * kPilotChunk + i;
             splats.clear();
-            std::optional<EmissionSample> sample =
-                LightTracer(world, settings, margin, light_sampler(~seed, index), splats, counted[c])
-                    .trace();
+            const Sampler sampler = light_sampler(~seed, index);
+            LightTracer path(world, settings, margin, sampler, splats, counted[c]);
+            if (i % kAskEvery == 0 && !sheets.all.empty()) path.ask(sheets, efforts[c]);
+            std::optional<EmissionSample> sample = path.trace();
             if (!sample) continue;
             for (const Splat& splat : splats) {
                 sample->place.weight += luminance(splat.value);
@@ -224,6 +263,7 @@ std::vector<EmissionSample> pilot(const RenderScene& world, const IntegratorSett
         all.insert(all.end(), found[c].begin(), found[c].end());
         stats.add(counted[c]);
         moments.add(of_chunks[c]);
+        effort.add(efforts[c]);
     }
     return all;
 }
@@ -246,6 +286,8 @@ void measure(const LightPathStats& counted, const CoarsePicture& moments, LightP
     const double best =
         result.goes_on * std::sqrt(counted.squares_behind * before / (counted.squares * behind));
     result.goes_on = best < 1.0 ? std::max(best, kLeastGoingOn) : 1.0;
+    if (counted.carried > 0.0)
+        result.manifold_share = counted.carried_for_manifold / counted.carried;
     const auto paths = static_cast<double>(counted.paths);
     result.squares = moments;
     result.squares.scale(paths);
@@ -261,28 +303,30 @@ void trace_light_path(const RenderScene& world, const IntegratorSettings& settin
     LightTracer(world, settings, margin, sampler, splats, stats).trace();
 }
 
-std::unique_ptr<const LightPilot> learn_emission(const RenderScene& world,
-                                                 IntegratorSettings settings, float margin,
-                                                 uint32_t seed, uint32_t threads,
-                                                 const std::atomic<bool>& cancelled,
-                                                 LightPathStats& stats) {
+std::unique_ptr<const LightPilot> learn_emission(
+    const RenderScene& world, IntegratorSettings settings, const LightSheets& sheets, float margin,
+    uint32_t seed, uint32_t threads, const std::atomic<bool>& cancelled, LightPathStats& stats) {
     if (world.casters.aims().empty() || world.lights.caustic_selection.empty() ||
         !world.scene->same_for_scattered_rays)
         return nullptr;
     auto result = std::make_unique<LightPilot>(
         aim_at_casters(*world.scene, world.lights, world.casters, Squares::of_beams), 1.0,
-        CoarsePicture(world.scene->camera.crop), 0.0);
+        CoarsePicture(world.scene->camera.crop), 0.0, 1.0, 1.0);
     uint64_t first = 0;
+    Effort effort;
     for (const uint32_t paths : kGenerations) {
-        settings.light_tracing = {&result->guide, static_cast<double>(paths), result->goes_on};
+        settings.light_tracing = {&result->guide, static_cast<double>(paths), result->goes_on,
+                                  result->effort};
         LightPathStats counted;
         CoarsePicture moments(world.scene->camera.crop);
-        std::vector<EmissionSample> learned = pilot(world, settings, margin, seed, first, paths,
-                                                    threads, cancelled, counted, moments);
+        std::vector<EmissionSample> learned =
+            pilot(world, settings, sheets, margin, seed, first, paths, threads, cancelled, counted,
+                  moments, effort);
         first += paths;
         stats.add(counted);
         if (learned.empty() || cancelled.load()) return nullptr;
         measure(counted, moments, *result);
+        if (effort.light > 0.0) result->effort = effort.trials / effort.light;
         limit_weights(learned);
         result->guide =
             aim_at_casters(*world.scene, world.lights, world.casters, Squares::of_beams, learned);

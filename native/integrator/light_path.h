@@ -19,6 +19,8 @@ struct LightPathStats {
     // rays that went there.
     double squares = 0.0, squares_behind = 0.0;
     uint64_t rays_behind = 0;
+    // Luminance that the splats' paths carry, whoever shares it, and the manifold's share of that.
+    double carried = 0.0, carried_for_manifold = 0.0;
     void add(const LightPathStats& other) {
         paths += other.paths;
         splats += other.splats;
@@ -27,6 +29,8 @@ struct LightPathStats {
         squares += other.squares;
         squares_behind += other.squares_behind;
         rays_behind += other.rays_behind;
+        carried += other.carried;
+        carried_for_manifold += other.carried_for_manifold;
     }
 };
 
@@ -42,13 +46,12 @@ struct LightPilot {
     double goes_on;         // as LightTracing has it, for the least variance of the work
     CoarsePicture squares;  // second moment of what one path would add to the picture by itself
     double rays;            // of one path
+    double effort, manifold_share;  // as LightTracing has them
 };
-// Sends light paths to learn where those begin that add to the picture. Does not depend on
-// `threads`. Null where no light reaches the camera that way, or `cancelled` was set meanwhile.
-std::unique_ptr<const LightPilot> learn_emission(const RenderScene& world,
-                                                 IntegratorSettings settings, float margin,
-                                                 uint32_t seed, uint32_t threads,
-                                                 const std::atomic<bool>& cancelled,
-                                                 LightPathStats& stats);
+// Sends light paths to learn where those begin that add to the picture, and which of their chains
+// `sheets` lead to, if there are any. Does not depend on `threads`. Null where no light reaches the camera that way, or `cancelled` was set meanwhile.
+std::unique_ptr<const LightPilot> learn_emission(
+    const RenderScene& world, IntegratorSettings settings, const LightSheets& sheets, float margin,
+    uint32_t seed, uint32_t threads, const std::atomic<bool>& cancelled, LightPathStats& stats);
 
 }  // namespace spc

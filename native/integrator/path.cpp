@@ -403,6 +403,14 @@ struct PathTracer {
                !(history.has_scattered() && scene().instances[surface.hit.instance].rough_caster);
     }
 
+    // Of what chains bring, that the manifold counts; those that light paths rarely meet bring all.
+    float share_beside_light_paths(const CameraApproach& approach) const {
+        constexpr double kLeast = 1.0 / 16;
+        return approach.film_per_area > 0.0f
+                   ? static_cast<float>(std::max(settings.light_tracing.manifold_share, kLeast))
+                   : 1.0f;
+    }
+
     // Of kind `i` of Activation; `u` decides whether there is one.
     template <class Estimate>
     Spectrum estimate(const Surface& surface, const CameraApproach& approach, size_t i, float u,
@@ -412,8 +420,8 @@ struct PathTracer {
         ManifoldStats& counts = stats.manifold;
         const ManifoldStats before = counts;
         Receiver receiver = receiver_at(surface, approach);
-        receiver.importance =
-            max_component(throughput) * smooth_albedo(surface.closures) / (kPi * chance);
+        receiver.importance = max_component(throughput) * smooth_albedo(surface.closures) *
+                              share_beside_light_paths(approach) / (kPi * chance);
         const Spectrum caustic = throughput * (1.0f / chance) * radiance(receiver);
         const double squares =
             static_cast<double>((sqr(caustic.x) + sqr(caustic.y) + sqr(caustic.z)) * (1.0f / 3.0f));

@@ -493,37 +493,83 @@ bool leads_to(const Techniques& techniques, const Receiver& camera, const Highli
     return solution && same_solution(settings, *solution, highlight.solution);
 }
 
-bool manifold_misses(const Techniques& techniques, const LightSheets& sheets,
-                     const CausticPath& path, const LightEnd& end, ManifoldStats& stats) {
-    const Scene& scene = techniques.scene;
-    const ManifoldSettings& settings = techniques.manifold;
-    const RayStart x{path.x, path.sides.ng, path.p_error};
+namespace {
+
+RayStart start_of(const CausticPath& path) { return {path.x, path.sides.ng, path.p_error}; }
+
+// Of the light: what stands for the end of a path that was found some other way.
+LightPoint light_point(const LightEnd& end) {
     LightPoint y{};
     y.light = end.light;
     y.distant = end.end.distant;
     y.p = end.end.p;
     y.direction = end.end.direction;
+    return y;
+}
+
+// The path's chain as a shot comes to it; empty where none does, by the accuracy that there is.
+std::optional<ChainSolution> shoot_along(const Techniques& techniques, const CausticPath& path,
+                                         const LightEnd& end, ManifoldStats& stats) {
     ChainKind kind;
     for (uint32_t i = 0; i < path.count; ++i)
         kind.append({path.vertices[i].hit.instance, path.vertices[i].interaction});
-    const Vec3 w = normalize(surface_position(scene, path.vertices[0].hit) - path.x);
-    const std::optional<ChainSolution> own =
-        shoot(scene, settings, x, end.end, kind, w, settings.max_halvings, stats);
+    const Vec3 first = surface_position(techniques.scene, path.vertices[0].hit);
+    return shoot(techniques.scene, techniques.manifold, start_of(path), end.end, kind,
+                 normalize(first - path.x), techniques.manifold.max_halvings, stats);
+}
+
+bool sheets_miss(const Techniques& techniques, const LightSheets& sheets, const CausticPath& path,
+                 const LightEnd& end, const ChainSolution& own, ManifoldStats& stats) {
+    const LightPoint y = light_point(end);
+    const LightSheet* sheet = nearest_sheet(sheets, y);
+    if (sheet == nullptr) return true;
+    FoundChains found;
+    shoot_leads(techniques.scene, techniques.manifold, *sheet, start_of(path), y,
+                std::numeric_limits<float>::max(), 0.0f, found, stats);
+    return find(techniques.manifold, found, own) == nullptr;
+}
+
+}  // namespace
+
+bool manifold_misses(const Techniques& techniques, const LightSheets& sheets,
+                     const CausticPath& path, const LightEnd& end, ManifoldStats& stats) {
+    const ManifoldSettings& settings = techniques.manifold;
+    const std::optional<ChainSolution> own = shoot_along(techniques, path, end, stats);
     if (!own) return true;
+    if (!path.from_camera && settings.finder == ChainFinder::sheets)
+        return sheets_miss(techniques, sheets, path, end, *own, stats);
     FoundChains found;
     if (path.from_camera) {
-        shoot_leads(techniques, x, y, found, stats);
-    } else if (settings.finder == ChainFinder::sheets) {
-        const LightSheet* sheet = nearest_sheet(sheets, y);
-        if (sheet == nullptr) return true;
-        shoot_leads(scene, settings, *sheet, x, y, std::numeric_limits<float>::max(), 0.0f, found,
-                    stats);
+        shoot_leads(techniques, start_of(path), light_point(end), found, stats);
     } else if (const std::optional<ChainSolution> one = shoot_from_fixed_start(
-                   techniques, x, end.end, kind.links[0].interaction,
-                   techniques.casters.of_instance[kind.links[0].instance], stats)) {
+                   techniques, start_of(path), end.end, path.vertices[0].interaction,
+                   techniques.casters.of_instance[path.vertices[0].hit.instance], stats)) {
         found.push_back({*one, 1.0f});
     }
     return find(settings, found, *own) == nullptr;
+}
+
+double trials_beside_sheets(const Techniques& techniques, const LightSheets& sheets,
+                            const CausticPath& path, const LightEnd& end, uint32_t most, Pcg& pcg,
+                            ManifoldStats& stats) {
+    const ManifoldSettings& settings = techniques.manifold;
+    const CasterSet& casters = techniques.casters;
+    const uint32_t first = casters.of_instance[path.vertices[0].hit.instance];
+    const std::optional<ChainSolution> own = shoot_along(techniques, path, end, stats);
+    if (own && !sheets_miss(techniques, sheets, path, end, *own, stats)) return 1.0;
+    const auto comes_to_it = [&] {
+        const std::optional<ChainStart> start =
+            sample_chain(techniques.scene, settings, start_of(path), casters, first, pcg, stats);
+        if (!start) return false;
+        const std::optional<ChainSolution> one =
+            shoot(techniques.scene, settings, start_of(path), end.end, start->kind, start->w,
+                  settings.max_halvings, stats);
+        return one && same_solution(settings, *one, *own);
+    };
+    uint32_t trials = own ? 1 : most;
+    while (trials < most && !comes_to_it()) ++trials;
+    const float chance = caster_probability(casters, first, path.x, path.sides, end.end);
+    return trials / std::max(static_cast<double>(chance), 1.0 / most);
 }
 
 }  // namespace spc

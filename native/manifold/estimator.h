@@ -70,5 +70,10 @@ bool leads_to(const Techniques& techniques, const Receiver& camera, const Highli
 // walks, which may come to any.
 bool manifold_misses(const Techniques& techniques, const LightSheets& sheets,
                      const CausticPath& path, const LightEnd& end, ManifoldStats& stats);
+// 1 where a lead of the sheets comes to the path's chain; else the trials, at most so many, until a
+// random search came to it, over the chance of the caster where it begins.
+double trials_beside_sheets(const Techniques& techniques, const LightSheets& sheets,
+                            const CausticPath& path, const LightEnd& end, uint32_t most, Pcg& pcg,
+                            ManifoldStats& stats);
 
 }  // namespace spc

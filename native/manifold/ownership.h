@@ -54,6 +54,10 @@ struct LightTracing {
     const EmissionGuide* guide = nullptr;  // null: there are none
     double paths = 0.0;                    // for each sample of the whole picture
     double goes_on = 1.0;                  // share of them that may scatter at the receiver
+    // Of the chains that light paths find, trials to come to one, 1 where a sheet leads to it: mean
+    // over the light that they carry.
+    double effort = 1.0;
+    double manifold_share = 1.0;  // of that light
 };
 
 // All on which ownership depends besides the path.
@@ -172,13 +176,15 @@ bool light_tracing_owns(const Techniques& techniques, const CausticPath& path);
 // but what they take from light paths of the chains that they miss is left to path tracing. So it is
 // with the leads of highlights. Chains with rough vertices are left to chance alone, the more so with
 // several: in the focus of a ball of rough glass one is met again after a thousand trials, and path
-// tracing is dense.
+// tracing is dense. How much light sheets miss, and how hard it is to find, is measured where light
+// paths may have it instead.
 inline double manifold_worth(const Techniques& techniques, const CausticPath& path) {
     if (path.from_camera) return 1.0;
     if (path.is_rough()) return path.count == 1 ? 1.0 / 2 : 1.0 / 32;
     switch (techniques.manifold.finder) {
         case ChainFinder::walks: return path.count == 1 ? 1.0 / 32 : 1.0 / 128;
-        case ChainFinder::sheets: return 1.0 / 8;
+        case ChainFinder::sheets:
+            return 1.0 / (8 * (path.film_per_area > 0.0f ? techniques.light_tracing.effort : 1.0));
         case ChainFinder::mnee: return techniques.light_tracing.guide != nullptr ? 1.0 / 32 : 1.0;
     }
     return 1.0;

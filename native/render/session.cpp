@@ -227,13 +227,13 @@ void Session::prepare_flakes() {
 void Session::learn_light_paths() {
     if (!settings_.light_tracing) return;
     RenderStats stats;
-    light_pilot_ = learn_emission(world_, settings_.integrator, filter_.reach(), settings_.seed,
-                                  active_workers_, cancelled_, stats.light);
+    light_pilot_ = learn_emission(world_, settings_.integrator, sheets_, filter_.reach(),
+                                  settings_.seed, active_workers_, cancelled_, stats.light);
     const auto& crop = world_.scene->camera.crop;
     if (light_pilot_)
-        settings_.integrator.light_tracing = {&light_pilot_->guide,
-                                              static_cast<double>(uint64_t{crop[2]} * crop[3]),
-                                              light_pilot_->goes_on};
+        settings_.integrator.light_tracing = {
+            &light_pilot_->guide, static_cast<double>(uint64_t{crop[2]} * crop[3]),
+            light_pilot_->goes_on, light_pilot_->effort, light_pilot_->manifold_share};
     const std::lock_guard lock(mutex_);
     stats_.add(stats);
 }

@@ -309,6 +309,41 @@ void expect_agreement_of_missed(const std::vector<Setup>& setups) {
 TEST(LightPathsSlow, AgreeWithPathTracingForWhatSheetsMiss) {
     expect_agreement_of_missed(casters_under_a_bulb());
 }
+// Trials for the light that light paths find, beside sheets of so many tiles.
+double effort_beside_sheets(const std::function<void(SceneMaker&)>& add_caster, uint32_t tiles) {
+    constexpr uint32_t kSeed = 3;
+    SceneMaker maker;
+    set_camera(maker);
+    add_floor(maker);
+    add_caster(maker);
+    add_bulb(maker);
+    const RenderScene world = maker.finish();
+    IntegratorSettings settings = few_bounces();
+    settings.manifold = unbiased_manifold();
+    settings.manifold.finder = ChainFinder::sheets;
+    const SheetPool pool =
+        build_sheets(*world.scene, world.lights, world.casters, settings.manifold, kSeed, tiles, 1);
+    LightPathStats stats;
+    const std::atomic<bool> cancelled{false};
+    const std::unique_ptr<const LightPilot> pilot =
+        learn_emission(world, settings, {pool}, 0.0f, kSeed, 1, cancelled, stats);
+    return pilot ? pilot->effort : 0.0;
+}
+
+TEST(LightPaths, KnowWhatItTakesToFindWhatSheetsMiss) {
+    const auto mirror_ball = [](SceneMaker& m) { add_ball(m, mirror()); };
+    const auto hammered_ball = [](SceneMaker& m) {
+        m.builder.add_image(sphere_normals(320, 0.22, 0.3, 11));
+        add_caster(m, with_sphere_uvs(sphere(48, 0.4), 48),
+                   normal_mapped(glass(1.5f), Vec2(1.0f, 1.0f)), translation({0, 0, 0.6f}));
+    };
+    const double of_plain = effort_beside_sheets(mirror_ball, 64),
+                 of_hammered = effort_beside_sheets(hammered_ball, 64);
+    EXPECT_GE(of_plain, 1.0);
+    EXPECT_LE(of_plain, 2.0);
+    EXPECT_GE(of_hammered, 20.0);
+}
+
 TEST(LightPathsSlow, AgreeWithPathTracingForEveryCaster) {
     expect_agreement(casters_under_a_bulb(), few_bounces(), CausticsRole::receiver, 8, true);
 }

@@ -19,6 +19,7 @@ inline constexpr uint32_t kInCasters = kVisibleGlossy | kVisibleTransmission | k
 inline constexpr Vec3 kEye(0.0f, -3.0f, 2.0f);
 inline constexpr Vec2 kLens(0.5f);
 inline constexpr double kPaths = 0.03;  // of light: so few that all techniques have a share
+inline constexpr double kEffort = 3.0;  // sheets take to find what light paths find
 
 inline constexpr BounceLimits kLimits{16, 3, 16, 16, 16};
 
@@ -64,7 +65,7 @@ public:
         settings_.manifold = unbiased_manifold();
         settings_.manifold.two_stage = false;
         settings_.manifold.finder = finder;
-        settings_.light_tracing = {&guide_, kPaths};
+        settings_.light_tracing = {&guide_, kPaths, 1.0, kEffort};
         if (finder != ChainFinder::sheets) return;
         constexpr uint32_t kSeed = 5;
         sheets_ = build_sheets(*world_.scene, world_.lights, world_.casters, settings_.manifold,

@@ -165,6 +165,16 @@ std::optional<LobeSample> sample_lobe(const Transparent&, const Vec3& wo, float,
     return LobeSample{-wo, BounceKind::transparent, true, Spectrum(1.0f)};
 }
 
+float alpha_of(const ClosureKind& kind) {
+    if (const auto* c = std::get_if<MicrofacetReflection>(&kind)) return c->alpha;
+    if (const auto* c = std::get_if<MicrofacetDielectric>(&kind)) return c->alpha;
+    return 0.0f;
+}
+float eta_of(const ClosureKind& kind) {
+    const auto* c = std::get_if<MicrofacetDielectric>(&kind);
+    return c != nullptr ? c->eta : 1.0f;
+}
+
 float total_sample_weight(const ClosureList& list) {
     float total = 0.0f;
     for (int i = 0; i < list.count; ++i) total += list.closures[i].sample_weight;
@@ -335,6 +345,7 @@ void drop_caustics(ClosureList& list, bool reflective, bool refractive) {
         ++kept;
     }
     list.count = kept;
+    if (!reflective) list.glint_count = 0;
 }
 
 std::optional<ClosureSample> sample(const ClosureList& list, const Vec3& ng, const Vec3& wo,
@@ -358,6 +369,8 @@ std::optional<ClosureSample> sample(const ClosureList& list, const Vec3& ng, con
                          .delta = lobe->delta,
                          .on_caster_normal = closure.on_caster_normal,
                          .refracted = lobe->kind == BounceKind::transmission,
+                         .alpha = alpha_of(closure.kind),
+                         .eta = eta_of(closure.kind),
                          .glints = list.glints_apart && closure.glints,
                          .kind = lobe->kind};
     const float side = dot(ng, lobe->wi);

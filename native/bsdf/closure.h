@@ -179,6 +179,8 @@ struct ClosureSample {
     bool delta;
     bool on_caster_normal;  // of the closure that was sampled
     bool refracted;         // crossed the surface with a change of direction
+    float alpha;            // of the closure that was sampled; 0 where it has none
+    float eta;              // likewise, on the far side over that of wo; 1 where it has none
     bool glints;            // of closures with glints, where they are apart
     BounceKind kind;
 };

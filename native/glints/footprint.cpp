@@ -5,6 +5,14 @@ namespace spc {
 
 namespace {
 
+// Standard deviation of the directions that stand for the one that a rough bounce took. Of a
+// microfacet's tilt, in parts of alpha: Beckmann's own is 0.71 along each axis, and the core of GGX
+// is as wide as a normal distribution of 0.5, so that a lobe's picture of the texels is blurred by
+// 6 and 12 % more than the lobe does. Of a diffuse direction, rad: nothing else varies with it as
+// slowly, and Footprint::axes() has a bound of its own.
+constexpr float kFacetSpread = 0.25f;
+constexpr float kDiffuseSpread = 0.1f;
+
 template <class T>
 T interpolated(const std::vector<T>& corners, const SurfaceHit& hit) {
     const size_t first = 3 * static_cast<size_t>(hit.triangle);
@@ -56,27 +64,151 @@ SlopeFrame raised_frame(const SlopeMap& map, const MapPoint& point, const Vec3& 
             map.strength};
 }
 
+ChainVertex delta_vertex(const Scene& scene, const Surface& surface, const ClosureSample& next) {
+    const CasterPatch patch = evaluate_caster(scene, surface.hit, false);
+    return {next.refracted ? Interaction::refraction : Interaction::reflection,
+            eta_seen_from(patch.ng, surface.wo, scene.material_of(surface.hit).specular.ior), patch};
+}
+
+// A delta at the facet that has turned the path, which leans on the interpolated normal and turns
+// with it. Of what a map does to the closure's normal besides nobody asks: that leaves the mean over
+// many texels alone, as any smooth map from paths to neighbouring ones does, and moves places.
+ChainVertex facet_vertex(const Scene& scene, const Surface& surface, const ClosureSample& next) {
+    const float eta = next.refracted ? next.eta : 1.0f;
+    const Vec3 half = normalize(surface.wo + next.wi * eta);
+    const bool front = (dot(half, surface.wo) > 0.0f) != surface.backfacing;
+    CasterPatch patch = evaluate_caster(scene, surface.hit, true);
+    patch.n = front ? half : half * -1.0f;
+    for (Vec3* change : {&patch.dn_du, &patch.dn_dv}) *change -= patch.n * dot(patch.n, *change);
+    return {next.refracted ? Interaction::refraction : Interaction::reflection, eta, patch};
+}
+
+// The direction stays as the place moves.
+bool pass_diffuse(const Surface& surface, const Vec3& wi, double distance, RayDual& ray) {
+    const Vec3d ng(surface.ng);
+    const double dng = dot(ray.d, ng);
+    if (!(std::abs(dng) > 1e-9)) return false;
+    for (size_t i = 0; i < 2; ++i) {
+        const Vec3d free = ray.dp[i] + ray.dd[i] * distance;
+        ray.dp[i] = free - ray.d * (dot(free, ng) / dng);
+        ray.dd[i] = Vec3d(0.0);
+    }
+    ray.d = Vec3d(wi);
+    return true;
+}
+
+RayDual diffuse_lobe(const Vec3& wi) {
+    const Frame frame = Frame::around(wi);
+    const auto spread = static_cast<double>(kDiffuseSpread);
+    return {Vec3d(wi), {Vec3d(0.0), Vec3d(0.0)}, {Vec3d(frame.x) * spread, Vec3d(frame.y) * spread}};
+}
+
+// As if the facet leaned with the place in its plane, and nothing else changed.
+std::optional<RayDual> facet_lobe(ChainVertex vertex, const Vec3& wo, float alpha) {
+    CasterPatch& patch = vertex.patch;
+    const Frame frame = Frame::around(patch.n);
+    patch.ng = patch.n;
+    patch.dp_du = frame.x;
+    patch.dp_dv = frame.y;
+    patch.dn_du = frame.x * (alpha * kFacetSpread);
+    patch.dn_dv = frame.y * (alpha * kFacetSpread);
+    RayDual ray{Vec3d(wo) * -1.0, {Vec3d(frame.x), Vec3d(frame.y)}, {Vec3d(0.0), Vec3d(0.0)}};
+    if (!pass_vertex(vertex, 0.0, ray)) return std::nullopt;
+    ray.dp = {Vec3d(0.0), Vec3d(0.0)};
+    return ray;
+}
+
+double spread_of(const RayDual& lobe) {
+    return dot(lobe.dd[0], lobe.dd[0]) + dot(lobe.dd[1], lobe.dd[1]);
+}
+
+// How the plane of a triangle is met by rays nearby, as barycentrics.
+class PlaneChange {
+public:
+    // Empty where it is seen edge-on.
+    static std::optional<PlaneChange> of(const Vec3& dp_du, const Vec3& dp_dv,
+                                         const Surface& surface, const RayDual& ray,
+                                         double distance) {
+        PlaneChange plane{Vec3d(dp_du), Vec3d(dp_dv), Vec3d(surface.ng), distance};
+        plane.det_ = plane.uu_ * plane.vv_ - plane.uv_ * plane.uv_;
+        if (!(std::abs(dot(ray.d, plane.ng_)) > 1e-6) || !(plane.det_ > 0.0)) return std::nullopt;
+        return plane;
+    }
+    Vec2 operator()(const RayDual& ray, size_t i) const {
+        const Vec3d free = ray.dp[i] + ray.dd[i] * distance_;
+        const Vec3d dp = free - ray.d * (dot(free, ng_) / dot(ray.d, ng_));
+        const double bu = dot(dp, pu_), bv = dot(dp, pv_);
+        return {static_cast<float>((bu * vv_ - bv * uv_) / det_),
+                static_cast<float>((bv * uu_ - bu * uv_) / det_)};
+    }
+
+private:
+    PlaneChange(const Vec3d& pu, const Vec3d& pv, const Vec3d& ng, double distance)
+        : pu_(pu),
+          pv_(pv),
+          ng_(ng),
+          distance_(distance),
+          uu_(dot(pu, pu)),
+          uv_(dot(pu, pv)),
+          vv_(dot(pv, pv)) {}
+
+    Vec3d pu_, pv_, ng_;
+    double distance_, uu_, uv_, vv_, det_ = 0.0;
+};
+
+// With d = wo + wi, h = d / |d| turns by dwo / |d| as far as that is across h; for the mirrored wi h
+// is the normal, and |d| is 2 cos.
+float lobe_turn(const Scene& scene, const Surface& surface, const RayDual& lobe,
+                const std::array<Vec2, 2>& barycentric) {
+    constexpr float kLeastCosine = 0.05f;
+    const CasterPatch patch = evaluate_caster(scene, surface.hit, true);
+    const Vec3 n = surface.n;
+    const float side = surface.backfacing ? -1.0f : 1.0f;
+    const float cos_o = std::max(std::abs(dot(n, surface.wo)), kLeastCosine);
+    float squares = 0.0f;
+    for (size_t i = 0; i < 2; ++i) {
+        const Vec3 dwo = Vec3(lobe.dd[i]) * -1.0f;
+        const Vec3 dh = (dwo - n * dot(n, dwo)) * (0.5f / cos_o);
+        const Vec3 dn = (patch.dn_du * barycentric[i].x + patch.dn_dv * barycentric[i].y) * side;
+        squares += length_squared(dh - dn);
+    }
+    return std::sqrt(squares);
+}
+
 }  // namespace
 
-RayDual camera_differential(const Camera& camera, const PixelKernel& pixel, const Vec2& lens,
-                            const Vec3& direction) {
+PathDifferential camera_differential(const Camera& camera, const PixelKernel& pixel,
+                                     const Vec2& lens, const Vec3& direction) {
     const RayChange change = camera.ray_change(pixel.film.x, pixel.film.y, lens);
-    return {Vec3d(direction),
-            {Vec3d(change.origin[0]), Vec3d(change.origin[1])},
-            {Vec3d(change.direction[0]), Vec3d(change.direction[1])}};
+    return {{Vec3d(direction),
+             {Vec3d(change.origin[0]), Vec3d(change.origin[1])},
+             {Vec3d(change.direction[0]), Vec3d(change.direction[1])}}};
 }
 
-bool pass_delta(const Scene& scene, const SurfaceHit& hit, double distance, bool refracted,
-                RayDual& ray) {
-    const CasterPatch patch = evaluate_caster(scene, hit, false);
-    const Interaction interaction = refracted ? Interaction::refraction : Interaction::reflection;
-    const float eta =
-        eta_seen_from(patch.ng, Vec3(ray.d) * -1.0f, scene.material_of(hit).specular.ior);
-    return pass_vertex({interaction, eta, patch}, distance, ray);
+bool pass_bounce(const Scene& scene, const Surface& surface, const ClosureSample& next,
+                 double distance, PathDifferential& path) {
+    if (next.delta && !next.on_caster_normal) return false;
+    const bool diffuse = next.kind == BounceKind::diffuse;
+    ChainVertex vertex{};
+    if (!diffuse)
+        vertex =
+            next.delta ? delta_vertex(scene, surface, next) : facet_vertex(scene, surface, next);
+    const auto pass = [&](RayDual& ray) {
+        return diffuse ? pass_diffuse(surface, next.wi, distance, ray)
+                       : pass_vertex(vertex, distance, ray);
+    };
+    if (!pass(path.film) || (path.lobe && !pass(*path.lobe))) return false;
+    if (next.delta) return true;
+    const std::optional<RayDual> lobe =
+        diffuse ? diffuse_lobe(next.wi) : facet_lobe(vertex, surface.wo, next.alpha);
+    if (!lobe) return false;
+    if (!path.lobe || spread_of(*lobe) > spread_of(*path.lobe)) path.lobe = lobe;
+    return true;
 }
 
-std::optional<Footprint> footprint_at(const Scene& scene, const SlopeMap& map, int width, int height,
-                                      const Surface& surface, const RayDual& ray, double distance) {
+std::optional<Footprint> footprint_at(const Scene& scene, const SlopeMap& map, int width,
+                                      int height, const Surface& surface,
+                                      const PathDifferential& path, double distance) {
     const Instance& instance = scene.instances[surface.hit.instance];
     const Mesh& mesh = scene.meshes[instance.mesh];
     const std::vector<uint32_t>& layers = instance.uv_layers[mesh.slot_of(surface.hit.triangle)];
@@ -97,18 +229,39 @@ std::optional<Footprint> footprint_at(const Scene& scene, const SlopeMap& map, i
     result.at =
         point.at - Vec2(std::floor(point.at.x / size.x), std::floor(point.at.y / size.y)) * size;
 
-    const Vec3d pu(dp_du), pv(dp_dv), ng(surface.ng);
-    const double dng = dot(ray.d, ng);
-    const double uu = dot(pu, pu), uv_ = dot(pu, pv), vv = dot(pv, pv), det = uu * vv - uv_ * uv_;
-    if (!(std::abs(dng) > 1e-6) || !(det > 0.0)) return std::nullopt;
-    for (size_t i = 0; i < 2; ++i) {
-        const Vec3d free = ray.dp[i] + ray.dd[i] * distance;
-        const Vec3d dp = free - ray.d * (dot(free, ng) / dng);
-        const double bu = dot(dp, pu), bv = dot(dp, pv);
-        result.by_film[i] = point.by_u * static_cast<float>((bu * vv - bv * uv_) / det) +
-                            point.by_v * static_cast<float>((bv * uu - bu * uv_) / det);
+    const std::optional<PlaneChange> plane =
+        PlaneChange::of(dp_du, dp_dv, surface, path.film, distance);
+    if (!plane) return std::nullopt;
+    const auto texels = [&](const Vec2& change) {
+        return point.by_u * change.x + point.by_v * change.y;
+    };
+    for (size_t i = 0; i < 2; ++i) result.by_film[i] = texels((*plane)(path.film, i));
+    if (path.lobe) {
+        const std::array<Vec2, 2> change{(*plane)(*path.lobe, 0), (*plane)(*path.lobe, 1)};
+        for (size_t i = 0; i < 2; ++i) result.by_lobe[i] = texels(change[i]);
+        result.lobe_turn = lobe_turn(scene, surface, *path.lobe, change);
     }
     return result;
+}
+
+// Covariances of independent displacements add up; the axes are a Cholesky factor of their sum.
+std::array<Vec2, 2> Footprint::axes(float variance, float most_turn) const {
+    const float share =
+        lobe_turn > most_turn ? sqr(most_turn / lobe_turn) / variance : 1.0f / variance;
+    float xx = 0.0f, xy = 0.0f, yy = 0.0f;
+    for (const Vec2& lobe : by_lobe) {
+        xx += share * lobe.x * lobe.x;
+        xy += share * lobe.x * lobe.y;
+        yy += share * lobe.y * lobe.y;
+    }
+    if (xx == 0.0f && yy == 0.0f) return by_film;
+    for (const Vec2& film : by_film) {
+        xx += film.x * film.x;
+        xy += film.x * film.y;
+        yy += film.y * film.y;
+    }
+    const float x = std::sqrt(xx), along = xy / x;
+    return {Vec2(x, along), Vec2(0.0f, safe_sqrt(yy - sqr(along)))};
 }
 
 }  // namespace spc

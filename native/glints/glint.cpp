@@ -14,6 +14,10 @@ namespace {
 constexpr float kLeastTexels = 1.0f / 16;
 // Beyond it, in texels, single precision does not resolve a footprint.
 constexpr float kWidestFootprint = 1e6f;
+// Of the glints' narrowest lobe, by which the half-vector may turn over the directions that stand
+// for a rough bounce: with the variance of Beckmann's slopes, alpha^2 / 2, that blurs places by as
+// much as a lobe would that is 6 % wider.
+constexpr float kMostTurn = 0.25f;
 // Added to the density of directions, 1/sr.
 constexpr float kLeastPdf = 0.01f;
 
@@ -79,7 +83,7 @@ GlintSet build_glints(const Scene& scene, uint32_t threads, std::vector<std::str
 
 std::optional<GlintPoint> GlintPoint::at(const GlintSet& glints, const GlintSettings& settings,
                                          const Scene& scene, const Surface& surface,
-                                         const RayDual& ray, double distance,
+                                         const PathDifferential& path, double distance,
                                          const PixelKernel& pixel) {
     if (surface.closures.glint_count == 0) return std::nullopt;
     const uint32_t material = scene.material_index(surface.hit.instance, surface.hit.triangle);
@@ -88,12 +92,18 @@ std::optional<GlintPoint> GlintPoint::at(const GlintSet& glints, const GlintSett
     const SlopeField& field = glints.fields[index];
     const std::optional<Footprint> footprint =
         footprint_at(scene, scene.materials[material].slopes, field.width(), field.height(),
-                     surface, ray, distance);
+                     surface, path, distance);
     if (!footprint) return std::nullopt;
-    const auto& [dx, dy] = footprint->by_film;
+    float alpha = kInfinity;
+    for (int i = 0; i < surface.closures.glint_count; ++i)
+        alpha = std::min(alpha, surface.closures.glints[static_cast<size_t>(i)].lobe.alpha);
+    const std::array<Vec2, 2> axes = footprint->axes(pixel.filter->variance(), kMostTurn * alpha);
+    const auto& [dx, dy] = axes;
     const float det = dx.x * dy.y - dx.y * dy.x;
     if (!(std::abs(det) >= kLeastTexels) || !std::isfinite(det)) return std::nullopt;
-    const Vec2 middle = footprint->at - dx * pixel.offset.x - dy * pixel.offset.y;
+    // All samples of a pixel share its filter; a lobe's directions stand for those next to them.
+    const Vec2 middle = footprint->at - footprint->by_film[0] * pixel.offset.x -
+                        footprint->by_film[1] * pixel.offset.y;
     const Vec2 reach = Vec2(std::abs(dx.x) + std::abs(dy.x), std::abs(dx.y) + std::abs(dy.y)) *
                        pixel.filter->reach();
     if (!(std::max(reach.x, reach.y) < kWidestFootprint)) return std::nullopt;
@@ -102,21 +112,22 @@ std::optional<GlintPoint> GlintPoint::at(const GlintSet& glints, const GlintSett
         &field,
         &surface.closures,
         pixel,
-        *footprint,
+        footprint->frame,
+        axes,
+        {Vec2(dy.y, -dy.x) / det, Vec2(-dx.y, dx.x) / det},
         surface.wo,
         surface.ng,
         middle,
         middle - reach,
         middle + reach,
         // The filter's mass is nearer to the middle than its reach.
-        footprint->frame.taken(field.moments(middle - reach * 0.5f, middle + reach * 0.5f)),
-        {Vec2(dy.y, -dy.x) / det, Vec2(-dx.y, dx.x) / det}};
+        footprint->frame.taken(field.moments(middle - reach * 0.5f, middle + reach * 0.5f))};
     return GlintPoint(site, settings);
 }
 
 float GlintPoint::pdf(const Vec3& wi) const {
     constexpr float kLeastCosine = 0.05f;
-    const SlopeFrame& frame = site_.footprint.frame;
+    const SlopeFrame& frame = site_.frame;
     const GlintTarget target(frame, normalize(site_.wo + wi));
     const Vec3 n = normalize(frame.normal(site_.moments.mean));
     const float cos_o = std::clamp(dot(n, site_.wo), kLeastCosine, 1.0f);
@@ -135,7 +146,7 @@ Spectrum GlintPoint::f_cos(const Vec3& wi, const GlintPrecision& precision, uint
                            GlintStats& stats) const {
     if (!(dot(site_.ng, wi) > 0.0f)) return Spectrum(0.0f);
     ++stats.estimates;
-    const GlintTarget target(site_.footprint.frame, normalize(site_.wo + wi));
+    const GlintTarget target(site_.frame, normalize(site_.wo + wi));
     switch (settings_.method) {
         case GlintMethod::search:
             return search_footprint(site_, target, wi, precision, seed, stats);

@@ -39,10 +39,10 @@ struct GlintSettings {
 class GlintPoint {
 public:
     // Empty where there is nothing to average: no such lobe, or a footprint of next to nothing.
-    // `distance` is that of the surface along the ray.
+    // `distance` is that of the surface along the path's last ray.
     static std::optional<GlintPoint> at(const GlintSet& glints, const GlintSettings& settings,
                                         const Scene& scene, const Surface& surface,
-                                        const RayDual& ray, double distance,
+                                        const PathDifferential& path, double distance,
                                         const PixelKernel& pixel);
 
     // About the density with which closure sampling, at the points of the footprint, takes the

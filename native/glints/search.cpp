@@ -2,7 +2,6 @@
 #include "bsdf/microfacet.h"
 #include "core/random.h"
 #include "glints/estimators.h"
-#include "math/lanes.h"
 
 namespace spc {
 
@@ -40,11 +39,11 @@ public:
             most_sum += scales_[k] * normal_density(glint.lobe.model, glint.lobe.alpha, 1.0f, 0.0f);
         }
         const float reach = s_.pixel.filter->reach();
-        const float cells = s_.footprint.texels_per_pixel() * sqr(2.0f * reach);
+        const float cells = s_.texels_per_pixel() * sqr(2.0f * reach);
         const float most_mass = most_sum * sqr(s_.pixel.filter->weight(0.0f)) * cells;
-        threshold_ = std::max(s_.footprint.texels_per_pixel() *
-                                  std::max(mean_sum / precision.points, precision.faint),
-                              most_mass / kMostCells * clamp01(cells / kMostCells - 1.0f));
+        threshold_ =
+            std::max(s_.texels_per_pixel() * std::max(mean_sum / precision.points, precision.faint),
+                     most_mass / kMostCells * clamp01(cells / kMostCells - 1.0f));
     }
 
     Spectrum run() {
@@ -55,7 +54,7 @@ public:
         const int w = field_.width(), h = field_.height();
         search_tiles(tile(s_.lower.x, w), tile(s_.upper.x, w), tile(s_.lower.y, h),
                      tile(s_.upper.y, h));
-        return sum_ * (1.0f / s_.footprint.texels_per_pixel());
+        return sum_ * (1.0f / s_.texels_per_pixel());
     }
 
 private:
@@ -69,7 +68,7 @@ private:
     struct Quad {
         std::array<Part, 4> part{};
         Lanes x0{}, x1{}, y0{}, y1{};  // of the parts
-        Lanes a0{}, a1{}, b0{}, b1{};  // of the slopes
+        LaneBounds slopes;             // as the frame takes them
     };
 
     // What is in the footprint's box of [x0, x1) x [y0, y1).
@@ -85,16 +84,16 @@ private:
 
     void set(Quad& quad, size_t k, const Part& part, const SlopeBounds& slopes) {
         ++stats_.nodes;
-        const SlopeBounds taken = s_.footprint.frame.taken(slopes);
+        const SlopeBounds taken = s_.frame.taken(slopes);
         quad.part[k] = part;
         quad.x0[k] = part.lower.x;
         quad.x1[k] = part.upper.x;
         quad.y0[k] = part.lower.y;
         quad.y1[k] = part.upper.y;
-        quad.a0[k] = taken.lower.x;
-        quad.a1[k] = taken.upper.x;
-        quad.b0[k] = taken.lower.y;
-        quad.b1[k] = taken.upper.y;
+        quad.slopes.a0[k] = taken.lower.x;
+        quad.slopes.a1[k] = taken.upper.x;
+        quad.slopes.b0[k] = taken.lower.y;
+        quad.slopes.b1[k] = taken.upper.y;
     }
 
     // C of each; 0 where a part has nothing to add.
@@ -108,9 +107,10 @@ private:
                         nearest = max(max(middle, -middle) - spread, Lanes{});
             for (size_t k = 0; k < 4; ++k) c[k] *= s_.pixel.filter->weight(nearest[k]);
         }
-        const Lanes cos = target_.linear.z + max(q.a0 * target_.linear.x, q.a1 * target_.linear.x) +
-                          max(q.b0 * target_.linear.y, q.b1 * target_.linear.y),
-                    cos2 = cos * cos, sin2 = least_sine2(q);
+        const Lanes cos = target_.linear.z +
+                          max(q.slopes.a0 * target_.linear.x, q.slopes.a1 * target_.linear.x) +
+                          max(q.slopes.b0 * target_.linear.y, q.slopes.b1 * target_.linear.y),
+                    cos2 = cos * cos, sin2 = target_.least_sine2(q.slopes);
         Lanes density{};
         for (int i = 0; i < s_.closures->glint_count; ++i) {
             const MicrofacetReflection& lobe = s_.lobe(i).lobe;
@@ -119,25 +119,6 @@ private:
                               normal_density(lobe.model, lobe.alpha, cos2[k], sin2[k]);
         }
         return cos > 0.0f ? c * density : Lanes{};
-    }
-
-    // Bounds of GlintTarget::sine2_at. Of a convex function the minimum over a box is on a side
-    // that faces the free minimum.
-    Lanes least_sine2(const Quad& q) const {
-        const GlintTarget& t = target_;
-        if (!t.inside) return Lanes{};
-        const Lanes a0 = q.a0 - t.slope.x, a1 = q.a1 - t.slope.x, b0 = q.b0 - t.slope.y,
-                    b1 = q.b1 - t.slope.y;
-        const auto sine2_at = [&](Lanes a, Lanes b) {
-            return a * a * t.aa + a * b * (2.0f * t.ab) + b * b * t.bb;
-        };
-        const Lanes none = Lanes{} + kInfinity, zero{};
-        const Lanes side_a = a0 > 0.0f ? a0 : a1, side_b = b0 > 0.0f ? b0 : b1;
-        const Lanes by_a = sine2_at(side_a, min(max(side_a * t.y_by_x, b0), b1)),
-                    by_b = sine2_at(min(max(side_b * t.x_by_y, a0), a1), side_b);
-        const Lanes least =
-            min(a0 > 0.0f || a1 < 0.0f ? by_a : none, b0 > 0.0f || b1 < 0.0f ? by_b : none);
-        return least == none ? zero : least;
     }
 
     // Keeps what is small, and splits the rest: split(k).
@@ -275,7 +256,7 @@ private:
         };
         int x = 0, y = 0;
         const float s = place(at.x, field_.width(), x), t = place(at.y, field_.height(), y);
-        const SlopeFrame& frame = s_.footprint.frame;
+        const SlopeFrame& frame = s_.frame;
         const Vec3 n = normalize(frame.normal(frame.taken(slope_at(field_.cell(x, y), s, t))));
         for (int i = 0; i < s_.closures->glint_count; ++i)
             sum_ += eval_glint(s_.lobe(i), n, s_.wo, wi_) * weight;

@@ -19,22 +19,6 @@ GlintTarget::GlintTarget(const SlopeFrame& frame, const Vec3& half_vector) : hal
     slope = inside ? slope_of(direction) : Vec2(0.0f, 0.0f);
 }
 
-// Of a convex function the minimum over a box is on a side that faces the free minimum.
-float GlintTarget::least_sine2(const SlopeBounds& b) const {
-    if (!inside) return 0.0f;
-    const Vec2 low = b.lower - slope, high = b.upper - slope;
-    float least = kInfinity;
-    if (low.x > 0.0f || high.x < 0.0f) {
-        const float x = low.x > 0.0f ? low.x : high.x;
-        least = sine2_at({x, std::clamp(y_by_x * x, low.y, high.y)});
-    }
-    if (low.y > 0.0f || high.y < 0.0f) {
-        const float y = low.y > 0.0f ? low.y : high.y;
-        least = std::min(least, sine2_at({std::clamp(x_by_y * y, low.x, high.x), y}));
-    }
-    return std::isinf(least) ? 0.0f : least;
-}
-
 SlopeMetric::SlopeMetric(const GlintTarget& target)
     : scale(1.0f / sqr(target.dot_at(target.slope))),
       aa(target.aa * scale),
@@ -65,10 +49,9 @@ float GlintSite::mean_density(const GlintLobe& glint, const GlintTarget& t) cons
     const MicrofacetReflection& lobe = glint.lobe;
     const float dot_mean = t.dot_at(moments.mean);
     const float tail =
-        dot_mean > 0.0f
-            ? normal_density(lobe.model, lobe.alpha, sqr(dot_mean),
-                             length_squared(cross(footprint.frame.normal(moments.mean), t.half)))
-            : 0.0f;
+        dot_mean > 0.0f ? normal_density(lobe.model, lobe.alpha, sqr(dot_mean),
+                                         length_squared(cross(frame.normal(moments.mean), t.half)))
+                        : 0.0f;
     return normal_slopes_density(lobe.alpha, t) + tail;
 }
 

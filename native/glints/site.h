@@ -5,8 +5,14 @@
 
 #include "glints/footprint.h"
 #include "glints/slope_field.h"
+#include "math/lanes.h"
 
 namespace spc {
+
+// Boxes of slopes (a, b), side by side.
+struct LaneBounds {
+    Lanes a0{}, a1{}, b0{}, b1{};
+};
 
 // For the normal n = W (a, b, 1) and the half-vector h, n.h is linear and |n x h|^2 quadratic in
 // (a, b); the latter vanishes at `slope`.
@@ -24,8 +30,30 @@ struct GlintTarget {
     float sine2_at(const Vec2& d) const {
         return aa * d.x * d.x + 2.0f * ab * d.x * d.y + bb * d.y * d.y;
     }
-    float least_sine2(const SlopeBounds& b) const;  // over a box of slopes
+    // Over four boxes of slopes.
+    Lanes least_sine2(const LaneBounds& box) const;
+    float least_sine2(const SlopeBounds& box) const {
+        return least_sine2({Lanes{} + box.lower.x, Lanes{} + box.upper.x, Lanes{} + box.lower.y,
+                            Lanes{} + box.upper.y})[0];
+    }
 };
+
+// Of a convex function the minimum over a box is on a side that faces the free minimum.
+inline Lanes GlintTarget::least_sine2(const LaneBounds& box) const {
+    if (!inside) return Lanes{};
+    const Lanes a0 = box.a0 - slope.x, a1 = box.a1 - slope.x, b0 = box.b0 - slope.y,
+                b1 = box.b1 - slope.y;
+    const auto sine2 = [&](Lanes a, Lanes b) {
+        return a * a * aa + a * b * (2.0f * ab) + b * b * bb;
+    };
+    const Lanes none = Lanes{} + kInfinity, zero{};
+    const Lanes side_a = a0 > 0.0f ? a0 : a1, side_b = b0 > 0.0f ? b0 : b1;
+    const Lanes by_a = sine2(side_a, min(max(side_a * y_by_x, b0), b1)),
+                by_b = sine2(min(max(side_b * x_by_y, a0), a1), side_b);
+    const Lanes least =
+        min(a0 > 0.0f || a1 < 0.0f ? by_a : none, b0 > 0.0f || b1 < 0.0f ? by_b : none);
+    return least == none ? zero : least;
+}
 
 // How the squared angle between a normal and h grows with the distance d of their slopes, next to h:
 // d^T Q d.
@@ -46,13 +74,18 @@ struct GlintSite {
     const SlopeField* field;
     const ClosureList* closures;
     PixelKernel pixel;
-    Footprint footprint;
+    SlopeFrame frame;
+    // Of the kernel over the map, which has the shape of the pixel's filter: texels per pixel of
+    // it, as columns, and the inverse, as rows.
+    std::array<Vec2, 2> axes, to_film;
     Vec3 wo, ng;
-    Vec2 middle, lower, upper;  // of the pixel and the box around its footprint, texels
+    Vec2 middle, lower, upper;  // of the kernel and the box around it, texels
     SlopeMoments moments;
-    std::array<Vec2, 2> to_film;  // rows: film from texels
 
-    // From the pixel's centre.
+    float texels_per_pixel() const {
+        return std::abs(axes[0].x * axes[1].y - axes[0].y * axes[1].x);
+    }
+    // From the kernel's middle, pixels.
     Vec2 film_at(const Vec2& texel) const {
         const Vec2 d = texel - middle;
         return {to_film[0].dot(d), to_film[1].dot(d)};

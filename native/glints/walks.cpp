@@ -39,7 +39,7 @@ public:
             total_ += chance_[static_cast<size_t>(i)];
             narrowest = std::min(narrowest, s_.lobe(i).lobe.alpha);
         }
-        least_det_ = kFlat * kPi * sqr(narrowest) / s_.footprint.frame.angle_per_slope();
+        least_det_ = kFlat * kPi * sqr(narrowest) / s_.frame.angle_per_slope();
         base_x_ = static_cast<int>(std::floor(s_.middle.x));
         base_y_ = static_cast<int>(std::floor(s_.middle.y));
         middle_ = s_.middle - Vec2(static_cast<float>(base_x_), static_cast<float>(base_y_));
@@ -92,7 +92,7 @@ private:
 
     Vec2 draw_start() {
         const Vec2 film = s_.pixel.filter->sample(pcg_.two());
-        return middle_ + s_.footprint.by_film[0] * film.x + s_.footprint.by_film[1] * film.y;
+        return middle_ + s_.axes[0] * film.x + s_.axes[1] * film.y;
     }
 
     float filter_at(const Vec2& at) const { return s_.filter_at(at - middle_ + s_.middle); }
@@ -102,7 +102,7 @@ private:
         const Vec2 cell(std::floor(at.x), std::floor(at.y));
         const SlopePatch patch =
             s_.field->cell(base_x_ + static_cast<int>(cell.x), base_y_ + static_cast<int>(cell.y));
-        return s_.footprint.frame.taken(spc::jet_at(patch, at.x - cell.x, at.y - cell.y));
+        return s_.frame.taken(spc::jet_at(patch, at.x - cell.x, at.y - cell.y));
     }
 
     static float det(const SlopeJet& jet) {
@@ -121,13 +121,12 @@ private:
     // f cos at a place drawn from h, if the map is flat there.
     Spectrum where_flat(const Vec2& at) {
         const SlopeJet jet = jet_at(at);
-        return is_flat(jet) ? f_cos(normalize(s_.footprint.frame.normal(jet.slope)))
-                            : Spectrum(0.0f);
+        return is_flat(jet) ? f_cos(normalize(s_.frame.normal(jet.slope))) : Spectrum(0.0f);
     }
 
     // Draws the slope to solve for, and what stands before the sum. False where that is zero.
     bool draw_slope() {
-        const SlopeFrame& frame = s_.footprint.frame;
+        const SlopeFrame& frame = s_.frame;
         const Frame around = Frame::around(target_.half);
         const Vec2 tangent = draw_tangent();
         const Vec3 normal = target_.half + around.x * tangent.x + around.y * tangent.y;
@@ -178,7 +177,7 @@ private:
             // Beyond a cell's edge its slopes are not the map's.
             if (length < kLastStep && std::floor(next.x) == std::floor(at.x) &&
                 std::floor(next.y) == std::floor(at.y))
-                return Root{next, h * std::abs(inv) / s_.footprint.texels_per_pixel()};
+                return Root{next, h * std::abs(inv) / s_.texels_per_pixel()};
             at = next;
         }
         return std::nullopt;

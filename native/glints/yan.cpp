@@ -43,7 +43,7 @@ public:
           metric_(target),
           film_variance_(site.pixel.filter->variance()),
           stats_(stats) {
-        const auto& [dx, dy] = s_.footprint.by_film;
+        const auto& [dx, dy] = s_.axes;
         const auto& [to_x, to_y] = s_.to_film;
         constexpr float kFlakeVariance = kFlakeSigma * kFlakeSigma;
         for (int i = 0; i < 2; ++i) {
@@ -84,8 +84,8 @@ private:
     };
 
     void add_terms() {
-        const float common = 1.0f / (s_.footprint.texels_per_pixel() * film_variance_ * 2.0f * kPi *
-                                     sqr(kFlakeSigma));
+        const float common =
+            1.0f / (s_.texels_per_pixel() * film_variance_ * 2.0f * kPi * sqr(kFlakeSigma));
         widest_ = kInfinity;
         for (int i = 0; i < s_.closures->glint_count; ++i) {
             const MicrofacetReflection& lobe = s_.lobe(i).lobe;
@@ -130,7 +130,7 @@ private:
                    last = tile + Vec2(static_cast<float>(std::min((x + 1) * size, w)) - 0.5f,
                                       static_cast<float>(std::min((y + 1) * size, h)) - 0.5f);
         if (!reaches((first + last) * 0.5f, (last - first) * 0.5f)) return;
-        const SlopeFrame& frame = s_.footprint.frame;
+        const SlopeFrame& frame = s_.frame;
         if (level == 0) return add(frame.taken(flakes_.flake(x, y)), s_.middle - first);
         const float least =
             target_.least_sine2(frame.taken(flakes_.pyramid().bounds(level, x, y))) * metric_.scale;
@@ -217,7 +217,7 @@ Spectrum query_flakes(const FlakeField& flakes, const GlintSite& site, const Gli
         const auto& [density, slope] = densities[static_cast<size_t>(i)];
         if (!(density > 0.0f)) continue;
         const MicrofacetReflection& lobe = site.lobe(i).lobe;
-        const Vec3 n = normalize(site.footprint.frame.normal(slope * (1.0f / density)));
+        const Vec3 n = normalize(site.frame.normal(slope * (1.0f / density)));
         const float own = normal_density(lobe.model, lobe.alpha, sqr(dot(n, target.half)),
                                          length_squared(cross(n, target.half)));
         if (own > 0.0f) sum += eval_glint(site.lobe(i), n, site.wo, wi) * (density / own);

@@ -36,9 +36,9 @@ struct PathTracer {
     PathHistory history{};
     BounceCounts bounces{};
     uint32_t ray_kind = kVisibleCamera;
-    // Where there may be glints: how the ray moves with the film, while all bounces are deltas, and
-    // what its last surface makes of that.
-    std::optional<RayDual> differential{};
+    // Where there may be glints: how the path moves with what it was drawn from, and what its last
+    // surface makes of that.
+    std::optional<PathDifferential> differential{};
     std::optional<GlintPoint> glints{};
 
     const Scene& scene() const { return *world.scene; }
@@ -253,11 +253,19 @@ struct PathTracer {
         return end;
     }
 
+    // Whether light paths may find light that comes to the surface, as a rough caster throws it on.
+    bool throws_on(const Surface& surface, const CameraApproach& approach) const {
+        if (!scene().instances[surface.hit.instance].rough_caster) return false;
+        CausticPath path;
+        path.rough_caster = true;
+        path.approach = approach.bounces;
+        path.film_per_area = approach.film_per_area;
+        return light_tracing_owns(techniques_of(world, settings), path);
+    }
+
     float weight_of_direct(const Surface& surface, const CameraApproach& approach,
                            const DirectSample& light, const ClosureEval& f) const {
-        const bool throws_on = approach.bounces.scatterings > 0 &&
-                               scene().instances[surface.hit.instance].rough_caster;
-        if (throws_on) {
+        if (throws_on(surface, approach)) {
             const LightEnd end = end_of_direct(surface, light);
             CausticPath path = caustic_path(scene(), receiver_at(surface, approach), f, light.wi);
             path.rough_caster = true;
@@ -269,10 +277,11 @@ struct PathTracer {
 
     // The same for closures with glints, averaged over the pixel. Throughput included.
     Spectrum glint_radiance(const Surface& surface, const Sampler& sampler) {
+        // After a rough bounce the noise is the path's, which no further estimates take away.
+        const uint32_t estimates = differential->lobe ? 1 : pass.glints.estimates;
         Spectrum sum(0.0f);
-        for (uint32_t i = 0; i < pass.glints.estimates; ++i)
-            sum += glint_estimate(surface, sampler, i);
-        return sum * (1.0f / static_cast<float>(pass.glints.estimates));
+        for (uint32_t i = 0; i < estimates; ++i) sum += glint_estimate(surface, sampler, i);
+        return sum * (1.0f / static_cast<float>(estimates));
     }
 
     // To look for glints costs more than to draw lights: of several the one is taken that promises
@@ -326,10 +335,20 @@ struct PathTracer {
                                         stats.glints);
     }
 
-    // Whether the surface is looked at through the pixel's footprint.
-    void look_for_glints(const Hit& hit, Surface& surface, const PixelKernel* pixel) {
+    // Whether rough chains may find light that comes to the surface and is reflected.
+    bool turns_rough_chain(const Surface& surface) const {
+        return rough_visit(surface).before != nullptr &&
+               rough_vertex(techniques_of(world, settings), surface.hit, surface.ng, surface.ng);
+    }
+
+    // Whether the surface is looked at through the path's footprint. Not where its direct light is
+    // shared with light paths or rough chains, by densities for the normal of one point: those find
+    // narrow lobes better.
+    void look_for_glints(const Hit& hit, Surface& surface, const CameraApproach& approach,
+                         const PixelKernel* pixel) {
         glints.reset();
         if (!differential || surface.closures.glint_count == 0) return;
+        if (throws_on(surface, approach) || turns_rough_chain(surface)) return;
         glints = GlintPoint::at(world.glints, settings.glints, scene(), surface, *differential,
                                 static_cast<double>(hit.t), *pixel);
         surface.closures.glints_apart = glints.has_value();
@@ -459,9 +478,8 @@ struct PathTracer {
         if (next.kind == BounceKind::transparent) return look_through(hit);
         const BounceCounts before = bounces;
         bounces.add(next.kind);
-        if (differential && !(next.delta && next.on_caster_normal &&
-                              pass_delta(scene(), surface.hit, static_cast<double>(hit.t),
-                                         next.refracted, *differential)))
+        if (differential &&
+            !pass_bounce(scene(), surface, next, static_cast<double>(hit.t), *differential))
             differential.reset();
         if (!next.delta) {
             history.append_rough(rough_vertex_at(surface, next));
@@ -553,9 +571,9 @@ PathSample path_radiance(const RenderScene& world, const IntegratorSettings& set
             break;
         }
 
-        path.look_for_glints(*hit, surface, pixel);
         const Sampler here = sampler.vertex(vertex);
         const CameraApproach approach = path.approach_to(surface);
+        path.look_for_glints(*hit, surface, approach, pixel);
         out.radiance += path.throughput * path.direct_radiance(surface, approach, here);
         if (path.glints) out.radiance += path.glint_radiance(surface, here);
         const bool receives = path.may_receive(surface);

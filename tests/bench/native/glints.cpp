@@ -23,7 +23,7 @@ struct GlintScene {
     PixelFilter filter{FilterKind::blackman_harris, 1.5f};
     PixelKernel pixel{&filter, Vec2(0.5f), Vec2(0.0f)};
     Surface surface;
-    RayDual ray;
+    PathDifferential ray;
     double distance;
     std::vector<Vec3> wi;
 };

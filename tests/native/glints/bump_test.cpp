@@ -90,7 +90,7 @@ std::optional<Place> random_place(const Scene& scene, test::Uniforms& uniforms) 
     const Image& image = scene.images[material.slopes.image];
     const std::optional<Footprint> footprint =
         footprint_at(scene, material.slopes, int(image.width), int(image.height), place.surface,
-                     RayDual{Vec3d(wo) * -1.0, {}, {}}, 1.0);
+                     {{Vec3d(wo) * -1.0, {}, {}}}, 1.0);
     if (!footprint) return std::nullopt;
     place.footprint = *footprint;
     return place;

@@ -250,10 +250,10 @@ TEST(GlintConvergence, MomentsPromiseTheSmoothLobe) {
             // Slopes are a normal's own x and y, or those of heights by texels.
             const float up = bumped ? -static_cast<float>(setting.tile()) : 1.0f;
             GlintSite site{};
-            site.footprint.frame = {{Vec3(up, 0, 0), Vec3(0, up, 0), Vec3(0, 0, 1)}};
+            site.frame = {{Vec3(up, 0, 0), Vec3(0, up, 0), Vec3(0, 0, 1)}};
             site.moments = field.moments(Vec2(-1e5f), Vec2(1e5f));
             const Textbook textbook(setting);
-            const GlintTarget target(site.footprint.frame, Vec3(textbook.half()));
+            const GlintTarget target(site.frame, Vec3(textbook.half()));
             const double promised =
                 double(site.normal_slopes_density(static_cast<float>(setting.alpha()), target)) /
                 (4.0 * textbook.cos_o_h());

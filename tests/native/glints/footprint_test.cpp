@@ -1,28 +1,48 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Footprints against neighbouring rays.
 #include "glints/glint.h"
-#include "support/casters.h"
-#include "support/radiance.h"
+#include "support/glints.h"
+#include "support/rough.h"
 
 #include <gtest/gtest.h>
 
 namespace spc {
 namespace {
 
-// Where a ray of the film meets the map, by whatever mirrors and glass it meets before.
+// What a path does at a rough surface.
+struct Turn {
+    Vec3 n, facet, wi;  // unit; the interpolated normal and the facet on the side of wo
+    bool diffuse = false, refracted = false;
+    float eta = 1.0f;
+
+    // Of a path that comes from `wo` to where the normal is `normal`: its facet leans as far.
+    Vec3 likewise(const Vec3& normal, const Vec3& wo) const {
+        if (diffuse) return wi;
+        const Vec3 m = normalize(facet + normal - n);
+        const float cos_o = dot(m, wo);
+        if (!refracted) return m * (2.0f * cos_o) - wo;
+        const float cos_t = std::sqrt(1.0f - (1.0f - cos_o * cos_o) / (eta * eta));
+        return normalize(m * (cos_o / eta - cos_t) - wo * (1.0f / eta));
+    }
+};
+
+// Where a ray of the film meets the map, by whatever it meets before.
 struct Landing {
+    std::vector<Turn> turns;                               // at rough surfaces
     Vec2 at;                                               // texels
     std::vector<std::pair<uint32_t, uint32_t>> triangles;  // (instance, triangle) on the way
     std::optional<Footprint> footprint;
     Vec3 mapped;  // unit normal of the lobe
 };
 
-std::optional<Landing> land(const RenderScene& world, const Vec2& film, const Vec2& lens) {
+// Rough surfaces take it further by random numbers, or as they took another one.
+std::optional<Landing> land(const RenderScene& world, const Vec2& film, const Vec2& lens,
+                            test::Uniforms* uniforms = nullptr, const Landing* other = nullptr) {
     const Scene& scene = *world.scene;
     const PixelFilter filter(FilterKind::box, 1.0f);
     const PixelKernel pixel{&filter, film, Vec2(0.0f)};
     Ray ray = scene.camera.ray(film.x, film.y, lens);
-    RayDual differential = camera_differential(scene.camera, pixel, lens, ray.direction);
+    PathDifferential differential = camera_differential(scene.camera, pixel, lens, ray.direction);
     Landing landing;
     for (int bounce = 0; bounce < 4; ++bounce) {
         const std::optional<Hit> hit = scene.accel->intersect(ray, kVisibleCamera);
@@ -41,11 +61,24 @@ std::optional<Landing> land(const RenderScene& world, const Vec2& film, const Ve
             landing.mapped = surface.closures.glints[0].lobe.n;
             return landing;
         }
-        const std::optional<ClosureSample> next =
-            sample(surface.closures, surface.ng, surface.wo, Vec3(0.5f));
-        if (!next || !next->delta) return std::nullopt;
-        if (!pass_delta(scene, hit->surface, distance, next->refracted, differential))
-            return std::nullopt;
+        std::optional<ClosureSample> next =
+            sample(surface.closures, surface.ng, surface.wo,
+                   uniforms != nullptr ? uniforms->three() : Vec3(0.5f));
+        if (!next) return std::nullopt;
+        if (!next->delta) {
+            const size_t turn = landing.turns.size();
+            if (other != nullptr) {
+                if (turn >= other->turns.size()) return std::nullopt;
+                next->wi = other->turns[turn].likewise(surface.n, surface.wo);
+                next->refracted = other->turns[turn].refracted;
+            }
+            const float eta = next->refracted ? next->eta : 1.0f;
+            const Vec3 half = normalize(surface.wo + next->wi * eta);
+            landing.turns.push_back({surface.n, dot(half, surface.n) > 0.0f ? half : half * -1.0f,
+                                     next->wi, next->kind == BounceKind::diffuse, next->refracted,
+                                     eta});
+        }
+        if (!pass_bounce(scene, surface, *next, distance, differential)) return std::nullopt;
         ray = {offset_origin({surface.p, surface.ng, surface.p_error}, next->wi), next->wi, 0.0f,
                kInfinity};
     }
@@ -239,6 +272,227 @@ TEST(Footprint, IsTheDerivativeByTheFilm) {
             }
             EXPECT_GT(compared, 20) << name;
         }
+}
+
+// The same after rough bounces, for what the film alone does to a path.
+TEST(Footprint, AfterRoughBouncesIsTheDerivativeByTheFilm) {
+    constexpr float kStep = 0.05f;
+    const Vec3 from(0.0f, -3.0f, 2.0f);
+    const auto rough = [](float roughness) {
+        return test::single_shader("bsdf_glossy", {{1, "Roughness", {roughness, 0, 0, 0}}});
+    };
+    const auto ball = [](SceneMaker& maker, const Graph& graph, const Vec3& at, double r) {
+        maker.add(test::sphere(64, r), graph, test::translation(at));
+    };
+    const std::vector<Path> all{
+        {"in a rough ball",
+         [=](SceneMaker& maker) {
+             ball(maker, rough(0.2f), {0.0f, 0.0f, 1.0f}, 0.5);
+         },
+         from,
+         {0.0f, -0.35f, 0.85f}},
+        {"by a diffuse ball",
+         [=](SceneMaker& maker) {
+             ball(maker, test::diffuse(0.8f), {0.0f, 0.0f, 1.0f}, 0.5);
+         },
+         from,
+         {0.0f, -0.35f, 0.7f}},
+        {"through a frosted ball",
+         [=](SceneMaker& maker) {
+             ball(maker, test::frosted_glass(0.2f), {0.0f, 0.0f, 0.7f}, 0.6);
+         },
+         {0.5f, -1.0f, 3.0f},
+         {0.05f, -0.05f, 0.7f}},
+        {"in a rough dish and a smooth ball",
+         [=](SceneMaker& maker) {
+             const Vec3 first(0.0f, 0.2f, 1.3f), second(0.3f, -0.9f, 2.2f);
+             maker.add(dish(1.5), rough(0.1f), mirroring(first, from, second));
+             ball(maker, test::mirror(),
+                  second + mirroring(second, first, Vec3(0.0f)).column(2) * -0.5f, 0.5);
+         },
+         from,
+         {0.0f, 0.2f, 1.3f}}};
+    const Image map = test::plane_normals(64, 0.1, 0.1, 7);
+    for (const Path& path : all) {
+        SceneMaker maker;
+        maker.builder.add_image(map);
+        maker.add(test::square(1.0f), glinting());
+        path.add(maker);
+        Camera camera = test::look_at(path.towards, path.from - path.towards,
+                                      length(path.from - path.towards), 0.3f);
+        camera.width = camera.height = 60;
+        maker.builder.set_camera(camera);
+        const RenderScene world = maker.finish();
+        test::Uniforms uniforms(5);
+        int compared = 0;
+        for (int i = 0; i < 4000 && compared < 100; ++i) {
+            const Vec2 film = uniforms.two() * 60.0f, lens(0.5f);
+            const std::optional<Landing> middle = land(world, film, lens, &uniforms);
+            if (!middle || middle->turns.empty()) continue;
+            std::array<Vec2, 2> expected;
+            bool comparable = true;
+            for (int axis = 0; axis < 2 && comparable; ++axis) {
+                Vec2 step(0.0f);
+                step[axis] = kStep;
+                const std::optional<Landing> before =
+                                                 land(world, film - step, lens, nullptr, &*middle),
+                                             after =
+                                                 land(world, film + step, lens, nullptr, &*middle);
+                comparable = before && after && before->triangles == middle->triangles &&
+                             after->triangles == middle->triangles;
+                if (!comparable) break;
+                const Vec2 d = after->at - before->at;
+                expected[static_cast<size_t>(axis)] =
+                    (d - Vec2(std::round(d.x / 64.0f), std::round(d.y / 64.0f)) * 64.0f) /
+                    (2.0f * kStep);
+            }
+            if (!comparable) continue;
+            ++compared;
+            for (size_t axis = 0; axis < 2; ++axis) {
+                const Vec2 error = middle->footprint->by_film[axis] - expected[axis];
+                EXPECT_LT(error.length(), 0.02f * expected[axis].length() + 0.02f)
+                    << path.name << ", axis " << axis << ": " << middle->footprint->by_film[axis]
+                    << " and " << expected[axis];
+            }
+        }
+        EXPECT_EQ(compared, 100) << path.name;
+    }
+}
+
+// Where directions of a rough surface land, against the lobe's footprint: Beckmann's facets lean by
+// alpha / sqrt(2) along each axis, of which the footprint has a quarter of alpha; and diffuse ones
+// around a direction by as much as it has.
+TEST(Footprint, LobeIsAShareOfTheSpreadOfDirections) {
+    constexpr int kDirections = 40000;
+    const auto beckmann = [](const char* type, float roughness) {
+        return test::single_shader(type, {{1, "Roughness", {roughness, 0, 0, 0}}},
+                                   {{1, "distribution", "BECKMANN"}});
+    };
+    struct Lobe {
+        const char* name;
+        Graph graph;
+        Vec3 from, at;  // the surface is half-way between `from` and straight down, or a pane
+        bool pane;
+        double share;
+    };
+    const double facets = 0.25 * std::numbers::sqrt2;
+    for (const Lobe& lobe :
+         {Lobe{"mirror",
+               beckmann("bsdf_glossy", 0.12f),
+               {0.0f, -2.0f, 0.5f},
+               {0.1f, 0.0f, 1.0f},
+               false,
+               facets},
+          Lobe{"pane",
+               beckmann("bsdf_refraction", 0.12f),
+               {0.0f, -1.0f, 2.5f},
+               {0.1f, -0.2f, 1.0f},
+               true,
+               facets},
+          Lobe{"diffuse", test::diffuse(0.8f), {0.0f, -2.0f, 0.5f}, {0.1f, 0.0f, 1.0f}, false, 10.0}}) {
+        SceneMaker maker;
+        maker.builder.add_image(test::plane_normals(64, 0.1, 0.1, 7));
+        maker.add(
+            test::square(1.0f),
+            test::normal_mapped(
+                test::single_shader("bsdf_glossy", {{1, "Roughness", {0.2f, 0, 0, 0}}}), {1, 1}));
+        maker.add(test::square(0.2f), lobe.graph,
+                  lobe.pane ? test::translation(lobe.at)
+                            : mirroring(lobe.at, lobe.from, {0.1f, 0.0f, -2.0f}));
+        Camera camera =
+            test::look_at(lobe.at, lobe.from - lobe.at, length(lobe.from - lobe.at), 0.1f);
+        maker.builder.set_camera(camera);
+        const RenderScene world = maker.finish();
+        const Scene& scene = *world.scene;
+        const Ray ray = scene.camera.ray(0.5f, 0.5f, Vec2(0.5f));
+        const Hit hit = *scene.accel->intersect(ray, kVisibleCamera);
+        Surface first;
+        evaluate_surface(scene, hit.surface, ray.direction * -1.0f, first);
+        const PixelFilter filter(FilterKind::box, 1.0f);
+        const PathDifferential seen = camera_differential(
+            scene.camera, {&filter, Vec2(0.5f), Vec2(0.0f)}, Vec2(0.5f), ray.direction);
+        const auto meets = [&](const ClosureSample& next) -> std::optional<Footprint> {
+            PathDifferential path = seen;
+            const Ray on{offset_origin({first.p, first.ng, first.p_error}, next.wi), next.wi, 0.0f,
+                         kInfinity};
+            const std::optional<Hit> floor = scene.accel->intersect(on, kVisibleCamera);
+            if (!floor || floor->surface.instance != 0 ||
+                !pass_bounce(scene, first, next, double(hit.t), path))
+                return std::nullopt;
+            Surface surface;
+            evaluate_surface(scene, floor->surface, next.wi * -1.0f, surface);
+            const Image& image = scene.images[0];
+            return footprint_at(scene, scene.material_of(floor->surface).slopes, int(image.width),
+                                int(image.height), surface, path, double(floor->t));
+        };
+        // Straight down, but for the pane, where it is what facets without a tilt make.
+        test::Uniforms uniforms(3);
+        std::optional<ClosureSample> middle;
+        for (int i = 0; i < 1000 && !middle; ++i)
+            middle = sample(first.closures, first.ng, first.wo, uniforms.three());
+        ASSERT_TRUE(middle) << lobe.name;
+        const Turn flat{first.n, first.n,   {0.0f, 0.0f, -1.0f},
+                        false,   lobe.pane, lobe.pane ? middle->eta : 1.0f};
+        middle->wi = flat.likewise(first.n, first.wo);
+        const std::optional<Footprint> footprint = meets(*middle);
+        ASSERT_TRUE(footprint) << lobe.name;
+
+        double xx = 0.0, xy = 0.0, yy = 0.0;
+        Vec2 sum(0.0f);
+        std::vector<Vec2> landings;
+        const Frame around = Frame::around(middle->wi);
+        for (int i = 0; i < kDirections; ++i) {
+            std::optional<ClosureSample> next =
+                sample(first.closures, first.ng, first.wo, uniforms.three());
+            if (!next) continue;
+            // A hundredth of a radian around the middle; its coordinates are from [-sqrt(3), sqrt(3)].
+            if (next->kind == BounceKind::diffuse) {
+                const Vec2 u = (uniforms.two() - Vec2(0.5f)) * (2.0f * std::sqrt(3.0f) * 0.01f);
+                next->wi = normalize(middle->wi + around.x * u.x + around.y * u.y);
+            }
+            const std::optional<Footprint> landing = meets(*next);
+            if (!landing) continue;
+            landings.push_back(landing->at);
+            sum += landing->at;
+        }
+        EXPECT_GT(landings.size(), 0.98 * kDirections) << lobe.name;
+        const Vec2 mean = sum / float(landings.size());
+        for (const Vec2& at : landings) {
+            const Vec2 d = at - mean;
+            xx += double(d.x * d.x) / double(landings.size());
+            xy += double(d.x * d.y) / double(landings.size());
+            yy += double(d.y * d.y) / double(landings.size());
+        }
+        const auto& [a, b] = footprint->by_lobe;
+        const double share2 = lobe.share * lobe.share, scale = share2 * std::sqrt(xx * yy);
+        EXPECT_NEAR(double(a.x * a.x + b.x * b.x), share2 * xx, 0.05 * scale) << lobe.name;
+        EXPECT_NEAR(double(a.y * a.y + b.y * b.y), share2 * yy, 0.05 * scale) << lobe.name;
+        EXPECT_NEAR(double(a.x * a.y + b.x * b.y), share2 * xy, 0.05 * scale) << lobe.name;
+    }
+}
+
+// The kernel has the covariance of film and lobe together, no more turn than it may, and without a
+// lobe it is the film's.
+TEST(Footprint, AxesAddFilmAndLobe) {
+    Footprint footprint;
+    footprint.by_film = {Vec2(3.0f, 1.0f), Vec2(-0.5f, 2.0f)};
+    EXPECT_EQ(footprint.axes(0.1f, 1.0f), footprint.by_film);
+    footprint.by_lobe = {Vec2(0.4f, 0.2f), Vec2(0.1f, -0.3f)};
+    footprint.lobe_turn = 0.02f;
+    constexpr float kVariance = 0.1f;
+    for (const float most : {1.0f, 0.01f}) {
+        const float share = most < 0.02f ? 0.25f : 1.0f;
+        const auto product = [](const std::array<Vec2, 2>& v, int i, int j) {
+            return v[0][i] * v[0][j] + v[1][i] * v[1][j];
+        };
+        const std::array<Vec2, 2> axes = footprint.axes(kVariance, most);
+        for (int i = 0; i < 2; ++i)
+            for (int j = 0; j < 2; ++j)
+                EXPECT_NEAR(kVariance * product(axes, i, j),
+                            kVariance * product(footprint.by_film, i, j) +
+                                share * product(footprint.by_lobe, i, j),
+                            1e-5f);
+    }
 }
 
 // The frame makes of the field's slopes the normals that closures are evaluated with.

@@ -93,7 +93,7 @@ inline PixelEstimate estimate_pixel(const RenderScene& world, const IntegratorSe
                                     const GlintEffort& effort = {}) {
     const PixelFilter filter(kind, 1.5f);
     const Camera& camera = world.scene->camera;
-    const PassState state{{1, 1, 1}, {}, effort};
+    const PassState state{kAlways, {}, effort};
     PixelEstimate result;
     for (uint32_t i = 0; i < samples; ++i) {
         const Sampler sampler(seed, i, 0);

@@ -125,21 +125,35 @@ std::optional<GlintPoint> GlintPoint::at(const GlintSet& glints, const GlintSett
     return GlintPoint(site, settings);
 }
 
-float GlintPoint::pdf(const Vec3& wi) const {
+// Both are means over a footprint, so that the power heuristic [Veach97] is the safer one. Of lights
+// that are wider than a facet's lobe one direction tells little: with S = 1 / mean, a = 1 / facet and
+// light of solid angle W it has a variance of W^2 / (S facets) (1 / a - 1 / W), and closure sampling, in
+// the light or not, of W / S. In inverse proportion to these, `direct` = 1 / W stands against
+// (facet - direct) / facets.
+float GlintDensity::share_of_direct(float directions, float direct) const {
+    const float closure = mean + directions * std::max(facet - direct, 0.0f) / facets;
+    return sqr(directions * direct) / (sqr(directions * direct) + sqr(closure));
+}
+
+GlintDensity GlintPoint::density(const Vec3& wi) const {
     constexpr float kLeastCosine = 0.05f;
     const SlopeFrame& frame = site_.frame;
     const GlintTarget target(frame, normalize(site_.wo + wi));
     const Vec3 n = normalize(frame.normal(site_.moments.mean));
     const float cos_o = std::clamp(dot(n, site_.wo), kLeastCosine, 1.0f);
-    float sum = 0.0f, weights = 0.0f;
+    float mean = 0.0f, peak = 0.0f, weights = 0.0f;
     for (int i = 0; i < site_.closures->glint_count; ++i) {
         const MicrofacetReflection& lobe = site_.lobe(i).lobe;
         const float weight = site_.scale(i, cos_o);
-        const float g1_by_cos = 1.0f / (cos_o + lambda_cos(lobe.model, lobe.alpha, cos_o));
-        sum += weight * site_.mean_density(site_.lobe(i), target) * 0.25f * g1_by_cos;
+        const float by_cos = 0.25f / (cos_o + lambda_cos(lobe.model, lobe.alpha, cos_o));
+        mean += weight * by_cos * site_.mean_density(site_.lobe(i), target);
+        peak += weight * by_cos * normal_density(lobe.model, lobe.alpha, 1.0f, 0.0f);
         weights += weight;
     }
-    return (weights > 0.0f ? sum / weights : 0.0f) + kLeastPdf;
+    // A normal distribution covers 4 pi of its variance, and texels differ at most.
+    const float texels = 4.0f * kPi * site_.pixel.filter->variance() * site_.texels_per_pixel();
+    const float scale = weights > 0.0f ? 1.0f / weights : 0.0f;
+    return {mean * scale + kLeastPdf, peak * scale, std::max(texels, 1.0f)};
 }
 
 Spectrum GlintPoint::f_cos(const Vec3& wi, const GlintPrecision& precision, uint64_t seed,

@@ -35,6 +35,17 @@ struct GlintSettings {
     const FlakeSet* flakes = nullptr;  // of the set's fields, for `yan` alone
 };
 
+// With which closure sampling, at the points of a footprint, takes a direction, 1/sr.
+struct GlintDensity {
+    float mean = 0.0f;    // about that over all points; never 0
+    float facet = 0.0f;   // about the most at one
+    float facets = 1.0f;  // about the number of points between which it differs
+
+    // The share of an estimate from `directions` to lights, of density `direct`, of which one is
+    // looked at, in light that closure sampling finds, too.
+    float share_of_direct(float directions, float direct) const;
+};
+
 // The lobes of a surface over a footprint.
 class GlintPoint {
 public:
@@ -45,10 +56,8 @@ public:
                                         const PathDifferential& path, double distance,
                                         const PixelKernel& pixel);
 
-    // About the density with which closure sampling, at the points of the footprint, takes the
-    // direction, 1/sr; never 0. From moments of the slopes alone, so that all samples of a pixel
-    // agree.
-    float pdf(const Vec3& wi) const;
+    // From moments of the slopes alone, so that all samples of a pixel agree.
+    GlintDensity density(const Vec3& wi) const;
 
     // An estimate of f |cos| averaged over the pixel. Only the search asks for a precision.
     Spectrum f_cos(const Vec3& wi, const GlintPrecision& precision, uint64_t seed,

@@ -37,10 +37,10 @@ struct PathHistory {
     Surface surface;             // at x
     CameraApproach approach{};   // to it
     bool passed_caster = false;  // straight through a part of one, since the last vertex
-    // Of the scattering at x, for its share with next event estimation: of its direction or, of
-    // closures with glints, a mean over the footprint.
+    // Of the scattering at x, for its share with next event estimation: of its direction or, if it
+    // was by closures with glints, of the footprint.
     float pdf_direct = 0.0f;
-    bool glints = false;
+    std::optional<GlintDensity> glints{};
 
     void begin_at_camera(const Camera& camera, const Ray& ray) {
         stage = Stage::chain;
@@ -54,7 +54,7 @@ struct PathHistory {
         if (stage != Stage::scattered) return;
         caustic.pdf_omega = eval(surface.closures, surface.ng, surface.wo, wi).pdf_omega;
         caustic.film_per_area = film_per_area(scene, approach, surface.hit, surface.wo, wi);
-        if (!glints) pdf_direct = caustic.pdf_omega;
+        pdf_direct = caustic.pdf_omega;
     }
     void set_next(const Scene& scene, const Vec3& p) {
         const Vec3 along = p - caustic.x;
@@ -87,7 +87,7 @@ struct PathHistory {
         const bool reached_by_scattering = has_scattered();
         stage = Stage::scattered;
         pdf_direct = sample.pdf_omega;
-        glints = false;
+        glints.reset();
         caustic.x = at.p;
         caustic.p_error = at.p_error;
         caustic.sides = {at.ng, has_smooth_transmission(at.closures)};
@@ -108,10 +108,7 @@ struct PathHistory {
         approach = approach_to_it;
     }
     // After append_smooth(): the scattering was by closures with glints.
-    void set_glints(float mean_pdf) {
-        pdf_direct = mean_pdf;
-        glints = true;
-    }
+    void set_glints(const GlintDensity& of_footprint) { glints = of_footprint; }
     // The chain goes on with this delta interaction, if it can.
     void append_delta(const SurfaceHit& hit, const ClosureSample& sample, const CasterSet& casters) {
         const bool goes_on = stage != Stage::unconnected && sample.on_caster_normal &&

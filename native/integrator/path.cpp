@@ -15,11 +15,9 @@ constexpr uint32_t kGlintCandidates = 12;
 float shared(float own, float other) { return own / (own + other); }
 
 // The share of kGlintCandidates directions of density `direct` in light that closures with glints
-// find with `closure`: means over a footprint, so that the power heuristic [Veach97] is the safer
-// one.
-float shared_by_glints(float direct, float closure) {
-    const float candidates = static_cast<float>(kGlintCandidates) * direct;
-    return sqr(candidates) / (sqr(candidates) + sqr(closure));
+// find with `closure`.
+float shared_by_glints(float direct, const GlintDensity& closure) {
+    return closure.share_of_direct(static_cast<float>(kGlintCandidates), direct);
 }
 
 // One path under way, and the steps that it consists of.
@@ -94,7 +92,7 @@ struct PathTracer {
                 const std::optional<CausticDensities> p =
                     shared_with_light_paths(history.caustic, end);
                 if (p) return static_cast<float>(p->path_tracing / p->sum());
-                return history.glints ? 1.0f - shared_by_glints(end.pdf_direct, history.pdf_direct)
+                return history.glints ? 1.0f - shared_by_glints(end.pdf_direct, *history.glints)
                                       : shared(history.pdf_direct, end.pdf_direct);
             }
             case PathHistory::Stage::chain: return weight_of_chain(end);
@@ -304,10 +302,10 @@ struct PathTracer {
             if (!light || !(dot(surface.ng, light->wi) > 0.0f)) continue;
             const uint32_t visibility = light_visibility(world.lights, light->light);
             if ((visibility & kVisibleGlossy) == 0) continue;
-            const float pdf = glints->pdf(light->wi);
+            const GlintDensity density = glints->density(light->wi);
             const bool alone = light->delta || (visibility & kVisibleShadow) == 0;
-            const float share = alone ? 1.0f : shared_by_glints(light->density, pdf);
-            const float promise = max_component(light->radiance) * share * pdf;
+            const float share = alone ? 1.0f : shared_by_glints(light->density, density);
+            const float promise = max_component(light->radiance) * share * density.mean;
             const float weight = promise / light->density;
             if (!(weight > 0.0f)) continue;
             sum += weight;
@@ -485,7 +483,7 @@ struct PathTracer {
             history.append_rough(rough_vertex_at(surface, next));
             history.append_smooth(scene(), surface, next, receives, approach, before);
             if (shares()) history.keep(surface, approach);
-            if (next.glints) history.set_glints(glints->pdf(next.wi));
+            if (next.glints) history.set_glints(glints->density(next.wi));
         } else {
             history.append_delta(surface.hit, next, world.casters);
         }

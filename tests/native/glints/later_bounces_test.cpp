@@ -50,6 +50,12 @@ Via through_pane(float roughness) {
                 maker.builder.set_camera(test::look_at(at, at, 1000.0f, width));
             }};
 }
+Via directly() {
+    return {"directly", [](SceneMaker& maker, float width) {
+                maker.builder.set_camera(
+                    test::look_at(Vec3(0.0f), {0.0f, -1.0f, 2.0f}, 1000.0f, width));
+            }};
+}
 // Seen from below, where the sun does not shine.
 Via on_ceiling() {
     return {"ceiling", [](SceneMaker& maker, float width) {
@@ -172,6 +178,25 @@ TEST(LaterGlints, HaveLittleNoise) {
                    off = test::estimate_pixel(scene_of(via, floor, GlintsMode::off),
                                               test::unlimited(), kReference, 2);
         EXPECT_LT(deviation(on.radiance, kSamples), 0.5 * deviation(off.radiance, kReference))
+            << via.name;
+    }
+}
+
+// There one direction sees few of the facets that shine, and closure sampling misses no light.
+TEST(LaterGlints, HaveNoMoreNoiseUnderWideLamps) {
+    constexpr uint32_t kSamples = 20000;
+    for (const Via& via : {directly(), in_mirror(0.1f), in_mirror(0.4f)}) {
+        Floor floor;
+        floor.roughness = 0.1f;
+        floor.texel = 0.01f;
+        floor.width = 0.05f;
+        floor.sun_angle = 2.0f;
+        const auto on = test::estimate_pixel(scene_of(via, floor, GlintsMode::on),
+                                             test::unlimited(), kSamples, 1),
+                   off = test::estimate_pixel(scene_of(via, floor, GlintsMode::off),
+                                              test::unlimited(), kSamples, 2);
+        EXPECT_GT(on.stats.glints.estimates, kSamples / 2) << via.name;
+        EXPECT_LT(deviation(on.radiance, kSamples), 1.15 * deviation(off.radiance, kSamples))
             << via.name;
     }
 }

@@ -330,7 +330,7 @@ double effort_beside_sheets(const std::function<void(SceneMaker&)>& add_caster, 
     return pilot ? pilot->effort : 0.0;
 }
 
-TEST(LightPaths, KnowWhatItTakesToFindWhatSheetsMiss) {
+TEST(LightPathsSlow, KnowWhatItTakesToFindWhatSheetsMiss) {
     const auto mirror_ball = [](SceneMaker& m) { add_ball(m, mirror()); };
     const auto hammered_ball = [](SceneMaker& m) {
         m.builder.add_image(sphere_normals(320, 0.22, 0.3, 11));

@@ -49,38 +49,37 @@ def test_merged_parts_have_the_moments_of_all_samples(tmp_path):
 
 
 def test_added_parts_have_the_moments_of_all_samples(tmp_path):
-    samples = np.random.default_rng(3).random((300, *SHAPE))
+    samples = np.random.default_rng(3).random((3000, *SHAPE))
     caustics = 0.5 * samples
     stored = _reference.Reference(
-        samples[:200].mean(axis=0),
-        samples[:200].var(axis=0, ddof=1) / 200,
-        {"samples": "200", "seeds": "500000 500003"},
-        caustics[:200].mean(axis=0),
+        samples[:2000].mean(axis=0),
+        samples[:2000].var(axis=0, ddof=1) / 2000,
+        {"samples": "2000", "seeds": "500000 500003"},
+        caustics[:2000].mean(axis=0),
     )
     parts = reference.Parts(tmp_path, max(reference.seeds_of(stored)) + 1)
     assert parts.next_seed() == 500004  # a seed of the stored ones would repeat their noise
-    add_part(tmp_path, parts.next_seed(), samples[200:], caustics[200:].mean(axis=0))
+    add_part(tmp_path, parts.next_seed(), samples[2000:], caustics[2000:].mean(axis=0))
     merged = reference.Parts(tmp_path).merged()
     mean, variance, manifold, _, count = reference.joined(stored, merged)
     assert count == len(samples)
-    np.testing.assert_allclose(mean, samples.mean(axis=0))
-    np.testing.assert_allclose(manifold, caustics.mean(axis=0))
-    # The squares of both parts' own deviations, not of their means'.
+    # Weights come from variances of 12 pixels, which know their own to a percent.
+    np.testing.assert_allclose(mean, samples.mean(axis=0), rtol=1e-3)
+    np.testing.assert_allclose(manifold, caustics.mean(axis=0), rtol=1e-3)
     np.testing.assert_allclose(variance, samples.var(axis=0, ddof=1) / len(samples), rtol=0.05)
 
 
-def test_samples_are_added_to_the_same_picture_alone(tmp_path):
-    about = {"scene": "a", "sceneDigest": "1", "method": "SHEETS"}
+def test_parts_are_added_to_the_same_picture_alone(tmp_path):
     path, zeros = tmp_path / "a.exr", np.zeros(SHAPE)
     height, width, _ = SHAPE
     with pytest.raises(DevError, match="there is no"):
-        reference.stored_reference(path, about, (width, height))
-    _reference.write(path, zeros, zeros, about | {"samples": "7"}, zeros)
-    assert reference.stored_reference(path, about, (width, height)).samples == 7
-    with pytest.raises(DevError, match="method"):
-        reference.stored_reference(path, about | {"method": "PT"}, (width, height))
+        reference.stored_reference(path, "1", (width, height))
+    _reference.write(path, zeros, zeros, {"sceneDigest": "1", "samples": "7"}, zeros)
+    assert reference.stored_reference(path, "1", (width, height)).samples == 7
+    with pytest.raises(DevError, match="scene has changed"):
+        reference.stored_reference(path, "2", (width, height))
     with pytest.raises(DevError, match="4x3 pixels"):
-        reference.stored_reference(path, about, (8, 8))
+        reference.stored_reference(path, "1", (8, 8))
 
 
 @pytest.mark.parametrize("layers", [2, 3, 4])

@@ -80,6 +80,12 @@ def _less_noise(
     return squares, _kept(((difference**2 + variance) * weight).mean(axis=1))
 
 
+def trimmed_mean(values: np.ndarray) -> float:
+    """Of (H, W, 3) values, over the pixels but the worst."""
+    of_pixels = values.mean(axis=-1).ravel()
+    return float(of_pixels[_kept(of_pixels)].mean())
+
+
 def _kept(badness: np.ndarray) -> np.ndarray:
     """Indices of all but the worst."""
     count = len(badness) - math.ceil(WORST * len(badness))

@@ -5,7 +5,7 @@ The method is unbiased, and nothing is clamped. What is rendered is kept in buil
 in parts, each with a seed of its own: another run of the same scene and method adds to them, until
 they have so many seconds of rendering together. The reference is the mean of all; its variance is
 estimated from every sample, that of rounding to half floats included. With --add they join the
-samples of the reference that is stored, whichever program rendered those.
+reference that is stored, whichever program and method rendered that.
 """
 
 from __future__ import annotations
@@ -88,31 +88,34 @@ def render_part(blend: Path, job: dict, parts: Parts) -> None:
     parts.reports.append(report)
 
 
-def stored_reference(path: Path, about: dict[str, str], size: tuple[int, int]) -> Reference:
-    """The one that samples are to be added to: of the same picture by the same method."""
+def stored_reference(path: Path, digest: str, size: tuple[int, int]) -> Reference:
+    """The one that parts are to be added to: of the scene with this digest, at this size."""
     if not path.is_file():
         raise DevError(f"--add: there is no {path}")
     stored = _reference.read(path)
     height, width = stored.mean.shape[:2]
-    differing = [key for key, value in about.items() if stored.about.get(key) != value]
-    if (width, height) != size:
-        differing.append(f"{width}x{height} pixels")
-    if differing or stored.caustics is None:
-        raise DevError(f"--add {path}: not of this picture: {', '.join(differing) or 'no layers'}")
+    if stored.about.get("sceneDigest") != digest:
+        raise DevError(f"--add {path}: the scene has changed since")
+    if (width, height) != size or stored.caustics is None:
+        raise DevError(f"--add {path}: {width}x{height} pixels, or no layer of caustics")
     return stored
 
 
 def joined(stored: Reference, merged: tuple) -> tuple:
-    """As `Parts.merged`, with the samples of a stored reference."""
+    """As `Parts.merged`, with a stored reference.
+
+    Each counts by the inverse of its variance, of which there is one for the whole picture: by a
+    pixel's own it would count the more the fewer bright samples it has met there.
+    """
     mean, variance, caustics, direct, count = merged
-    total = stored.samples + count
-    old, new = stored.samples / total, count / total
+    old, new = 1.0 / _metrics.trimmed_mean(stored.variance), 1.0 / _metrics.trimmed_mean(variance)
+    old, new = old / (old + new), new / (old + new)
     return (
         old * stored.mean + new * mean,
         old**2 * stored.variance + new**2 * variance,
         old * stored.caustics + new * caustics,
         direct,
-        total,
+        stored.samples + count,
     )
 
 
@@ -123,6 +126,8 @@ def write(path: Path, about: dict[str, str], parts: Parts, stored: Reference | N
         merged = joined(stored, merged)
         seeds = [*seeds_of(stored), *seeds]
         seconds += float(stored.about["seconds"])
+        methods = [*stored.about["method"].split(), about["method"]]
+        about = about | {"method": " ".join(dict.fromkeys(methods))}
     mean, variance, caustics, direct, samples = merged
     about = about | {
         "samples": str(samples),
@@ -168,7 +173,7 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--method", choices=METHODS, help="default: PT where it converges")
     parser.add_argument("--size", default="", metavar="WxH", help="pixels (long side 256)")
     parser.add_argument("--threads", type=int, default=len(os.sched_getaffinity(0)))
-    parser.add_argument("--add", action="store_true", help="to the samples of the stored one")
+    parser.add_argument("--add", action="store_true", help="to the stored one")
     parser.add_argument("--out", type=Path, metavar="EXR", help="(tests/bench/references)")
     args = parser.parse_args()
     if args.seconds <= 0.0:
@@ -192,7 +197,7 @@ def main() -> int:
     digest = hashlib.sha256(blend.read_bytes()).hexdigest()
     about = {"scene": blend.stem, "sceneDigest": digest, "method": method}
     path = args.out or _scenes.REFERENCES / f"{blend.stem}.exr"
-    stored = stored_reference(path, about, size) if args.add else None
+    stored = stored_reference(path, digest, size) if args.add else None
     first_seed = max(seeds_of(stored)) + 1 if stored else FIRST_SEED
     program = _store.specula_digest(SCRIPTS)[:8]  # a wrong estimator must not leave its parts
     name = f"{blend.stem}-{method.lower()}-{size[0]}x{size[1]}-{digest[:12]}-{program}"

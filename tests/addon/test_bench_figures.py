@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What `./dev bench figures` renders, crops and prints below its pictures."""
 
+import dataclasses
 from pathlib import Path
 
 import numpy as np
@@ -83,7 +84,6 @@ def test_stored_references_are_not_rendered():
 @pytest.mark.parametrize(
     ("line", "longer"),
     [
-        (row(scene="slab"), None),  # nothing is stored
         (row(), 128),  # of another size
         (row(edits={"hidden": ["Ring"]}), None),  # of another scene
     ],
@@ -93,6 +93,12 @@ def test_what_is_not_stored_takes_a_long_render(line, longer):
     assert shot.budget == LONG * SECONDS
     assert shot.settings == AUTOMATIC.settings
     assert shot.edits == line.edits  # all of the picture
+
+
+def test_a_scene_without_a_reference_takes_a_long_render(monkeypatch, tmp_path):
+    scene = dataclasses.replace(_scenes.example("ring"), reference_path=tmp_path / "ring.exr")
+    monkeypatch.setattr(_scenes, "example", lambda _: scene)
+    assert _figure_plan.shot(row(), REFERENCE, SECONDS, None, THREADS).budget == LONG * SECONDS
 
 
 def test_pictures_differ_by_their_edits():

@@ -12,7 +12,7 @@ namespace {
 // one: LightTracing::effort.
 struct Effort {
     double light = 0.0, trials = 0.0;
-    ManifoldStats searches{};
+    ManifoldStats searches{};  // of the render's they are no part
 
     void add(const Effort& other) {
         light += other.light;

@@ -49,7 +49,8 @@ struct LightPilot {
     double effort, manifold_share;  // as LightTracing has them
 };
 // Sends light paths to learn where those begin that add to the picture, and which of their chains
-// `sheets` lead to, if there are any. Does not depend on `threads`. Null where no light reaches the camera that way, or `cancelled` was set meanwhile.
+// `sheets` lead to, if there are any. Does not depend on `threads`. Null where no light reaches the
+// camera that way, or `cancelled` was set meanwhile.
 std::unique_ptr<const LightPilot> learn_emission(
     const RenderScene& world, IntegratorSettings settings, const LightSheets& sheets, float margin,
     uint32_t seed, uint32_t threads, const std::atomic<bool>& cancelled, LightPathStats& stats);

@@ -207,9 +207,38 @@ struct Model {
     float aperture;
 };
 
-// Central differences over a tenth of a pixel, where the three rays meet the same triangles.
-TEST(Footprint, IsTheDerivativeByTheFilm) {
+// Central differences over a tenth of a pixel; empty unless the three rays meet the same triangles.
+// `land_at` follows the path of `middle` from another place of the film.
+template <class LandAt>
+std::optional<std::array<Vec2, 2>> differences(const Landing& middle, const Vec2& film,
+                                               const LandAt& land_at) {
     constexpr float kStep = 0.05f;
+    std::array<Vec2, 2> result;
+    for (int axis = 0; axis < 2; ++axis) {
+        Vec2 step(0.0f);
+        step[axis] = kStep;
+        const std::optional<Landing> before = land_at(film - step), after = land_at(film + step);
+        if (!before || !after || before->triangles != middle.triangles ||
+            after->triangles != middle.triangles)
+            return std::nullopt;
+        const Vec2 d = after->at - before->at;
+        // Between them a tile may begin.
+        result[static_cast<size_t>(axis)] =
+            (d - Vec2(std::round(d.x / 64.0f), std::round(d.y / 64.0f)) * 64.0f) / (2.0f * kStep);
+    }
+    return result;
+}
+void expect_derivative(const Landing& middle, const std::array<Vec2, 2>& expected,
+                       const std::string& name) {
+    for (size_t axis = 0; axis < 2; ++axis) {
+        const Vec2 error = middle.footprint->by_film[axis] - expected[axis];
+        EXPECT_LT(error.length(), 0.02f * expected[axis].length() + 0.02f)
+            << name << ", axis " << axis << ": " << middle.footprint->by_film[axis] << " and "
+            << expected[axis];
+    }
+}
+
+TEST(Footprint, IsTheDerivativeByTheFilm) {
     const Image map = test::plane_normals(64, 0.1, 0.1, 7);
     for (const Model& model : {Model{"pinhole", Projection::perspective, 0.0f},
                                Model{"lens", Projection::perspective, 0.05f},
@@ -244,31 +273,11 @@ TEST(Footprint, IsTheDerivativeByTheFilm) {
                 const Vec2 film = uniforms.two() * Vec2(60.0f, 40.0f), lens = uniforms.two();
                 const std::optional<Landing> middle = land(world, film, lens);
                 if (!middle) continue;
-                bool comparable = true;
-                std::array<Vec2, 2> expected;
-                for (int axis = 0; axis < 2; ++axis) {
-                    Vec2 step(0.0f);
-                    step[axis] = kStep;
-                    const std::optional<Landing> before = land(world, film - step, lens),
-                                                 after = land(world, film + step, lens);
-                    comparable = comparable && before && after &&
-                                 before->triangles == middle->triangles &&
-                                 after->triangles == middle->triangles;
-                    if (!comparable) break;
-                    const Vec2 d = after->at - before->at;
-                    // Between them a tile may begin.
-                    expected[static_cast<size_t>(axis)] =
-                        (d - Vec2(std::round(d.x / 64.0f), std::round(d.y / 64.0f)) * 64.0f) /
-                        (2.0f * kStep);
-                }
-                if (!comparable) continue;
+                const auto expected = differences(
+                    *middle, film, [&](const Vec2& at) { return land(world, at, lens); });
+                if (!expected) continue;
                 ++compared;
-                for (size_t axis = 0; axis < 2; ++axis) {
-                    const Vec2 error = middle->footprint->by_film[axis] - expected[axis];
-                    EXPECT_LT(error.length(), 0.02f * expected[axis].length() + 0.02f)
-                        << name << ", axis " << axis << ": " << middle->footprint->by_film[axis]
-                        << " and " << expected[axis];
-                }
+                expect_derivative(*middle, *expected, name);
             }
             EXPECT_GT(compared, 20) << name;
         }
@@ -276,7 +285,6 @@ TEST(Footprint, IsTheDerivativeByTheFilm) {
 
 // The same after rough bounces, for what the film alone does to a path.
 TEST(Footprint, AfterRoughBouncesIsTheDerivativeByTheFilm) {
-    constexpr float kStep = 0.05f;
     const Vec3 from(0.0f, -3.0f, 2.0f);
     const auto rough = [](float roughness) {
         return test::single_shader("bsdf_glossy", {{1, "Roughness", {roughness, 0, 0, 0}}});
@@ -329,31 +337,12 @@ TEST(Footprint, AfterRoughBouncesIsTheDerivativeByTheFilm) {
             const Vec2 film = uniforms.two() * 60.0f, lens(0.5f);
             const std::optional<Landing> middle = land(world, film, lens, &uniforms);
             if (!middle || middle->turns.empty()) continue;
-            std::array<Vec2, 2> expected;
-            bool comparable = true;
-            for (int axis = 0; axis < 2 && comparable; ++axis) {
-                Vec2 step(0.0f);
-                step[axis] = kStep;
-                const std::optional<Landing> before =
-                                                 land(world, film - step, lens, nullptr, &*middle),
-                                             after =
-                                                 land(world, film + step, lens, nullptr, &*middle);
-                comparable = before && after && before->triangles == middle->triangles &&
-                             after->triangles == middle->triangles;
-                if (!comparable) break;
-                const Vec2 d = after->at - before->at;
-                expected[static_cast<size_t>(axis)] =
-                    (d - Vec2(std::round(d.x / 64.0f), std::round(d.y / 64.0f)) * 64.0f) /
-                    (2.0f * kStep);
-            }
-            if (!comparable) continue;
+            const auto expected = differences(*middle, film, [&](const Vec2& at) {
+                return land(world, at, lens, nullptr, &*middle);
+            });
+            if (!expected) continue;
             ++compared;
-            for (size_t axis = 0; axis < 2; ++axis) {
-                const Vec2 error = middle->footprint->by_film[axis] - expected[axis];
-                EXPECT_LT(error.length(), 0.02f * expected[axis].length() + 0.02f)
-                    << path.name << ", axis " << axis << ": " << middle->footprint->by_film[axis]
-                    << " and " << expected[axis];
-            }
+            expect_derivative(*middle, *expected, path.name);
         }
         EXPECT_EQ(compared, 100) << path.name;
     }

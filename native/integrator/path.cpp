@@ -521,7 +521,7 @@ RenderScene prepare(std::unique_ptr<Scene> scene, uint32_t threads) {
     RenderScene world;
     world.lights = build_lights(*scene, threads);
     world.casters = build_casters(*scene);
-    world.rough_chain_casters = build_rough_chain_casters(*scene);
+    world.rough_chain_casters = build_rough_chain_casters(*scene, scene->report);
     world.glints = build_glints(*scene, threads, scene->report);
     world.scene = std::move(scene);
     return world;

@@ -4,6 +4,10 @@
 #include "math/lanes.h"
 #include "math/warp.h"
 
+#include <fmt/format.h>
+
+#include <numbers>
+
 #include <xmmintrin.h>
 
 namespace spc {
@@ -31,32 +35,50 @@ void tabulate_triangles(const Scene& scene, Caster& caster, const Takes& takes) 
     caster.triangles = DiscreteDistribution(area);
 }
 
-// Moments of the slopes from random points; they only shape seeds, so some thousand points are
-// plenty.
-void measure_slopes(const Scene& scene, Caster& caster) {
+// Of the slopes of the mapped normal over the smooth one, in Frame::around(smooth normal).
+struct MapSlopes {
+    Vec2 mean{0.0f}, deviation{0.0f};
+    double bends = 0.0;  // 1/m^2: mean |det d slope / d p|
+};
+// From random points: they shape seeds and tell fine maps from coarse ones, so some thousand are plenty.
+MapSlopes measure_slopes(const Scene& scene, const Caster& caster) {
     constexpr int kPoints = 4096;
     Pcg pcg(caster.instance);
-    double sum[2] = {0, 0}, squares[2] = {0, 0};
+    double sum[2] = {0, 0}, squares[2] = {0, 0}, bends = 0.0;
     int used = 0;
     for (int i = 0; i < kPoints; ++i) {
         const SurfaceHit hit = sample_on(caster, pcg);
-        const Vec3 local = Frame::around(evaluate_caster(scene, hit, true).n)
-                               .to_local(evaluate_caster(scene, hit, false).n);
+        const CasterPatch smooth = evaluate_caster(scene, hit, true),
+                          mapped = evaluate_caster(scene, hit, false);
+        const Frame frame = Frame::around(smooth.n);
+        const Vec3 local = frame.to_local(mapped.n);
         if (!(local.z > 0.05f)) continue;
         const double slope[2] = {-local.x / local.z, -local.y / local.z};
         for (int k = 0; k < 2; ++k) {
             sum[k] += slope[k];
             squares[k] += slope[k] * slope[k];
         }
+        // What the map adds to the turn of the smooth normal, which goes with the frame.
+        const auto turn = [&](const Vec3& by_map, const Vec3& by_shape) {
+            const Vec3 d = frame.to_local(by_map - by_shape) * (1.0f / local.z);
+            return Vec2(d.x + static_cast<float>(slope[0]) * d.z,
+                        d.y + static_cast<float>(slope[1]) * d.z);
+        };
+        const Vec2 du = turn(mapped.dn_du, smooth.dn_du), dv = turn(mapped.dn_dv, smooth.dn_dv);
+        const float area = length(cross(smooth.dp_du, smooth.dp_dv));
+        if (area > 0.0f) bends += static_cast<double>(std::abs(du.x * dv.y - du.y * dv.x) / area);
         ++used;
     }
-    if (used == 0) return;
+    MapSlopes slopes;
+    if (used == 0) return slopes;
+    slopes.bends = bends / used;
     for (int k = 0; k < 2; ++k) {
         const double mean = sum[k] / used;
-        caster.slope_mean[k] = static_cast<float>(mean);
-        caster.slope_deviation[k] =
+        slopes.mean[k] = static_cast<float>(mean);
+        slopes.deviation[k] =
             static_cast<float>(std::sqrt(std::max(squares[k] / used - mean * mean, 0.0)));
     }
+    return slopes;
 }
 
 constexpr uint32_t kWidth = CasterPacket::kWidth;
@@ -164,6 +186,47 @@ void add_caster(CasterSet& set, Caster caster) {
     set.casters.push_back(std::move(caster));
 }
 
+// Chains are met again by chance: of more it takes too long.
+constexpr double kMostChainsAtFacets = 3.0;
+
+// Of a mapped rough surface, those that turn at facets of one slope, on average over slopes, where x
+// and y are as far away as the caster is large. The half-vector's slope comes to all values within
+// some area of the surface: that is also the mean number of places there where the map has it [Rice44].
+double chains_at_facets(const Scene& scene, const Caster& caster,
+                        const SpecularInterface& interface) {
+    const MapSlopes slopes = measure_slopes(scene, caster);
+    // Slope by angle: a refraction needs a steeper one than a reflection.
+    const double bend = interface.refracts ? (interface.ior - 1.0) / (interface.ior + 1.0) : 1.0;
+    const double spread = 2.0 * std::numbers::pi * static_cast<double>(slopes.deviation.x) *
+                          static_cast<double>(slopes.deviation.y);
+    const double all = std::pow(bend * static_cast<double>(caster.radius), 2);
+    return slopes.bends * std::min(all, caster.triangles.total() / spread);
+}
+
+// Whether chains turn at facets of the instance.
+bool turns_at_facets(const Scene& scene, uint32_t index, std::vector<std::string>& report) {
+    const Instance& instance = scene.instances[index];
+    bool turns = false;
+    for (const uint32_t m : instance.materials) {
+        const Material& material = scene.materials[m];
+        if (!instance.rough_caster || !material.rough.exists()) continue;
+        const bool mapped = material.rough.mapped_normal;
+        turns = true;
+        if (!mapped) continue;
+        const Caster part =
+            caster_of(scene, index, [&](const Material& one) { return &one == &material; });
+        if (part.triangles.empty()) continue;
+        const double chains = chains_at_facets(scene, part, material.rough);
+        // What has deltas as well takes part as a whole.
+        const bool few = instance.caster || chains <= kMostChainsAtFacets;
+        report.push_back(
+            fmt::format("{}: chains turn at {} of '{}', whose map makes some {:.2g} at once",
+                        instance.name, few ? "facets" : "no facets", material.name, chains));
+        if (!few) return false;
+    }
+    return turns;
+}
+
 }  // namespace
 
 std::vector<const Caster*> CasterSet::aims() const {
@@ -185,23 +248,24 @@ CasterSet build_casters(const Scene& scene) {
         }
         if (scene.instances[i].caster) add_caster(set, caster_of(scene, i, is_specular));
     }
-    for (Caster& caster : set.casters)
-        if (caster.mapped_normal) measure_slopes(scene, caster);
+    for (Caster& caster : set.casters) {
+        if (!caster.mapped_normal) continue;
+        const MapSlopes slopes = measure_slopes(scene, caster);
+        caster.slope_mean = slopes.mean;
+        caster.slope_deviation = slopes.deviation;
+    }
     return set;
 }
 
-CasterSet build_rough_chain_casters(const Scene& scene) {
+CasterSet build_rough_chain_casters(const Scene& scene, std::vector<std::string>& report) {
     const auto turns_light = [](const Material& material) { return material.interface().exists(); };
-    const auto is_rough = [&](const Instance& instance) {
-        return instance.rough_caster &&
-               std::any_of(instance.materials.begin(), instance.materials.end(),
-                           [&](uint32_t i) { return scene.materials[i].rough.exists(); });
-    };
     CasterSet set;
     set.of_instance.assign(scene.instances.size(), kNone);
-    if (std::none_of(scene.instances.begin(), scene.instances.end(), is_rough)) return set;
-    for (uint32_t i = 0; i < scene.instances.size(); ++i)
-        if (scene.instances[i].caster || is_rough(scene.instances[i]))
+    std::vector<bool> rough(scene.instances.size());
+    for (uint32_t i = 0; i < rough.size(); ++i) rough[i] = turns_at_facets(scene, i, report);
+    if (std::find(rough.begin(), rough.end(), true) == rough.end()) return set;
+    for (uint32_t i = 0; i < rough.size(); ++i)
+        if (scene.instances[i].caster || rough[i])
             add_caster(set, caster_of(scene, i, turns_light));
     return set;
 }

@@ -40,8 +40,9 @@ struct CasterSet {
     std::vector<const Caster*> aims() const;
 };
 CasterSet build_casters(const Scene& scene);
-// Those, and what has a rough interface, if anything has: where chains with rough vertices turn.
-CasterSet build_rough_chain_casters(const Scene& scene);
+// Those, and what has a rough interface, if anything has: where chains with rough vertices turn. Not
+// where a fine map makes too many chains. The report tells of maps.
+CasterSet build_rough_chain_casters(const Scene& scene, std::vector<std::string>& report);
 
 // A point uniform over the caster's specular area.
 SurfaceHit sample_on(const Caster& caster, Pcg& pcg);

@@ -148,13 +148,13 @@ void assign_caustics_roles(Scene& scene) {
             if (specular && why.empty()) why = material.specular.why;
             if (!specular && why_not.empty()) why_not = material.specular.why_not;
             if (why_rough.empty()) why_rough = material.narrow_lobe;
-            chains_turn = chains_turn || material.rough.exists();
+            chains_turn = chains_turn || (material.rough.exists() && !material.rough.mapped_normal);
         }
         if (instance.caster)
             scene.report.push_back(fmt::format("{}: caster, manifold ({})", instance.name, why));
         if (instance.rough_caster)
             scene.report.push_back(fmt::format("{}: caster, light paths{} ({})", instance.name,
-                                               chains_turn ? " and manifold" : " alone", why_rough));
+                                               chains_turn ? " and manifold" : "", why_rough));
         if (!instance.turns_light() && (role == CausticsRole::caster || role == CausticsRole::both))
             scene.report.push_back(
                 fmt::format("{}: marked as caster, but path traced: {}", instance.name, why_not));

@@ -126,8 +126,6 @@ std::string not_a_delta(const ExprBuilder& expr, const ClosureTerm& term) {
 std::string not_narrow(const ExprBuilder& expr, const ClosureTerm& term) {
     if (term.op == ClosureOp::coated || term.op == ClosureOp::coat)
         return "weak beside what it covers";
-    // On a fine map there are very many chains, of which one is hardly ever found again.
-    if (term.normal() != kNoExpr) return "mapped normal";
     const std::string varies = not_constant(expr, term);
     if (!varies.empty()) return varies;
     const float alpha = expr.scalar(term.alpha());

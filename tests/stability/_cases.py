@@ -314,6 +314,14 @@ def rough_neighbours() -> desc.SceneDesc:
     )
 
 
+def rough_relief() -> desc.SceneDesc:
+    """A wavy pane of frosted glass: its normal map makes some chains at facets of one slope."""
+    maker = Maker()
+    frosted = roughened(glass(), 0.15)
+    maker.add(square(0.6, uv=True), mapped(frosted, maker.image(waves(0.3))), BALL)
+    return maker.bulb().scene
+
+
 def furnace() -> desc.SceneDesc:
     return (
         Maker()
@@ -409,6 +417,12 @@ CASES = (
         "rough neighbours",
         "facets that lead to another object",
         rough_neighbours,
+        diffuse_bounces=2,
+    ),
+    Case(
+        "rough and mapped",
+        "several chains at facets of one slope",
+        rough_relief,
         diffuse_bounces=2,
     ),
     Case(

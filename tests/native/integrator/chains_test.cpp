@@ -320,6 +320,28 @@ ChainCase rough_ball() {
     return ball;
 }
 
+std::vector<ChainCase> rough_reliefs() {
+    constexpr Method kPatient{"sheets", ChainFinder::sheets, kLongestManifoldChain, 160000};
+    const auto relieved = [](const char* name, const Method& method, const auto& build) {
+        return ChainCase{{name, 1, build}, {method}};
+    };
+    return {relieved("rough R", kRoughWalks,
+                     [](SceneMaker& m, Reliefs r) { add_mirror(m, r.one, kMetal); }),
+            relieved("rough T, Beckmann", kRoughSheets,
+                     [](SceneMaker& m, Reliefs r) {
+                         add_surface(m, 2.5f, beckmann(kFrosted), translation({0, 0, 0.7f}), r.one);
+                     }),
+            relieved("rough T, R, rough T", kPatient,
+                     [](SceneMaker& m, Reliefs r) {
+                         add_mirror(m, r.others);
+                         add_pane_before_mirror(m, kFrosted, r.one);
+                     }),
+            relieved("T, rough T", kPatient, [](SceneMaker& m, Reliefs r) {
+                add_surface(m, 2.5f, kFrosted, translation({0, 0, 0.8f}), r.one);
+                add_surface(m, 2.5f, refraction(1.4f), rotation_x(kPi, {0, 0, 0.6f}), r.others);
+            })};
+}
+
 RenderScene make(const ChainCase& c, Reliefs reliefs) {
     SceneMaker maker;
     add_floor(maker);
@@ -406,6 +428,10 @@ TEST(ChainsSlow, OfRoughMirrorsAgreeWithPathTracing) { expect_agreement(rough_re
 TEST(ChainsSlow, ThroughRoughPanesAgreeWithPathTracing) { expect_agreement(rough_refractions()); }
 TEST(ChainsSlow, ThroughRoughSlabsAgreeWithPathTracing) {
     expect_agreement(rough_pairs_of_slabs());
+}
+TEST(ChainsSlow, OfMappedRoughCastersAgreeWithPathTracing) {
+    expect_agreement(rough_reliefs(), {Relief::normals});
+    expect_agreement({rough_reliefs()[0], rough_reliefs()[1]}, {Relief::heights});
 }
 TEST(ChainsSlow, OfARoughBallAgreeWithPathTracing) { expect_agreement({rough_ball()}); }
 

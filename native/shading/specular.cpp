@@ -134,6 +134,10 @@ std::string not_narrow(const ExprBuilder& expr, const ClosureTerm& term) {
                : "roughness " + fmt::format("{:.4g}", std::sqrt(alpha));
 }
 
+std::string not_narrow_and_plain(const ExprBuilder& expr, const ClosureTerm& term) {
+    return term.normal() != kNoExpr ? "mapped normal" : not_narrow(expr, term);
+}
+
 }  // namespace
 
 void find_specular_interfaces(const ExprBuilder& expr, const ResolvedGraph& graph,
@@ -142,7 +146,10 @@ void find_specular_interfaces(const ExprBuilder& expr, const ResolvedGraph& grap
     material.specular = Finder(expr, graph, terms, not_a_delta).run(caster_normal, warnings);
     if (material.specular.exists()) return;
     std::vector<std::string> unsaid;  // light paths find the rest
-    material.rough = Finder(expr, graph, terms, not_narrow).run(caster_normal, unsaid);
+    // Facets beside the plain normal first: those beside a map may be left out for its chains.
+    for (const Refusal refusal : {not_narrow_and_plain, not_narrow})
+        if (!material.rough.exists())
+            material.rough = Finder(expr, graph, terms, refusal).run(caster_normal, unsaid);
 }
 
 }  // namespace spc

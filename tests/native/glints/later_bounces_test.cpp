@@ -260,8 +260,8 @@ TEST(LaterGlintsSlow, LeaveToLightPathsWhatTheyFind) {
     }
 }
 
-// The same of rough chains, which turn at a lobe without a map alone: beside others a map's glints
-// are averaged.
+// The same of rough chains, which turn here at a lobe without a map alone: beside others a map's
+// glints are averaged.
 TEST(LaterGlintsSlow, LeaveToRoughChainsWhatTheyFind) {
     constexpr uint32_t kSamples = 60000;
     for (const bool half_plain : {false, true}) {

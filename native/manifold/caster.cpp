@@ -40,13 +40,12 @@ struct MapSlopes {
     Vec2 mean{0.0f}, deviation{0.0f};
     double bends = 0.0;  // 1/m^2: mean |det d slope / d p|
 };
-// From random points: they shape seeds and tell fine maps from coarse ones, so some thousand are plenty.
-MapSlopes measure_slopes(const Scene& scene, const Caster& caster) {
-    constexpr int kPoints = 4096;
+// From so many random points.
+MapSlopes measure_slopes(const Scene& scene, const Caster& caster, int points) {
     Pcg pcg(caster.instance);
     double sum[2] = {0, 0}, squares[2] = {0, 0}, bends = 0.0;
     int used = 0;
-    for (int i = 0; i < kPoints; ++i) {
+    for (int i = 0; i < points; ++i) {
         const SurfaceHit hit = sample_on(caster, pcg);
         const CasterPatch smooth = evaluate_caster(scene, hit, true),
                           mapped = evaluate_caster(scene, hit, false);
@@ -194,7 +193,8 @@ constexpr double kMostChainsAtFacets = 3.0;
 // some area of the surface: that is also the mean number of places there where the map has it [Rice44].
 double chains_at_facets(const Scene& scene, const Caster& caster,
                         const SpecularInterface& interface) {
-    const MapSlopes slopes = measure_slopes(scene, caster);
+    constexpr int kPoints = 1024;  // tell a fine map from a coarse one
+    const MapSlopes slopes = measure_slopes(scene, caster, kPoints);
     // Slope by angle: a refraction needs a steeper one than a reflection.
     const double bend = interface.refracts ? (interface.ior - 1.0) / (interface.ior + 1.0) : 1.0;
     const double spread = 2.0 * std::numbers::pi * static_cast<double>(slopes.deviation.x) *
@@ -237,6 +237,7 @@ std::vector<const Caster*> CasterSet::aims() const {
 }
 
 CasterSet build_casters(const Scene& scene) {
+    constexpr int kPoints = 4096;  // only shape seeds
     const auto is_specular = [](const Material& material) { return material.specular.exists(); };
     const auto is_narrow = [](const Material& material) { return !material.narrow_lobe.empty(); };
     CasterSet set;
@@ -250,7 +251,7 @@ CasterSet build_casters(const Scene& scene) {
     }
     for (Caster& caster : set.casters) {
         if (!caster.mapped_normal) continue;
-        const MapSlopes slopes = measure_slopes(scene, caster);
+        const MapSlopes slopes = measure_slopes(scene, caster, kPoints);
         caster.slope_mean = slopes.mean;
         caster.slope_deviation = slopes.deviation;
     }

@@ -135,7 +135,7 @@ void assign_caustics_roles(Scene& scene) {
         const bool may_cast = asked && seen;
         const bool may_receive = role == CausticsRole::automatic ||
                                  role == CausticsRole::receiver || role == CausticsRole::both;
-        bool chains_turn = false;  // at its facets
+        bool chains_turn = false, chains_may_turn = false;  // at its facets; if a map is coarse
         std::string why, why_rough,
             why_not = seen ? "" : "hidden from diffuse, glossy or transmission rays";
         for (const uint32_t index : instance.materials) {
@@ -148,13 +148,17 @@ void assign_caustics_roles(Scene& scene) {
             if (specular && why.empty()) why = material.specular.why;
             if (!specular && why_not.empty()) why_not = material.specular.why_not;
             if (why_rough.empty()) why_rough = material.narrow_lobe;
-            chains_turn = chains_turn || (material.rough.exists() && !material.rough.mapped_normal);
+            if (material.rough.exists())
+                (material.rough.mapped_normal ? chains_may_turn : chains_turn) = true;
         }
         if (instance.caster)
             scene.report.push_back(fmt::format("{}: caster, manifold ({})", instance.name, why));
         if (instance.rough_caster)
             scene.report.push_back(fmt::format("{}: caster, light paths{} ({})", instance.name,
-                                               chains_turn ? " and manifold" : "", why_rough));
+                                               chains_turn       ? " and manifold"
+                                               : chains_may_turn ? ""
+                                                                 : " alone",
+                                               why_rough));
         if (!instance.turns_light() && (role == CausticsRole::caster || role == CausticsRole::both))
             scene.report.push_back(
                 fmt::format("{}: marked as caster, but path traced: {}", instance.name, why_not));

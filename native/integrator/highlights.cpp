@@ -111,6 +111,7 @@ std::unique_ptr<const Highlights> learn_highlights(const RenderScene& world,
     // As if one lead led to each light: what is not worth an estimate then never is.
     const Highlights most{std::vector(lights, std::vector(1, HighlightLead{})), shots};
     settings.highlights = &most;
+    settings.manifold.longest_chain = kLongestChain;
     const Vec2 middle(0.5f, 0.5f);
     const CameraEye eye(scene, settings, middle, stats.rays);
     const std::vector<RandomHighlight> found =

@@ -175,9 +175,14 @@ private:
         constexpr uint32_t kMostTrials = 1024;
         Pcg pcg(sampler_[Domain::manifold_seeds].stream_seed());
         effort_->light += carried;
+        const Techniques techniques = techniques_of(world_, settings_);
+        const uint32_t trials = trials_if_missed(techniques, *sheets_, path, end_, kMostTrials, pcg,
+                                                 effort_->searches);
+        const uint32_t first = techniques.casters.of_instance[path.vertices[0].hit.instance];
+        const auto chance = static_cast<double>(
+            caster_probability(techniques.casters, first, path.x, path.sides, end_.end));
         effort_->trials +=
-            carried * trials_beside_sheets(techniques_of(world_, settings_), *sheets_, path, end_,
-                                           kMostTrials, pcg, effort_->searches);
+            carried * (trials > 0 ? trials / std::max(chance, 1.0 / kMostTrials) : 1.0);
     }
 
     // Fraction of the light that passes from the surface to the camera.

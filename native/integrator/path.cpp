@@ -26,6 +26,7 @@ struct PathTracer {
     const IntegratorSettings& settings;
     const PassState& pass;
     PathStats& stats;
+    Pcg& pcg;  // of searches for chains that sheets miss
     Vec2 lens;
     Ray ray;
     Media media;             // that the ray is in
@@ -128,9 +129,13 @@ struct PathTracer {
         if (is_black(chain_throughput(scene(), path, end.end))) return 1.0f;
         const std::optional<CausticDensities> p = caustic_densities(techniques, path, end);
         if (!p || p->manifold + p->light_tracing == 0.0) return 1.0f;
-        const bool missed = p->missed_are_apart() &&
-                            manifold_misses(techniques, pass.sheets, path, end, stats.manifold);
-        return static_cast<float>(p->path_tracing_weight(missed));
+        const uint32_t trials =
+            p->missed_are_apart()
+                ? trials_if_missed(techniques, pass.sheets, path, end,
+                                   settings.manifold.weight_trials, pcg, stats.manifold)
+                : 0;
+        return static_cast<float>(trials > 0 ? p->share_of_path_tracing(trials)
+                                             : p->path_tracing / p->sum());
     }
 
     // A lamp without shadow shines through everything: rays, which do not, leave it to those who
@@ -534,8 +539,9 @@ PathSample path_radiance(const RenderScene& world, const IntegratorSettings& set
                          const PassState& pass, const Ray& camera_ray, const Vec2& lens,
                          const Sampler& sampler, PathStats& stats, const PixelKernel* pixel) {
     const Vec3 start = camera_ray.origin + camera_ray.direction * camera_ray.t_near;
-    PathTracer path{
-        world, settings, pass, stats, lens, camera_ray, media_at(*world.scene, start, stats.rays)};
+    Pcg pcg(sampler[Domain::missed_chains].stream_seed());
+    PathTracer path{world, settings, pass, stats, pcg,
+                    lens,  camera_ray, media_at(*world.scene, start, stats.rays)};
     if (pixel != nullptr && !world.glints.fields.empty())
         path.differential =
             camera_differential(world.scene->camera, *pixel, lens, camera_ray.direction);

@@ -86,6 +86,18 @@ void shoot_leads(const Techniques& techniques, const RayStart& x, const LightPoi
     }
 }
 
+bool is_cancelled(const ManifoldSettings& settings) {
+    return settings.cancelled != nullptr && settings.cancelled->load(std::memory_order_relaxed);
+}
+
+// Until a solution comes again, at most so many: a geometric distribution of mean 1 / p_k.
+template <class Trial>
+uint32_t count_trials(const ManifoldSettings& settings, uint32_t most, const Trial& comes_again) {
+    uint32_t trials = 1;
+    while (trials < most && !is_cancelled(settings) && !comes_again()) ++trials;
+    return trials;
+}
+
 // One estimate: a receiver and a light point, and chains between them.
 class Estimate {
 public:
@@ -108,7 +120,7 @@ public:
         if (!root) return Spectrum(0.0f);
         const Spectrum value = contribution(chain_of(*root));
         if (is_black(value)) return value;
-        return value * static_cast<float>(count_trials([&] {
+        return value * static_cast<float>(trials_until([&] {
                    const std::optional<ChainRoot> again = walk();
                    return again && same_root(settings_, *root, *again);
                }));
@@ -116,7 +128,7 @@ public:
 
     // The same of chains with several vertices, which shots find.
     Spectrum unbiased_long(Pcg& pcg) {
-        return by_chance({techniques_.casters, 2}, Found::surely, pcg);
+        return by_chance({techniques_.casters, 2}, pcg);
     }
 
     // The sum over the different solutions of a fixed number of walks.
@@ -157,10 +169,12 @@ public:
         if (sheet != nullptr)
             shoot_leads(scene_, settings_, *sheet, start(), y_, worth, 0.0f, found, stats_);
         if (find(settings_, found, *missed) != nullptr) return sum;
-        float strength = 0.0f;
-        const Spectrum value = contribution(missed->chain, Found::beside_sheet, &strength);
-        const Spectrum more =
-            counted(search, caster, *missed, value, strength, pcg) * (1.0f / search_chance);
+        const std::optional<Connection> connection = connect(missed->chain);
+        if (!connection) return sum;
+        const Spectrum value = light_of(*connection, missed->chain) *
+                               scale_of_missed(*connection, search, caster, *missed, pcg);
+        const Spectrum more = counted(search, caster, *missed, value, connection->strength(), pcg) *
+                              (1.0f / search_chance);
         if (is_black(more)) return sum;
         ++stats_.missed;
         stats_.missed_energy += static_cast<double>(luminance(more));
@@ -170,7 +184,7 @@ public:
     // One chain among facets that are drawn once.
     Spectrum by_facets(Pcg& pcg) {
         const FrozenFacets facets = freeze_facets(pcg);
-        return by_chance({techniques_.rough_chain_casters, 1, &facets}, Found::among_facets, pcg);
+        return by_chance({techniques_.rough_chain_casters, 1, &facets}, pcg);
     }
 
     void highlights(std::vector<Highlight>& out) {
@@ -234,16 +248,17 @@ private:
                      settings_.max_halvings, stats_, search.facets);
     }
 
-    enum class Found : uint8_t { surely, beside_sheet, among_facets };
-
     // One solution, weighted by how many more times it takes to find it again.
-    Spectrum by_chance(const Search& search, Found found, Pcg& pcg) {
+    Spectrum by_chance(const Search& search, Pcg& pcg) {
         const CasterChoice first = choose(search, pcg);
         const std::optional<ChainSolution> solution = random_chain(search, first, pcg);
         if (!solution) return Spectrum(0.0f);
-        float strength = 0.0f;
-        const Spectrum value = contribution(solution->chain, found, &strength);
-        return counted(search, first, *solution, value, strength, pcg);
+        const std::optional<Connection> connection =
+            connect(solution->chain, search.facets != nullptr);
+        if (!connection) return Spectrum(0.0f);
+        const Spectrum value =
+            light_of(*connection, solution->chain) * static_cast<float>(connection->scale);
+        return counted(search, first, *solution, value, connection->strength(), pcg);
     }
 
     // The value over the chance to find its solution: that of the caster where it begins is known,
@@ -254,11 +269,15 @@ private:
         if (is_black(value)) return value;
         const float chance = std::clamp(strength, kLeastChance, 1.0f);
         if (pcg.one() >= chance) return Spectrum(0.0f);
-        const uint32_t trials = count_trials([&] {
-            const std::optional<ChainSolution> again = random_chain(search, first, pcg);
-            return again && same_solution(settings_, solution, *again);
-        });
+        const uint32_t trials =
+            trials_until([&] { return comes_again(search, first, solution, pcg); });
         return value * (static_cast<float>(trials) / (chance * first.probability));
+    }
+
+    bool comes_again(const Search& search, const CasterChoice& first, const ChainSolution& solution,
+                     Pcg& pcg) {
+        const std::optional<ChainSolution> again = random_chain(search, first, pcg);
+        return again && same_solution(settings_, solution, *again);
     }
 
     // The sum over the different solutions of `set_size` searches.
@@ -266,7 +285,7 @@ private:
     Spectrum set_of(const Find& find_one, const Same& same, const ToChain& to_chain) {
         std::vector<Solution> found;
         Spectrum sum(0.0f);
-        for (uint32_t i = 0; i < settings_.set_size && !is_cancelled(); ++i) {
+        for (uint32_t i = 0; i < settings_.set_size && !is_cancelled(settings_); ++i) {
             const std::optional<Solution> one = find_one();
             if (!one) continue;
             const auto known = [&](const Solution& other) { return same(settings_, *one, other); };
@@ -277,18 +296,25 @@ private:
         return sum;
     }
 
-    // What one solution contributes; zero if something stands in its way. Of chains among facets,
-    // those alone that have a rough vertex: the others are found without. `strength`: its throughput.
-    Spectrum contribution(const Chain& chain, Found found = Found::surely,
-                          float* strength = nullptr) {
+    // A solution as a path of light that the manifold may find, whatever stands in its way.
+    struct Connection {
+        Spectrum f_cos;  // at x
+        Spectrum throughput, radiance;
+        CausticDensities densities;
+        double scale;  // of its light, where the manifold is sure to find it
+        float strength() const { return max_component(throughput); }
+    };
+    // Of chains among facets, those alone that have a rough vertex: the others are found without.
+    std::optional<Connection> connect(const Chain& chain, bool among_facets = false) const {
         const Vec3 wi = normalize(chain.vertices[0].patch.p - receiver_.p);
         const ClosureEval at_x = scattering_at_x(wi);
-        if (is_black(at_x.f_cos)) return Spectrum(0.0f);
+        if (is_black(at_x.f_cos)) return std::nullopt;
         const Vec3& last = chain.vertices[chain.count - 1].patch.p;
         float distance_y = 0.0f;
         const Vec3 away = end_of(y_).from(last, distance_y) * -1.0f;
-        const Spectrum radiance = radiance_at(lights_, scene_, y_, away);
-        if (is_black(radiance)) return Spectrum(0.0f);
+        Connection result;
+        result.radiance = radiance_at(lights_, scene_, y_, away);
+        if (is_black(result.radiance)) return std::nullopt;
 
         CausticPath path = receiver_.camera != nullptr
                                ? camera_path(*receiver_.camera, receiver_.p, wi)
@@ -296,28 +322,51 @@ private:
         for (uint32_t i = 0; i < chain.count; ++i)
             path.append({chain.hits[i], chain.vertices[i].interaction, 0.0f,
                          scene_.material_of(chain.hits[i]).interface().is_rough()});
-        if (path.is_rough() != (found == Found::among_facets)) return Spectrum(0.0f);
-        const Spectrum throughput = chain_throughput(scene_, path, end_of(y_));
-        if (is_black(throughput) || !manifold_owns(techniques_, path)) return Spectrum(0.0f);
+        if (path.is_rough() != among_facets) return std::nullopt;
+        result.throughput = chain_throughput(scene_, path, end_of(y_));
+        if (is_black(result.throughput) || !manifold_owns(techniques_, path)) return std::nullopt;
         LightEnd end = light_end(y_, away);
         if (path.vertices[path.count - 1].rough)
             end.pdf_direct = pdf_direct(lights_, scene_, last, y_);
         const std::optional<CausticDensities> densities = caustic_densities(techniques_, path, end);
         if (!densities || !(densities->geometry > 0.0) || !(densities->manifold > 0.0))
-            return Spectrum(0.0f);
-        const double scale = found == Found::beside_sheet && densities->missed_are_apart()
-                                 ? densities->missed_scale()
-                                 : manifold_worth(techniques_, path) * densities->scale();
-        if (strength != nullptr) *strength = max_component(throughput);
-        const bool shared = found != Found::among_facets && receiver_.rough_before != nullptr;
-        const Spectrum f_cos =
+            return std::nullopt;
+        result.densities = *densities;
+        result.scale = manifold_worth(techniques_, path) * densities->scale();
+        const bool shared = !among_facets && receiver_.rough_before != nullptr;
+        result.f_cos =
             shared ? left_by_rough_chains(techniques_,
                                           {receiver_.rough_before, receiver_.hit,
                                            *receiver_.closures, receiver_.ng, receiver_.wo},
                                           wi, kAllKinds,
                                           std::span(path.vertices.data(), path.count), end)
                    : at_x.f_cos;
-        return f_cos * throughput * radiance * passes(chain) * static_cast<float>(scale);
+        return result;
+    }
+
+    // That reaches the receiver; zero if something stands in its way.
+    Spectrum light_of(const Connection& connection, const Chain& chain) {
+        return connection.f_cos * connection.throughput * connection.radiance * passes(chain);
+    }
+
+    // What one solution contributes that the manifold is sure to find.
+    Spectrum contribution(const Chain& chain) {
+        const std::optional<Connection> connection = connect(chain);
+        if (!connection) return Spectrum(0.0f);
+        return light_of(*connection, chain) * static_cast<float>(connection->scale);
+    }
+
+    // Of the light of a chain that sheets miss.
+    float scale_of_missed(const Connection& connection, const Search& search,
+                          const CasterChoice& first, const ChainSolution& solution, Pcg& pcg) {
+        const CausticDensities& p = connection.densities;
+        if (!p.missed_are_apart()) return static_cast<float>(connection.scale);
+        // Where path tracing is blind all is the searches'.
+        const uint32_t most = p.path_tracing > 0.0 ? settings_.weight_trials : 1;
+        const uint32_t trials = count_trials(
+            settings_, most, [&] { return comes_again(search, first, solution, pcg); });
+        return static_cast<float>(p.geometry * p.share_of_searches(trials) /
+                                  static_cast<double>(y_.pdf));
     }
 
     // The camera takes the film for what scatters.
@@ -382,16 +431,10 @@ private:
         return (light_visibility(lights_, y_.light) & kVisibleShadow) != 0;
     }
 
-    bool is_cancelled() const {
-        return settings_.cancelled != nullptr &&
-               settings_.cancelled->load(std::memory_order_relaxed);
-    }
-
-    // E[number of trials until a solution comes again] = 1 / p_k: a geometric distribution, counted.
+    // E[number of trials until a solution comes again] = 1 / p_k.
     template <class Trial>
-    uint32_t count_trials(const Trial& comes_again) {
-        uint32_t trials = 1;
-        while (trials < settings_.trial_cap && !is_cancelled() && !comes_again()) ++trials;
+    uint32_t trials_until(const Trial& comes_again) {
+        const uint32_t trials = count_trials(settings_, settings_.trial_cap, comes_again);
         ++stats_.trial_estimates;
         stats_.trials += trials;
         ++stats_.trial_histogram[std::min<size_t>(std::bit_width(trials) - 1,
@@ -518,58 +561,46 @@ std::optional<ChainSolution> shoot_along(const Techniques& techniques, const Cau
                  normalize(first - path.x), techniques.manifold.max_halvings, stats);
 }
 
-bool sheets_miss(const Techniques& techniques, const LightSheets& sheets, const CausticPath& path,
-                 const LightEnd& end, const ChainSolution& own, ManifoldStats& stats) {
-    const LightPoint y = light_point(end);
-    const LightSheet* sheet = nearest_sheet(sheets, y);
-    if (sheet == nullptr) return true;
-    FoundChains found;
-    shoot_leads(techniques.scene, techniques.manifold, *sheet, start_of(path), y,
-                std::numeric_limits<float>::max(), 0.0f, found, stats);
-    return find(techniques.manifold, found, own) == nullptr;
-}
-
-}  // namespace
-
-bool manifold_misses(const Techniques& techniques, const LightSheets& sheets,
-                     const CausticPath& path, const LightEnd& end, ManifoldStats& stats) {
+bool comes_by_definite_search(const Techniques& techniques, const LightSheets& sheets,
+                              const CausticPath& path, const LightEnd& end,
+                              const ChainSolution& own, ManifoldStats& stats) {
     const ManifoldSettings& settings = techniques.manifold;
-    const std::optional<ChainSolution> own = shoot_along(techniques, path, end, stats);
-    if (!own) return true;
-    if (!path.from_camera && settings.finder == ChainFinder::sheets)
-        return sheets_miss(techniques, sheets, path, end, *own, stats);
+    const LightPoint y = light_point(end);
     FoundChains found;
     if (path.from_camera) {
-        shoot_leads(techniques, start_of(path), light_point(end), found, stats);
+        shoot_leads(techniques, start_of(path), y, found, stats);
+    } else if (settings.finder == ChainFinder::sheets) {
+        if (const LightSheet* sheet = nearest_sheet(sheets, y))
+            shoot_leads(techniques.scene, settings, *sheet, start_of(path), y,
+                        std::numeric_limits<float>::max(), 0.0f, found, stats);
     } else if (const std::optional<ChainSolution> one = shoot_from_fixed_start(
                    techniques, start_of(path), end.end, path.vertices[0].interaction,
                    techniques.casters.of_instance[path.vertices[0].hit.instance], stats)) {
         found.push_back({*one, 1.0f});
     }
-    return find(settings, found, *own) == nullptr;
+    return find(settings, found, own) != nullptr;
 }
 
-double trials_beside_sheets(const Techniques& techniques, const LightSheets& sheets,
-                            const CausticPath& path, const LightEnd& end, uint32_t most, Pcg& pcg,
-                            ManifoldStats& stats) {
+}  // namespace
+
+uint32_t trials_if_missed(const Techniques& techniques, const LightSheets& sheets,
+                          const CausticPath& path, const LightEnd& end, uint32_t most, Pcg& pcg,
+                          ManifoldStats& stats) {
     const ManifoldSettings& settings = techniques.manifold;
-    const CasterSet& casters = techniques.casters;
-    const uint32_t first = casters.of_instance[path.vertices[0].hit.instance];
     const std::optional<ChainSolution> own = shoot_along(techniques, path, end, stats);
-    if (own && !sheets_miss(techniques, sheets, path, end, *own, stats)) return 1.0;
-    const auto comes_to_it = [&] {
-        const std::optional<ChainStart> start =
-            sample_chain(techniques.scene, settings, start_of(path), casters, first, pcg, stats);
+    if (own && comes_by_definite_search(techniques, sheets, path, end, *own, stats)) return 0;
+    if (path.from_camera || settings.finder != ChainFinder::sheets) return 1;
+    if (!own) return most;
+    const uint32_t first = techniques.casters.of_instance[path.vertices[0].hit.instance];
+    return count_trials(settings, most, [&] {
+        const std::optional<ChainStart> start = sample_chain(
+            techniques.scene, settings, start_of(path), techniques.casters, first, pcg, stats);
         if (!start) return false;
-        const std::optional<ChainSolution> one =
+        const std::optional<ChainSolution> again =
             shoot(techniques.scene, settings, start_of(path), end.end, start->kind, start->w,
                   settings.max_halvings, stats);
-        return one && same_solution(settings, *one, *own);
-    };
-    uint32_t trials = own ? 1 : most;
-    while (trials < most && !comes_to_it()) ++trials;
-    const float chance = caster_probability(casters, first, path.x, path.sides, end.end);
-    return trials / std::max(static_cast<double>(chance), 1.0 / most);
+        return again && same_solution(settings, *own, *again);
+    });
 }
 
 }  // namespace spc

@@ -14,7 +14,8 @@ bool allowed(const ManifoldSettings& settings, Interaction interaction) {
 // Whether the manifold looks for chains of this kind.
 bool looks_for(const ManifoldSettings& settings, const CausticPath& path) {
     const std::span vertices(path.vertices.data(), path.count);
-    if (vertices.empty() || vertices.size() > settings.longest_chain) return false;
+    const uint32_t longest = path.from_camera ? kLongestChain : settings.longest_chain;
+    if (vertices.empty() || vertices.size() > longest) return false;
     const auto same = [](const CausticVertex& vertex, Interaction interaction) {
         return vertex.interaction == interaction;
     };
@@ -290,15 +291,19 @@ std::optional<CausticDensities> caustic_densities(const Techniques& techniques,
     } else if (by_manifold) {
         const ManifoldSettings& manifold = techniques.manifold;
         p.manifold = manifold_worth(techniques, path) * static_cast<double>(end.pdf) * facets;
-        if (path.is_rough()) {
-            // Nothing else than random walks looks for these.
-        } else if (manifold.finder == ChainFinder::sheets)
-            p.missed = CausticDensities::kMissedWorth * static_cast<double>(end.pdf);
-        if (manifold.finder == ChainFinder::mnee && !manifold.biased) p.missed = 0.0;
-        if (!path.is_rough() && chooses_caster(manifold, path)) {
-            const uint32_t caster = techniques.casters.of_instance[path.vertices[0].hit.instance];
-            p.manifold *= static_cast<double>(
-                caster_probability(techniques.casters, caster, path.x, path.sides, end.end));
+        // Nothing else than random walks looks for rough chains.
+        if (!path.is_rough()) {
+            const auto chance_of_caster = [&] {
+                return static_cast<double>(caster_probability(
+                    techniques.casters,
+                    techniques.casters.of_instance[path.vertices[0].hit.instance], path.x,
+                    path.sides, end.end));
+            };
+            if (chooses_caster(manifold, path)) p.manifold *= chance_of_caster();
+            if (manifold.finder == ChainFinder::sheets)
+                p.missed = 0.5 * static_cast<double>(manifold.search_chance) * chance_of_caster() *
+                           static_cast<double>(end.pdf);
+            if (manifold.finder == ChainFinder::mnee && !manifold.biased) p.missed = 0.0;
         }
     }
     if (path.count == 0 || path.vertices[path.count - 1].rough)

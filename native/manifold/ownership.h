@@ -83,8 +83,6 @@ struct CausticVertex {
     float facet_pdf = 0.0f;  // of a rough vertex, see there
 };
 
-inline constexpr uint32_t kLongestChain = 12;
-
 // Smooth scatterings of the camera's path before a surface, and its turns at casters between them.
 // Straight through transparent surfaces counts as nothing.
 struct ApproachBounces {
@@ -200,10 +198,11 @@ struct CausticDensities {
     // p_L(y) times the chance of the caster and manifold_worth(); of highlights times their estimates.
     double manifold = 0.0;
     double light_tracing = 0.0;  // paths p_L(y) p_e(w_y) |dw_y/dA_x| times the chances of all lobes
-    // Of the manifold for chains that its definite search misses, where others take its share of
-    // them: p_L(y) times kMissedWorth for walks beside sheets; 0 beside fixed starts and of highlights.
+    // Of random searches for chains that the manifold's definite search misses, where others take its
+    // share of them: p_L(y) times the chance of a search that begins at the chain's caster, half of it
+    // for the noise of its count. One in so many trials comes to the chain. 0: there are none, beside
+    // fixed starts and of highlights.
     std::optional<double> missed;
-    static constexpr double kMissedWorth = 1.0 / 4096;
 
     // What light tracing multiplies the path's light with: its geometry over the densities, of which
     // the estimator's own one divides it and the sum weighs. Finite on a fold. The manifold takes
@@ -211,20 +210,22 @@ struct CausticDensities {
     double scale() const { return geometry / sum(); }
     double sum() const { return path_tracing + direct + manifold + light_tracing; }
 
-    // Chains that sheets miss are found by walks that may take thousands of trials to find one again:
-    // path tracing takes most of what both are left with. It has to look whether sheets miss one, so
-    // that is only done where the walks' share, times so many trials, is more than path tracing's.
-    // What fixed starts miss is path tracing's alone.
+    // A chain that sheets miss is found by searches, of which a few may do, or thousands. Who weighs it
+    // counts trials anew, by which both have their share of what they are left with: the count is
+    // random, but since it is independent of how the chain was found, the weights sum to one on
+    // average. It costs a look whether sheets miss the chain, so that is only done where path tracing
+    // is not dense. What fixed starts miss is path tracing's alone.
     bool missed_are_apart() const {
-        return missed && (*missed == 0.0 || manifold > kMissedWorth * path_tracing);
+        constexpr double kDense = 4096.0;
+        return missed && (*missed == 0.0 || kDense * manifold > path_tracing);
     }
-    // What the walks multiply the light of a chain with that sheets miss.
-    double missed_scale() const {
-        return geometry * kMissedWorth * shared_by_camera() / (path_tracing + *missed);
+    // Shares of a missed chain, by so many trials to find it.
+    double share_of_searches(double trials) const {
+        return shared_by_camera() * *missed / (trials * path_tracing + *missed);
     }
-    double path_tracing_weight(bool is_missed) const {
-        if (!is_missed) return path_tracing / sum();
-        return shared_by_camera() * (*missed > 0.0 ? path_tracing / (path_tracing + *missed) : 1.0);
+    double share_of_path_tracing(double trials) const {
+        if (*missed == 0.0) return shared_by_camera();
+        return shared_by_camera() * trials * path_tracing / (trials * path_tracing + *missed);
     }
     double shared_by_camera() const { return (path_tracing + manifold) / sum(); }
 };

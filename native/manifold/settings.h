@@ -12,8 +12,8 @@ namespace spc {
 
 enum class Interaction : uint8_t { reflection, refraction };
 
-// Interactions of a chain that the manifold looks for, at most.
-inline constexpr uint32_t kLongestManifoldChain = 6;
+// Interactions of a chain, at most: of any, and of those that the manifold looks for from receivers.
+inline constexpr uint32_t kLongestChain = 12, kLongestManifoldChain = 6;
 
 enum class Constraint : uint8_t { half_vector, angle_difference };
 
@@ -27,7 +27,8 @@ struct ManifoldSettings {
     // Walks: the sum over the solutions of `set_size` of them [Zeltner20 Alg. 3]; mnee: what it
     // misses is left out. Sheets have no such variant.
     bool biased = false;
-    uint32_t longest_chain = kLongestManifoldChain;  // interactions
+    // Interactions. Highlights may have as many as any chain.
+    uint32_t longest_chain = kLongestManifoldChain;
     // The only chains that are looked for, from the receiver on, as in most figures of [Zeltner20];
     // empty: all.
     std::vector<Interaction> family;
@@ -51,6 +52,8 @@ struct ManifoldSettings {
     float identity_factor = 4.0f;
     // Bernoulli trials; beyond, the estimate keeps what it counted and reports it.
     uint32_t trial_cap = 1u << 16;
+    // Trials by which chains that sheets miss are weighed, at most.
+    uint32_t weight_trials = 1u << 8;
     // Once set, estimates end where they are; whoever sets it throws their samples away.
     const std::atomic<bool>* cancelled = nullptr;
 

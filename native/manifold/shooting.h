@@ -17,7 +17,7 @@ struct ChainLink {
 };
 struct ChainKind {
     uint32_t count = 0;
-    std::array<ChainLink, kLongestManifoldChain> links{};
+    std::array<ChainLink, kLongestChain> links{};
     auto operator<=>(const ChainKind&) const = default;
 
     void append(const ChainLink& link) { links[count++] = link; }
@@ -27,14 +27,14 @@ struct ChainKind {
 
 // For each vertex, from the receiver on, a place in [0, 1)^2: it stands for one facet on whichever
 // rough surface the vertex lies.
-using FrozenFacets = std::array<Vec2, kLongestManifoldChain>;
+using FrozenFacets = std::array<Vec2, kLongestChain>;
 FrozenFacets freeze_facets(Pcg& pcg);
 
 // Vertices along a chain, from the receiver on.
 struct Chain {
     uint32_t count = 0;
-    std::array<SurfaceHit, kLongestManifoldChain> hits;
-    std::array<ChainVertex, kLongestManifoldChain> vertices;
+    std::array<SurfaceHit, kLongestChain> hits;
+    std::array<ChainVertex, kLongestChain> vertices;
 };
 
 // A solution. It may lie as far from the true one, in m, at its first and at its last vertex.

@@ -25,7 +25,8 @@ void set_wide_camera(SceneMaker& maker, const Vec3& from, const std::function<vo
 
 // The whole picture without what lights show by themselves.
 Picture render_highlights(const RenderScene& world, bool with_chains, uint32_t rounds,
-                          uint32_t seed, const BounceLimits& limits = {16, 0, 16, 16, 16}) {
+                          uint32_t seed, const BounceLimits& limits = {16, 0, 16, 16, 16},
+                          uint32_t walks = kWalks) {
     IntegratorSettings settings;
     settings.limits = limits;
     PathStats stats;
@@ -34,7 +35,7 @@ Picture render_highlights(const RenderScene& world, bool with_chains, uint32_t r
         settings.manifold = unbiased_manifold();
         settings.manifold.finder = ChainFinder::sheets;
         const std::atomic<bool> cancelled{false};
-        highlights = learn_highlights(world, settings, kWalks, seed, 1, cancelled, stats);
+        highlights = learn_highlights(world, settings, walks, seed, 1, cancelled, stats);
         EXPECT_TRUE(highlights) << "no chain from the camera to a light";
         settings.highlights = highlights.get();
     }
@@ -101,6 +102,53 @@ TEST(Highlights, OfASphereInAMirrorAreInClosedForm) {
     EXPECT_LT(error, 0.005 * expected);
     EXPECT_NEAR(picture.mean[4].mean(), expected, 4.0 * error);
     EXPECT_GT(picture.splats.mean(), 0.99 * picture.mean[4].mean());
+}
+
+// Between two mirrors, seen down a row of pictures: the one behind n reflections, the floor's first,
+// lies n below for odd n, for a distance of 1 between them.
+TEST(Highlights, BetweenMirrorsAreInClosedFormForAllReflections) {
+    constexpr float kRadius = 0.003f;
+    constexpr uint32_t kMost = kLongestChain, kMiddle = 9;
+    const Vec3 eye(0.0f, -0.8f, 0.5f), at(0.0f, 0.8f, 0.4f);
+    const auto picture_of = [&](uint32_t n) {
+        const float below = n % 2 == 1 ? -at.z : at.z;
+        return Vec3(at.x, at.y, below - static_cast<float>(n - n % 2));
+    };
+    SceneMaker maker;
+    const Vec3 middle = picture_of(kMiddle) - eye;
+    set_wide_camera(maker, eye, [&](Camera& camera) {
+        camera.to_world = rotation_x(std::atan2(middle.y, -middle.z), eye);
+    });
+    maker.add(square(1.0f), mirror(), {}, CausticsRole::caster);
+    maker.add(square(1.0f), mirror(), rotation_x(std::numbers::pi_v<float>, {0.0f, 0.0f, 1.0f}),
+              CausticsRole::caster);
+    add_bulb(maker, at, kRadius);
+    const RenderScene world = maker.finish();
+
+    const double radiance = 100.0 / (4.0 * std::pow(std::numbers::pi * double(kRadius), 2));
+    double expected = 0.0;
+    uint32_t seen = 0;
+    for (uint32_t n = 1; n <= kMost; ++n) {
+        const Vec3 to = picture_of(n) - eye;
+        const double distance = double(length(to)),
+                     cosine = double(dot(to, middle)) / (distance * double(length(middle))),
+                     tangent = double(length(cross(to, middle)) / dot(to, middle));
+        ASSERT_GT(std::abs(tangent - double(kHalfView)), 2.0 * double(kRadius) / distance) << n;
+        if (tangent > double(kHalfView)) continue;
+        const double pixels_per_sr =
+            std::pow(double(kWidth) / (2.0 * double(kHalfView)), 2) / std::pow(cosine, 3);
+        expected +=
+            radiance * std::numbers::pi * std::pow(double(kRadius) / distance, 2) * pixels_per_sr;
+        ++seen;
+    }
+    EXPECT_GE(seen, 5u);
+
+    const BounceLimits limits{kMost - 1, 0, kMost - 1, kMost - 1, 16};
+    const Picture picture = render_highlights(world, true, 500, 3, limits, 32 * kWalks);
+    const double error = picture.mean[4].standard_error();
+    EXPECT_LT(error, 0.02 * expected);
+    EXPECT_NEAR(picture.mean[4].mean(), expected, 4.0 * error);
+    EXPECT_GT(picture.splats.mean(), 0.95 * picture.mean[4].mean());  // none was left out
 }
 
 struct Case {

@@ -65,6 +65,7 @@ public:
         settings_.manifold = unbiased_manifold();
         settings_.manifold.two_stage = false;
         settings_.manifold.finder = finder;
+        settings_.manifold.weight_trials = 1;  // else sums of weights are one on average alone
         settings_.light_tracing = {&guide_, kPaths, 1.0, kEffort};
         if (finder != ChainFinder::sheets) return;
         constexpr uint32_t kSeed = 5;
@@ -211,11 +212,11 @@ inline bool finds(const Bench& bench, const Traced& path) {
 // What the manifold makes of the path. Empty where it does not find it.
 struct ByManifold {
     CausticDensities p;
-    bool missed;  // by its sheets
+    uint32_t trials;  // where sheets miss it; else 0
     // Of the path's light.
-    double share(const LightPoint& y) const {
-        return missed && p.missed_are_apart() ? p.missed_scale() / p.geometry * double(y.pdf)
-                                              : p.manifold / p.sum();
+    double share() const {
+        return trials > 0 && p.missed_are_apart() ? p.share_of_searches(trials)
+                                                  : p.manifold / p.sum();
     }
 };
 inline std::optional<ByManifold> by_manifold(const Bench& bench, const Traced& path) {
@@ -260,10 +261,12 @@ inline std::optional<ByManifold> by_manifold(const Bench& bench, const Traced& p
     const LightEnd end = light_end(path.y, leaving(path.y, path.corners.back()));
     const std::optional<CausticDensities> p = caustic_densities(bench.techniques(), record, end);
     if (!p) return std::nullopt;
+    const ManifoldSettings& settings = bench.settings().manifold;
+    if (settings.finder != ChainFinder::sheets) return ByManifold{*p, 0};
     ManifoldStats stats;
-    const bool missed = bench.settings().manifold.finder == ChainFinder::sheets &&
-                        manifold_misses(bench.techniques(), bench.sheets(), record, end, stats);
-    return ByManifold{*p, missed};
+    Pcg pcg(11);
+    return ByManifold{*p, trials_if_missed(bench.techniques(), bench.sheets(), record, end,
+                                           settings.weight_trials, pcg, stats)};
 }
 
 // What a light path makes of it that leaves the light for its last vertex. Its rays meet the path's

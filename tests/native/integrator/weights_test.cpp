@@ -25,11 +25,12 @@ std::optional<Weighed> weigh(const Bench& bench, const Traced& path, float wrong
     const std::optional<ByManifold> manifold = by_manifold(bench, path);
     if (!light || !manifold) return std::nullopt;
     const CausticDensities& p = manifold->p;
-    Weighed weighed{path.share + light->light_tracing / light->sum() + manifold->share(path.y) - 1.0,
+    Weighed weighed{path.share + light->light_tracing / light->sum() + manifold->share() - 1.0,
                     std::max(light->scale(), p.scale()) * path.p_camera,
-                    p.geometry / p.manifold * path.p_camera, manifold->missed};
-    if (p.missed_are_apart())
-        weighed.scale = std::max(weighed.scale, p.missed_scale() * path.p_camera);
+                    p.geometry / p.manifold * path.p_camera, manifold->trials > 0};
+    if (weighed.missed && p.missed_are_apart())
+        weighed.scale = std::max(weighed.scale, p.geometry * p.share_of_searches(manifold->trials) /
+                                                    double(path.y.pdf) * path.p_camera);
     return weighed;
 }
 
@@ -123,18 +124,23 @@ TEST(CausticWeightsSlow, BesideSheetsSumToOneOverTheirOwnRecords) {
 
 // What path tracing, walks and light paths have of a chain that sheets miss.
 TEST(CausticWeightsSlow, OfMissedChainsSumToOne) {
-    constexpr double kPointPdf = 3.0;  // of the light point
     CausticDensities p;
-    p.geometry = 0.7;
     p.path_tracing = 0.01;
     p.manifold = 0.4;
     p.light_tracing = 0.2;
-    p.missed = CausticDensities::kMissedWorth * kPointPdf;
+    p.missed = 0.3;
     ASSERT_TRUE(p.missed_are_apart());
-    const double walks = p.missed_scale() / p.geometry * kPointPdf;
-    EXPECT_NEAR(p.path_tracing_weight(true) + walks + p.light_tracing / p.sum(), 1.0, 1e-12);
-    EXPECT_GT(p.path_tracing_weight(true), p.path_tracing_weight(false));
-    EXPECT_GT(walks, 0.0);
+    double before = 0.0;
+    for (const double trials : {1.0, 7.0, 5000.0}) {
+        const double share = p.share_of_path_tracing(trials);
+        EXPECT_NEAR(share + p.share_of_searches(trials) + p.light_tracing / p.sum(), 1.0, 1e-12);
+        EXPECT_GT(share, before);  // the harder to find, the more
+        before = share;
+    }
+    EXPECT_GT(p.share_of_searches(5000.0), 0.0);
+    p.path_tracing = 0.0;
+    EXPECT_EQ(p.share_of_path_tracing(7.0), 0.0);
+    EXPECT_NEAR(p.share_of_searches(7.0) + p.light_tracing / p.sum(), 1.0, 1e-12);
 }
 
 // What fixed starts miss is path tracing's alone, but for the share of light paths.
@@ -147,9 +153,7 @@ TEST(CausticWeightsSlow, OfChainsThatFixedStartsMissSumToOne) {
         p.path_tracing = path_tracing;
         p.manifold = 0.4;
         ASSERT_TRUE(p.missed_are_apart());
-        EXPECT_NEAR(p.path_tracing_weight(true) + p.light_tracing / p.sum(), 1.0, 1e-12);
-        EXPECT_NEAR(p.path_tracing_weight(false) + (p.manifold + p.light_tracing) / p.sum(), 1.0,
-                    1e-12);
+        EXPECT_NEAR(p.share_of_path_tracing(1.0) + p.light_tracing / p.sum(), 1.0, 1e-12);
     }
 }
 

@@ -29,9 +29,14 @@ struct Landing {
 // Follows one ray from the light along every way through the casters.
 class SheetRay {
 public:
-    SheetRay(const SheetWorld& world, const LightPoint& y, std::vector<Landing>& landings,
-             uint64_t& rays)
-        : world_(world), scene_(world.scene), y_(y), landings_(landings), rays_(rays) {}
+    SheetRay(const SheetWorld& world, const LightPoint& y, std::span<const LightPoint> around,
+             std::vector<Landing>& landings, uint64_t& rays)
+        : world_(world),
+          scene_(world.scene),
+          y_(y),
+          around_(around),
+          landings_(landings),
+          rays_(rays) {}
 
     void follow(const Vec2& place) {
         Ray ray = ray_at(world_.guide, y_, place);
@@ -45,6 +50,7 @@ public:
 private:
     void follow(Ray ray, const RayDual& dual, float path, const ChainKind& kind, float throughput) {
         uint32_t ordinal = 0;
+        bool in_shadow = false;
         for (;;) {
             ++rays_;
             const std::optional<Hit> hit = scene_.accel->intersect(ray, kVisibleScattered);
@@ -54,13 +60,33 @@ private:
             const Instance& instance = scene_.instances[hit->surface.instance];
             if (kind.count > 0 && instance.receiver)
                 land(ray, dual, path, *hit, kind, ordinal++, throughput);
-            if (world_.casters.of_instance[hit->surface.instance] != kNone)
-                return branch(ray, dual, path, *hit, kind, throughput);
+            if (world_.casters.of_instance[hit->surface.instance] != kNone) {
+                if (!in_shadow || is_lit_from_around(hit->surface))
+                    branch(ray, dual, path, *hit, kind, throughput);
+                return;
+            }
             const bool transparent =
                 scene_.any_transparency && ordinal < kMostReceivers &&
                 !is_black(surface_transparency(scene_, hit->surface, ray.direction * -1.0f));
-            if (!transparent) return;
+            if (transparent) continue;
+            if (kind.count > 0 || around_.empty()) return;
+            in_shadow = true;
         }
+    }
+
+    bool is_lit_from_around(const SurfaceHit& hit) {
+        const CasterPatch patch = evaluate_caster(scene_, hit, false);
+        return std::any_of(around_.begin(), around_.end(), [&](const LightPoint& y) {
+            ChainEnd end{y.distant, y.p, y.direction};
+            if (y.surface.instance != kNone)
+                end.margin = position_error(scene_, y.surface.instance, y.surface.triangle) /
+                             std::max(kLeastCosine, dot(y.n, normalize(patch.p - y.p)));
+            uint32_t transparent_left = kMostReceivers;
+            Media media{};
+            return !is_black(transmittance(scene_, {patch.p, patch.ng, patch.p_error}, end,
+                                           kVisibleShadow, transparent_left, media, rays_,
+                                           Opaque::casters_too));
+        });
     }
 
     void land(const Ray& ray, const RayDual& dual, float path, const Hit& hit,
@@ -151,6 +177,7 @@ private:
     const SheetWorld& world_;
     const Scene& scene_;
     const LightPoint& y_;
+    std::span<const LightPoint> around_;  // points of the same light
     std::vector<Landing>& landings_;
     uint64_t& rays_;
     std::array<Vec3, 2> across_;  // unit, across the light's first ray
@@ -166,7 +193,8 @@ struct Square {
 // A square's grid of rays, made into beams.
 class Tile {
 public:
-    Tile(const SheetWorld& world, const LightPoint& y, const Square& tile, BeamSet& out)
+    Tile(const SheetWorld& world, const LightPoint& y, std::span<const LightPoint> around,
+         const Square& tile, BeamSet& out)
         : out_(out) {
         const float side = std::ldexp(1.0f, -static_cast<int>(tile.level));
         // Solid angle, or area across the direction of a distant light, of a beam.
@@ -180,7 +208,7 @@ public:
                     return std::min(place, 1.0f - 0x1p-24f);
                 };
                 begin_[j * kCorners + i] = static_cast<uint32_t>(landings_.size());
-                SheetRay(world, y, landings_, out_.rays).follow({at(tile.x, i), at(tile.y, j)});
+                SheetRay(world, y, around, landings_, out_.rays).follow({at(tile.x, i), at(tile.y, j)});
             }
         begin_[kCorners * kCorners] = static_cast<uint32_t>(landings_.size());
         marks_.resize(landings_.size());
@@ -403,7 +431,8 @@ struct TracedTile {
 };
 
 // Splits the least regular tiles, an eighth of them at a time.
-std::vector<TracedTile> trace_tiles(const SheetWorld& world, const LightPoint& y, size_t budget) {
+std::vector<TracedTile> trace_tiles(const SheetWorld& world, const LightPoint& y,
+                                    std::span<const LightPoint> around, size_t budget) {
     std::vector<TracedTile> tiles;
     const auto is_cancelled = [&] {
         return world.cancelled != nullptr && world.cancelled->load(std::memory_order_relaxed);
@@ -413,7 +442,7 @@ std::vector<TracedTile> trace_tiles(const SheetWorld& world, const LightPoint& y
         parallel_for(world.threads, static_cast<uint32_t>(squares.size()), [&](uint32_t i) {
             if (is_cancelled()) return;
             const Square& square = squares[i];
-            Tile tile(world, y, square, traced[i].beams);
+            Tile tile(world, y, around, square, traced[i].beams);
             traced[i].square = square;
             traced[i].irregular =
                 square.level == kFinestLevel ? 0.0f : tile.irregularity() * square.area();
@@ -444,10 +473,11 @@ std::vector<TracedTile> trace_tiles(const SheetWorld& world, const LightPoint& y
 
 }  // namespace
 
-LightSheet::LightSheet(const SheetWorld& world, const LightPoint& y, uint32_t tiles, float reach)
+LightSheet::LightSheet(const SheetWorld& world, const LightPoint& y, uint32_t tiles, float reach,
+                       std::span<const LightPoint> around)
     : y_(y) {
     std::map<ChainKind, uint32_t> kinds;
-    for (const TracedTile& tile : trace_tiles(world, y, tiles)) append(tile.beams, kinds);
+    for (const TracedTile& tile : trace_tiles(world, y, around, tiles)) append(tile.beams, kinds);
     build_layers(reach, world.threads);
 }
 

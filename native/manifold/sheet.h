@@ -75,8 +75,10 @@ class LightSheet {
 public:
     // Of some `tiles` parts, which are smaller where what becomes of the rays varies most. `reach`:
     // how far from y light points may lie whose chains it is asked for, m or, of a distant light, as
-    // a difference of directions.
-    LightSheet(const SheetWorld& world, const LightPoint& y, uint32_t tiles, float reach);
+    // a difference of directions. `around`: some of those. Where something stands between y and a
+    // caster, but not between one of them and the caster, its penumbra is part of the sheet.
+    LightSheet(const SheetWorld& world, const LightPoint& y, uint32_t tiles, float reach,
+               std::span<const LightPoint> around = {});
 
     const LightPoint& light_point() const { return y_; }
     uint64_t rays() const { return all_.rays; }  // that it took

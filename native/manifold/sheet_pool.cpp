@@ -8,10 +8,11 @@ namespace {
 constexpr uint32_t kMostSheets = 16, kMostOfLight = 8;
 constexpr uint32_t kFewestTiles = 64;  // of a sheet
 
-// Light points, and how far the points of their light lie for which they are the nearest.
+// Light points, and the points of their light for which they are the nearest.
 struct Site {
     LightPoint y;
-    float reach;  // m or, of a distant light, as a difference of directions
+    float reach;  // how far those lie, m or, of a distant light, as a difference of directions
+    std::vector<LightPoint> around;  // some of them, far apart
 };
 
 float distance_between(const LightPoint& a, const LightPoint& b) {
@@ -29,6 +30,22 @@ std::vector<LightPoint> points_of(const Scene& scene, const LightSet& lights, ui
             points.push_back(*y);
     }
     return points;
+}
+
+// Each further one is the point that lies farthest from y and those there are.
+std::vector<LightPoint> far_points(const LightPoint& y, const std::vector<LightPoint>& points) {
+    constexpr size_t kMost = 6;
+    std::vector<LightPoint> result;
+    std::vector<float> distance;
+    for (const LightPoint& point : points) distance.push_back(distance_between(point, y));
+    while (result.size() < kMost && !points.empty()) {
+        const auto farthest = std::max_element(distance.begin(), distance.end());
+        if (!(*farthest > 0.0f)) break;
+        result.push_back(points[static_cast<size_t>(farthest - distance.begin())]);
+        for (size_t i = 0; i < points.size(); ++i)
+            distance[i] = std::min(distance[i], distance_between(points[i], result.back()));
+    }
+    return result;
 }
 
 // Starts in the middle; each further site is the point that lies farthest from those there are.
@@ -59,13 +76,20 @@ std::vector<Site> sites_of(const std::vector<LightPoint>& points, const Emission
             }
             if (distance[i] > distance[farthest]) farthest = i;
         }
-        sites.push_back({y, 0.0f});
+        sites.push_back({y, 0.0f, {}});
         const float far = y.distant ? kFar : kFar * length(y.p - guide.center);
         if (sites.size() == most || !(distance[farthest] > far)) break;
         next = &points[farthest];
     }
-    for (size_t i = 0; i < points.size(); ++i)
-        sites[nearest[i]].reach = std::max(sites[nearest[i]].reach, distance[i]);
+    for (size_t s = 0; s < sites.size(); ++s) {
+        std::vector<LightPoint> own;
+        for (size_t i = 0; i < points.size(); ++i) {
+            if (nearest[i] != s) continue;
+            own.push_back(points[i]);
+            sites[s].reach = std::max(sites[s].reach, distance[i]);
+        }
+        sites[s].around = far_points(sites[s].y, own);
+    }
     return sites;
 }
 
@@ -109,7 +133,7 @@ SheetPool build_sheets(const Scene& scene, const LightSet& lights, const CasterS
     SheetPool sheets;
     for (const Site& site : sites)
         sheets.push_back(std::make_unique<const LightSheet>(
-            world, site.y, std::max(kFewestTiles, tiles / count), site.reach));
+            world, site.y, std::max(kFewestTiles, tiles / count), site.reach, site.around));
     return sheets;
 }
 

@@ -19,6 +19,8 @@ constexpr uint32_t kDoublings = 2, kLargestBatch = 1u << kDoublings;
 
 // Light paths, or estimates of highlights, in a job.
 constexpr uint64_t kSplatJob = 1024;
+// Of those, between two looks at the clock.
+constexpr uint64_t kUntilClock = 64;
 
 uint32_t count_passes(uint32_t samples) {
     if (samples < kLargestBatch) return static_cast<uint32_t>(std::bit_width(samples));
@@ -122,6 +124,11 @@ bool Session::must_stop() const {
 }
 bool Session::should_stop() const {
     return must_stop() || out_of_time_.load(std::memory_order_relaxed);
+}
+// Not before the second pass: however short the time, each pixel gets its first samples.
+void Session::look_at_clock(uint32_t pass) {
+    const bool limited = settings_.time_limit > 0.0f && pass > 0;
+    if (limited && seconds() > static_cast<double>(settings_.time_limit)) out_of_time_ = true;
 }
 
 void TileEvidence::add(const RenderStats& stats) {
@@ -452,6 +459,7 @@ bool Session::render_splats(uint32_t pass, uint32_t part, RenderStats& stats) {
                        end = before + count * (part + 1) / splat_jobs_;
         Part result{{}, end - begin};
         for (uint64_t i = begin; i < end; ++i) {
+            if (i % kUntilClock == 0) look_at_clock(pass);
             if (stop()) return std::nullopt;
             estimate(i, result.splats);
         }
@@ -495,8 +503,7 @@ bool Session::render_pixels(uint32_t tile, uint32_t pass, std::vector<PixelSums>
             PixelSums& pixel = pixels[static_cast<size_t>(y) * b.width + x];
             if (may_glint) state.glints = glint_effort(pixel, variance);
             for (uint32_t i = 0; i < count; ++i) {
-                // Every pixel gets its first samples, however short the time.
-                if (first > 0 ? should_stop() : must_stop()) return false;
+                if (pass > 0 ? should_stop() : must_stop()) return false;
                 const FilmSample sample =
                     take_sample(crop[0] + b.x0 + x, crop[1] + b.y0 + y,
                                 settings_.first_sample + first + i, state, stats);
@@ -504,8 +511,7 @@ bool Session::render_pixels(uint32_t tile, uint32_t pass, std::vector<PixelSums>
                 accumulate(pixel, sample);
             }
         }
-        const bool limited = settings_.time_limit > 0.0f && first > 0;
-        if (limited && seconds() > static_cast<double>(settings_.time_limit)) out_of_time_ = true;
+        look_at_clock(pass);
     }
     return true;
 }

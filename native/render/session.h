@@ -113,6 +113,7 @@ private:
         uint32_t pass) const;  // relative sample index; of pass_count_ the number of samples
     bool must_stop() const;    // whatever has been done
     bool should_stop() const;  // that, or time is up
+    void look_at_clock(uint32_t pass);
     double seconds() const;
 
     const RenderScene& world_;

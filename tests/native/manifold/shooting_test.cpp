@@ -3,7 +3,7 @@
 // the closures' own sampling, must be found from the receiver.
 #include "manifold/shooting.h"
 
-#include "manifold/sheet.h"
+#include "manifold/sheet_pool.h"
 #include "support/casters.h"
 
 #include <gtest/gtest.h>
@@ -337,6 +337,61 @@ TEST(SheetsSlow, LeadToNearlyAllLight) {
         EXPECT_GT(chains, 500) << c.name;
         EXPECT_LE(missed, c.missed_by_sheets * chains) << c.name;
     }
+}
+
+// Of the light that comes through a pane from all points of a lamp, past the edge of a board, the
+// share whose chains no lead of its sheets finds.
+double missed_beside_a_board(float lamp_radius) {
+    SceneMaker maker;
+    maker.add(test::square(3.0f), test::diffuse(0.8f));
+    for (const bool top : {false, true})
+        maker.add(test::square(1.0f), test::glass(1.5f),
+                  test::rotation_x(top ? 0.0f : kPi, {0, 0, top ? 0.5f : 0.45f}),
+                  CausticsRole::caster);
+    maker.add(test::square(1.0f), test::diffuse(0.8f), test::translation({1.0f, 0, 1.0f}));
+    LightDesc lamp;
+    lamp.name = "lamp";
+    lamp.type = LightType::point;
+    lamp.to_world = test::translation({0, 0, 2.0f});
+    lamp.power = Spectrum(100.0f);
+    lamp.radius = lamp_radius;
+    maker.builder.add_light(lamp);
+    const RenderScene world = maker.finish();
+    const EmissionGuide guide =
+        aim_at_casters(*world.scene, world.lights, world.casters, Squares::of_casters);
+    const SheetPool pool =
+        build_sheets(*world.scene, world.lights, world.casters, settings(), 3, 128, 1);
+    Pcg pcg(7);
+    ManifoldStats stats;
+    int chains = 0, missed = 0;
+    while (chains < 4000) {
+        const Vec2 u = pcg.two();
+        const std::optional<LightPoint> y =
+            sample_light_point(world.lights, *world.scene, {u.x, u.y, pcg.one()});
+        const std::optional<Traced> path = follow(world, ray_at(guide, *y, pcg.two()), pcg);
+        if (!path || path->vertices.empty() || std::isinf(path->ray.t_far)) continue;
+        const RayStart x{path->ray.origin + path->ray.direction * path->ray.t_far, Vec3(0, 0, 1),
+                         1e-5f};
+        // Not by way of the pane's rim, where sheets end.
+        if (std::abs(x.p.z) > 1e-4f || std::max(std::abs(x.p.x), std::abs(x.p.y)) > 0.8f) continue;
+        ++chains;
+        const LightSheet* sheet = nearest_sheet({pool}, *y);
+        std::vector<Lead> leads;
+        sheet->find_leads(x.p, shift_between(sheet->light_point(), *y), 1.0f, 0.0f, leads);
+        const auto finds = [&](const Lead& lead) {
+            const std::optional<ChainSolution> found =
+                shoot(*world.scene, settings(), x, {false, y->p, Vec3(0.0f)}, *lead.kind, lead.w,
+                      settings().lead_halvings, stats);
+            return found && is_chain(*found, path->kind.reversed(), path->vertices.back(),
+                                     path->vertices[0]);
+        };
+        if (std::none_of(leads.begin(), leads.end(), finds)) ++missed;
+    }
+    return static_cast<double>(missed) / chains;
+}
+
+TEST(Sheets, LeadToLightOfPenumbras) {
+    for (const float radius : {1e-4f, 0.1f}) EXPECT_LT(missed_beside_a_board(radius), 0.001) << radius;
 }
 
 }  // namespace

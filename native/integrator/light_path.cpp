@@ -176,8 +176,8 @@ private:
         Pcg pcg(sampler_[Domain::manifold_seeds].stream_seed());
         effort_->light += carried;
         const Techniques techniques = techniques_of(world_, settings_);
-        const uint32_t trials = trials_if_missed(techniques, *sheets_, path, end_, kMostTrials, pcg,
-                                                 effort_->searches);
+        const uint32_t trials =
+            trials_if_missed(techniques, *sheets_, path, end_, kMostTrials, pcg, effort_->searches);
         const uint32_t first = techniques.casters.of_instance[path.vertices[0].hit.instance];
         const auto chance = static_cast<double>(
             caster_probability(techniques.casters, first, path.x, path.sides, end_.end));

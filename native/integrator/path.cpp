@@ -540,8 +540,8 @@ PathSample path_radiance(const RenderScene& world, const IntegratorSettings& set
                          const Sampler& sampler, PathStats& stats, const PixelKernel* pixel) {
     const Vec3 start = camera_ray.origin + camera_ray.direction * camera_ray.t_near;
     Pcg pcg(sampler[Domain::missed_chains].stream_seed());
-    PathTracer path{world, settings, pass, stats, pcg,
-                    lens,  camera_ray, media_at(*world.scene, start, stats.rays)};
+    PathTracer path{world, settings, pass,       stats,
+                    pcg,   lens,     camera_ray, media_at(*world.scene, start, stats.rays)};
     if (pixel != nullptr && !world.glints.fields.empty())
         path.differential =
             camera_differential(world.scene->camera, *pixel, lens, camera_ray.direction);

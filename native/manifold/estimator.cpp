@@ -127,9 +127,7 @@ public:
     }
 
     // The same of chains with several vertices, which shots find.
-    Spectrum unbiased_long(Pcg& pcg) {
-        return by_chance({techniques_.casters, 2}, pcg);
-    }
+    Spectrum unbiased_long(Pcg& pcg) { return by_chance({techniques_.casters, 2}, pcg); }
 
     // The sum over the different solutions of a fixed number of walks.
     Spectrum biased(const Caster& caster, Pcg& pcg) {
@@ -334,13 +332,12 @@ private:
         result.densities = *densities;
         result.scale = manifold_worth(techniques_, path) * densities->scale();
         const bool shared = !among_facets && receiver_.rough_before != nullptr;
-        result.f_cos =
-            shared ? left_by_rough_chains(techniques_,
-                                          {receiver_.rough_before, receiver_.hit,
-                                           *receiver_.closures, receiver_.ng, receiver_.wo},
-                                          wi, kAllKinds,
-                                          std::span(path.vertices.data(), path.count), end)
-                   : at_x.f_cos;
+        result.f_cos = shared ? left_by_rough_chains(
+                                    techniques_,
+                                    {receiver_.rough_before, receiver_.hit, *receiver_.closures,
+                                     receiver_.ng, receiver_.wo},
+                                    wi, kAllKinds, std::span(path.vertices.data(), path.count), end)
+                              : at_x.f_cos;
         return result;
     }
 

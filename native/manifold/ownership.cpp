@@ -295,9 +295,8 @@ std::optional<CausticDensities> caustic_densities(const Techniques& techniques,
         if (!path.is_rough()) {
             const auto chance_of_caster = [&] {
                 return static_cast<double>(caster_probability(
-                    techniques.casters,
-                    techniques.casters.of_instance[path.vertices[0].hit.instance], path.x,
-                    path.sides, end.end));
+                    techniques.casters, techniques.casters.of_instance[path.vertices[0].hit.instance],
+                    path.x, path.sides, end.end));
             };
             if (chooses_caster(manifold, path)) p.manifold *= chance_of_caster();
             if (manifold.finder == ChainFinder::sheets)

@@ -208,7 +208,8 @@ public:
                     return std::min(place, 1.0f - 0x1p-24f);
                 };
                 begin_[j * kCorners + i] = static_cast<uint32_t>(landings_.size());
-                SheetRay(world, y, around, landings_, out_.rays).follow({at(tile.x, i), at(tile.y, j)});
+                SheetRay(world, y, around, landings_, out_.rays)
+                    .follow({at(tile.x, i), at(tile.y, j)});
             }
         begin_[kCorners * kCorners] = static_cast<uint32_t>(landings_.size());
         marks_.resize(landings_.size());

@@ -391,7 +391,8 @@ double missed_beside_a_board(float lamp_radius) {
 }
 
 TEST(Sheets, LeadToLightOfPenumbras) {
-    for (const float radius : {1e-4f, 0.1f}) EXPECT_LT(missed_beside_a_board(radius), 0.001) << radius;
+    for (const float radius : {1e-4f, 0.1f})
+        EXPECT_LT(missed_beside_a_board(radius), 0.001) << radius;
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include "core/parallel.h"
 #include "integrator/history.h"
+#include "manifold/found_chains.h"
 
 namespace spc {
 

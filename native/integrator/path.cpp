@@ -2,6 +2,7 @@
 #include "integrator/path.h"
 
 #include "integrator/history.h"
+#include "manifold/found_chains.h"
 
 namespace spc {
 

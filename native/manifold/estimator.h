@@ -66,11 +66,4 @@ std::optional<RandomHighlight> random_highlight(const Techniques& techniques, co
 bool leads_to(const Techniques& techniques, const Receiver& camera, const HighlightLead& lead,
               const RandomHighlight& highlight, ManifoldStats& stats);
 
-// 0 where a lead of the sheets or of highlights, or a fixed start, comes to the path's chain. Else the
-// trials, at most so many, until a random search beside sheets came to it from the caster where it
-// begins; 1 where there are no searches. Not of walks, which may come to any.
-uint32_t trials_if_missed(const Techniques& techniques, const LightSheets& sheets,
-                          const CausticPath& path, const LightEnd& end, uint32_t most, Pcg& pcg,
-                          ManifoldStats& stats);
-
 }  // namespace spc

@@ -6,6 +6,7 @@
 #include "integrator/light_path.h"
 
 #include "light/bench.h"
+#include "manifold/found_chains.h"
 #include "support/casters.h"
 #include "support/lights.h"
 #include "support/radiance.h"
@@ -174,7 +175,6 @@ private:
     SheetPool sheets_;
 };
 
-inline ChainEnd end_of(const LightPoint& y) { return {y.distant, y.p, y.direction}; }
 inline Vec3 leaving(const LightPoint& y, const Vec3& last) {
     return y.distant ? y.direction * -1.0f : normalize(last - y.p);
 }

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "manifold/found_chains.h"
+
+namespace spc {
+
+FoundChain* find_chain(const ManifoldSettings& settings, FoundChains& found,
+                       const ChainSolution& solution) {
+    for (FoundChain& one : found)
+        if (same_solution(settings, one.solution, solution)) return &one;
+    return nullptr;
+}
+
+void shoot_leads(const Scene& scene, const ManifoldSettings& settings, const LightSheet& sheet,
+                 const RayStart& x, const LightPoint& y, float worth, float u, FoundChains& found,
+                 ManifoldStats& stats) {
+    static thread_local std::vector<Lead> leads;
+    leads.clear();
+    sheet.find_leads(x.p, shift_between(sheet.light_point(), y), worth, u, leads);
+    std::vector<const Lead*> arrived;
+    for (const Lead& lead : leads) {
+        const auto repeated = [&](const Lead* other) { return repeats(lead, *other); };
+        if (std::any_of(arrived.begin(), arrived.end(), repeated)) continue;
+        ++stats.leads;
+        const std::optional<ChainSolution> solution =
+            shoot(scene, settings, x, end_of(y), *lead.kind, lead.w, settings.lead_halvings, stats);
+        if (!solution) continue;
+        arrived.push_back(&lead);
+        if (FoundChain* known = find_chain(settings, found, *solution))
+            known->chance = std::max(known->chance, lead.chance);
+        else
+            found.push_back({*solution, lead.chance});
+    }
+}
+
+std::optional<ChainSolution> shoot_from_fixed_start(const Techniques& techniques, const RayStart& x,
+                                                    const ChainEnd& end, Interaction first,
+                                                    uint32_t caster, ManifoldStats& stats) {
+    const Scene& scene = techniques.scene;
+    const ManifoldSettings& settings = techniques.manifold;
+    const CasterSet& casters = techniques.casters;
+    const std::optional<ChainStart> start =
+        first == Interaction::refraction ? straight_chain(scene, settings, x, casters, end, stats)
+                                         : central_reflection(x, casters.casters[caster]);
+    if (!start) return std::nullopt;
+    return shoot(scene, settings, x, end, start->kind, start->w, settings.max_halvings, stats);
+}
+
+void shoot_leads(const Techniques& techniques, const RayStart& x, const LightPoint& y,
+                 FoundChains& found, ManifoldStats& stats) {
+    const ManifoldSettings& settings = techniques.manifold;
+    for (const HighlightLead& lead : techniques.highlights->leads[y.light]) {
+        ++stats.leads;
+        const std::optional<ChainSolution> solution =
+            shoot(techniques.scene, settings, x, end_of(y), lead.kind, lead.w,
+                  settings.lead_halvings, stats);
+        if (solution && find_chain(settings, found, *solution) == nullptr)
+            found.push_back({*solution, 1.0f});
+    }
+}
+
+namespace {
+
+RayStart start_of(const CausticPath& path) { return {path.x, path.sides.ng, path.p_error}; }
+
+// Of the light: what stands for the end of a path that was found some other way.
+LightPoint light_point(const LightEnd& end) {
+    LightPoint y{};
+    y.light = end.light;
+    y.distant = end.end.distant;
+    y.p = end.end.p;
+    y.direction = end.end.direction;
+    return y;
+}
+
+// The path's chain as a shot comes to it; empty where none does, by the accuracy that there is.
+std::optional<ChainSolution> shoot_along(const Techniques& techniques, const CausticPath& path,
+                                         const LightEnd& end, ManifoldStats& stats) {
+    ChainKind kind;
+    for (uint32_t i = 0; i < path.count; ++i)
+        kind.append({path.vertices[i].hit.instance, path.vertices[i].interaction});
+    const Vec3 first = surface_position(techniques.scene, path.vertices[0].hit);
+    return shoot(techniques.scene, techniques.manifold, start_of(path), end.end, kind,
+                 normalize(first - path.x), techniques.manifold.max_halvings, stats);
+}
+
+bool comes_by_definite_search(const Techniques& techniques, const LightSheets& sheets,
+                              const CausticPath& path, const LightEnd& end,
+                              const ChainSolution& own, ManifoldStats& stats) {
+    const ManifoldSettings& settings = techniques.manifold;
+    const LightPoint y = light_point(end);
+    FoundChains found;
+    if (path.from_camera) {
+        shoot_leads(techniques, start_of(path), y, found, stats);
+    } else if (settings.finder == ChainFinder::sheets) {
+        if (const LightSheet* sheet = nearest_sheet(sheets, y))
+            shoot_leads(techniques.scene, settings, *sheet, start_of(path), y,
+                        std::numeric_limits<float>::max(), 0.0f, found, stats);
+    } else if (const std::optional<ChainSolution> one = shoot_from_fixed_start(
+                   techniques, start_of(path), end.end, path.vertices[0].interaction,
+                   techniques.casters.of_instance[path.vertices[0].hit.instance], stats)) {
+        found.push_back({*one, 1.0f});
+    }
+    return find_chain(settings, found, own) != nullptr;
+}
+
+}  // namespace
+
+uint32_t trials_if_missed(const Techniques& techniques, const LightSheets& sheets,
+                          const CausticPath& path, const LightEnd& end, uint32_t most, Pcg& pcg,
+                          ManifoldStats& stats) {
+    const ManifoldSettings& settings = techniques.manifold;
+    const std::optional<ChainSolution> own = shoot_along(techniques, path, end, stats);
+    if (own && comes_by_definite_search(techniques, sheets, path, end, *own, stats)) return 0;
+    if (path.from_camera || settings.finder != ChainFinder::sheets) return 1;
+    if (!own) return most;
+    const uint32_t first = techniques.casters.of_instance[path.vertices[0].hit.instance];
+    return count_trials(settings, most, [&] {
+        const std::optional<ChainStart> start = sample_chain(
+            techniques.scene, settings, start_of(path), techniques.casters, first, pcg, stats);
+        if (!start) return false;
+        const std::optional<ChainSolution> again =
+            shoot(techniques.scene, settings, start_of(path), end.end, start->kind, start->w,
+                  settings.max_halvings, stats);
+        return again && same_solution(settings, *own, *again);
+    });
+}
+
+}  // namespace spc

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The chains between two points to which definite searches come, and trials until random ones do.
+#pragma once
+
+#include "manifold/ownership.h"
+#include "manifold/sheet_pool.h"
+
+namespace spc {
+
+inline ChainEnd end_of(const LightPoint& y) { return {y.distant, y.p, y.direction}; }
+
+struct FoundChain {
+    ChainSolution solution;
+    float chance;  // to be found
+};
+using FoundChains = std::vector<FoundChain>;
+
+// Of a chain that is known; null: it is not.
+FoundChain* find_chain(const ManifoldSettings& settings, FoundChains& found,
+                       const ChainSolution& solution);
+
+// Adds the chains between x and y to which leads of the sheet come.
+void shoot_leads(const Scene& scene, const ManifoldSettings& settings, const LightSheet& sheet,
+                 const RayStart& x, const LightPoint& y, float worth, float u, FoundChains& found,
+                 ManifoldStats& stats);
+// The same of leads of highlights.
+void shoot_leads(const Techniques& techniques, const RayStart& x, const LightPoint& y,
+                 FoundChains& found, ManifoldStats& stats);
+
+// The chain to which manifold next event estimation comes between x and its end: for refractions
+// from the straight line, for reflections from the middle of the caster, which is as good as any
+// other point of a shape that nothing is known of.
+std::optional<ChainSolution> shoot_from_fixed_start(const Techniques& techniques, const RayStart& x,
+                                                    const ChainEnd& end, Interaction first,
+                                                    uint32_t caster, ManifoldStats& stats);
+
+inline bool is_cancelled(const ManifoldSettings& settings) {
+    return settings.cancelled != nullptr && settings.cancelled->load(std::memory_order_relaxed);
+}
+
+// Until a solution comes again, at most so many: a geometric distribution of mean 1 / p_k.
+template <class Trial>
+uint32_t count_trials(const ManifoldSettings& settings, uint32_t most, const Trial& comes_again) {
+    uint32_t trials = 1;
+    while (trials < most && !is_cancelled(settings) && !comes_again()) ++trials;
+    return trials;
+}
+
+// 0 where a lead of the sheets or of highlights, or a fixed start, comes to the path's chain. Else the
+// trials, at most so many, until a random search beside sheets came to it from the caster where it
+// begins; 1 where there are no searches. Not of walks, which may come to any.
+uint32_t trials_if_missed(const Techniques& techniques, const LightSheets& sheets,
+                          const CausticPath& path, const LightEnd& end, uint32_t most, Pcg& pcg,
+                          ManifoldStats& stats);
+
+}  // namespace spc

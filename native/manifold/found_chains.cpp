@@ -10,25 +10,46 @@ FoundChain* find_chain(const ManifoldSettings& settings, FoundChains& found,
     return nullptr;
 }
 
+namespace {
+
+FoundChain& add(const ManifoldSettings& settings, FoundChains& found, const ChainSolution& solution,
+                float chance) {
+    FoundChain* known = find_chain(settings, found, solution);
+    if (known == nullptr) known = &found.emplace_back(FoundChain{solution, chance});
+    known->chance = std::max(known->chance, chance);
+    return *known;
+}
+
+}  // namespace
+
 void shoot_leads(const Scene& scene, const ManifoldSettings& settings, const LightSheet& sheet,
                  const RayStart& x, const LightPoint& y, float worth, float u, FoundChains& found,
                  ManifoldStats& stats) {
     static thread_local std::vector<Lead> leads;
     leads.clear();
     sheet.find_leads(x.p, shift_between(sheet.light_point(), y), worth, u, leads);
+    constexpr float kLeastStep = 1e-4f, kLargestStep = 0.1f;  // rad
     std::vector<const Lead*> arrived;
     for (const Lead& lead : leads) {
         const auto repeated = [&](const Lead* other) { return repeats(lead, *other); };
         if (std::any_of(arrived.begin(), arrived.end(), repeated)) continue;
         ++stats.leads;
         const std::optional<ChainSolution> solution =
-            shoot(scene, settings, x, end_of(y), *lead.kind, lead.w, settings.lead_halvings, stats);
+            shoot(scene, settings, x, end_of(y), *lead.kind, lead.w,
+                  lead.inside ? settings.max_halvings : settings.lead_halvings, stats);
         if (!solution) continue;
-        arrived.push_back(&lead);
-        if (FoundChain* known = find_chain(settings, found, *solution))
-            known->chance = std::max(known->chance, lead.chance);
-        else
-            found.push_back({*solution, lead.chance});
+        FoundChain& one = add(settings, found, *solution, lead.chance);
+        if ((solution->determinant > 0.0f) == lead.positive) {
+            arrived.push_back(&lead);
+            continue;
+        }
+        // The shot has slipped over a fold, to the other of two chains.
+        if (one.crossed >= lead.chance) continue;
+        one.crossed = lead.chance;
+        const float off = std::clamp(length(lead.w - solution->w), kLeastStep, kLargestStep);
+        const std::optional<ChainSolution> meant = shoot_across_fold(
+            scene, settings, x, end_of(y), *solution, off, settings.lead_halvings, stats);
+        if (meant) add(settings, found, *meant, lead.chance);
     }
 }
 

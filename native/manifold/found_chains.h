@@ -11,7 +11,8 @@ inline ChainEnd end_of(const LightPoint& y) { return {y.distant, y.p, y.directio
 
 struct FoundChain {
     ChainSolution solution;
-    float chance;  // to be found
+    float chance;          // to be found
+    float crossed = 0.0f;  // of a lead that has looked across a fold from there, the largest
 };
 using FoundChains = std::vector<FoundChain>;
 

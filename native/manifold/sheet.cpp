@@ -541,7 +541,7 @@ Vec3 shift_between(const LightPoint& from, const LightPoint& to) {
 
 bool repeats(const Lead& lead, const Lead& other) {
     if (lead.inside || !other.inside || other.chance < lead.chance || lead.kind != other.kind ||
-        lead.forward != other.forward)
+        lead.positive != other.positive)
         return false;
     const auto shared = [&](uint32_t edge) {
         return std::find(other.edges.begin(), other.edges.end(), edge) != other.edges.end();
@@ -581,8 +581,9 @@ void LightSheet::add_lead(const Entry& entry, const Vec3& x, const Vec3& shift, 
     if (!(distance > 0.0f)) return;
     const bool forward =
         dot(cross(landed[1] - landed[0], landed[2] - landed[0]), edges[0]->d) > 0.0f;
-    leads.push_back({&all_.kinds[beam.kind], to * (1.0f / distance), chance, entry.inside, forward,
-                     beam.edges});
+    // Across the direction of a distant light places turn the other way.
+    leads.push_back({&all_.kinds[beam.kind], to * (1.0f / distance), chance, entry.inside,
+                     forward != y_.distant, beam.edges});
 }
 
 }  // namespace spc

@@ -60,8 +60,9 @@ struct Lead {
     const ChainKind* kind;
     Vec3 w;
     float chance;  // that a query has this lead
-    // Of the beam that gave it: x lies between its rays themselves; how they turn around it.
-    bool inside, forward;
+    // Of the beam that gave it: x lies between its rays themselves; the sign of the determinant that
+    // chains in it have, by how the rays turn around it.
+    bool inside, positive;
     std::array<uint32_t, 3> edges;
 };
 // Whether `lead`, which is beside its beam, says no more than `other`, inside a neighbour of that

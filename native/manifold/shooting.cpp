@@ -7,6 +7,8 @@ namespace spc {
 
 namespace {
 
+constexpr float kLongestStep = 0.5f;  // rad, at the receiver
+
 // Where a ray that has left the surface at a small angle is past its rounding.
 float leave(const RayStart& from, const Vec3& w) {
     constexpr float kLeastCosine = 1e-2f;
@@ -142,10 +144,23 @@ std::optional<Vec2> newton_step(const Shot& shot) {
     return solve2x2(shot.dc_dx.x, shot.dc_dy.x, shot.dc_dx.y, shot.dc_dy.y, -shot.c.x, -shot.c.y);
 }
 
-// How far rounding may put the first and the last vertex from those of the solution. Empty on a
+float determinant(const Shot& shot) {
+    return shot.dc_dx.x * shot.dc_dy.y - shot.dc_dx.y * shot.dc_dy.x;
+}
+
+// The right singular vector of the smaller singular value.
+Vec3 softest_direction(const Shot& shot) {
+    const float xx = shot.dc_dx.length2(), yy = shot.dc_dy.length2(),
+                xy = shot.dc_dx.x * shot.dc_dy.x + shot.dc_dx.y * shot.dc_dy.y;
+    const float angle = 0.5f * (std::atan2(2.0f * xy, xx - yy) + kPi);
+    const Frame frame = Frame::around(shot.w);
+    return frame.x * std::cos(angle) + frame.y * std::sin(angle);
+}
+
+// How far rounding may put the first and the last vertex from those of the solution. False on a
 // fold.
 bool measure_resolution(const Shot& shot, ChainSolution& solution) {
-    const float det = std::abs(shot.dc_dx.x * shot.dc_dy.y - shot.dc_dx.y * shot.dc_dy.x);
+    const float det = std::abs(solution.determinant);
     const float norm = std::sqrt(shot.dc_dx.length2() + shot.dc_dy.length2());
     if (!(det > 1e-7f * sqr(norm))) return false;
     const float turn = norm / det * shot.noise;  // of the first direction
@@ -190,7 +205,6 @@ std::optional<ChainSolution> shoot(const Scene& scene, const ManifoldSettings& s
                                    const RayStart& x, const ChainEnd& end, const ChainKind& kind,
                                    const Vec3& w, int max_halvings, ManifoldStats& stats,
                                    const FrozenFacets* facets) {
-    constexpr float kLongestStep = 0.5f;  // rad
     ++stats.walks;
     const Shooter shooter(scene, x, end, kind, facets, stats);
     std::array<Shot, 2> shots;
@@ -213,10 +227,32 @@ std::optional<ChainSolution> shoot(const Scene& scene, const ManifoldSettings& s
         }
         std::swap(shot, next);
     }
-    ChainSolution solution{kind, shot->chain, 0.0f, 0.0f};
+    ChainSolution solution{
+        kind, shot->chain, 0.0f, 0.0f, shot->w, determinant(*shot), softest_direction(*shot)};
     if (!measure_resolution(*shot, solution)) return std::nullopt;
     ++stats.converged;
     return solution;
+}
+
+std::optional<ChainSolution> shoot_across_fold(const Scene& scene, const ManifoldSettings& settings,
+                                               const RayStart& x, const ChainEnd& end,
+                                               const ChainSolution& solution, float step,
+                                               int max_halvings, ManifoldStats& stats) {
+    const auto beside = [&](float by) { return normalize(solution.w + solution.softest * by); };
+    const Shooter shooter(scene, x, end, solution.kind, nullptr, stats);
+    Shot shot;
+    if (!shooter.fire(beside(step), shot)) {
+        step = -step;
+        if (!shooter.fire(beside(step), shot)) return std::nullopt;
+    }
+    // The fold is where the determinant is zero, and the other solution as far beyond it.
+    const float there =
+        2.0f * step * solution.determinant / (solution.determinant - determinant(shot));
+    if (!(std::abs(there) < kLongestStep)) return std::nullopt;
+    const std::optional<ChainSolution> other =
+        shoot(scene, settings, x, end, solution.kind, beside(there), max_halvings, stats);
+    if (!other || (other->determinant > 0.0f) == (solution.determinant > 0.0f)) return std::nullopt;
+    return other;
 }
 
 std::optional<ChainStart> sample_chain(const Scene& scene, const ManifoldSettings& settings,

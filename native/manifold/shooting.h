@@ -42,6 +42,12 @@ struct ChainSolution {
     ChainKind kind;
     Chain chain;
     float first_resolution, last_resolution;
+    Vec3 w;  // unit direction at the receiver
+    // Of the derivative by w of the angle by which a shot misses: 0 on a fold, and of the other sign
+    // beyond. The unit direction across w in which the miss changes least: two solutions that meet on
+    // a fold lie along it.
+    float determinant;
+    Vec3 softest;
 };
 
 // Goes on from the unit direction `w` at the receiver to a chain of this kind that leads to `end`.
@@ -53,6 +59,13 @@ std::optional<ChainSolution> shoot(const Scene& scene, const ManifoldSettings& s
                                    const RayStart& x, const ChainEnd& end, const ChainKind& kind,
                                    const Vec3& w, int max_halvings, ManifoldStats& stats,
                                    const FrozenFacets* facets = nullptr);
+
+// The other solution of the same kind, across a fold, if there is one with a determinant of the other
+// sign about where the determinant's linear change puts it: that is measured by a step of so many rad.
+std::optional<ChainSolution> shoot_across_fold(const Scene& scene, const ManifoldSettings& settings,
+                                               const RayStart& x, const ChainEnd& end,
+                                               const ChainSolution& solution, float step,
+                                               int max_halvings, ManifoldStats& stats);
 
 // Where a chain may be looked for.
 struct ChainStart {

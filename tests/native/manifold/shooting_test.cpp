@@ -3,7 +3,8 @@
 // the closures' own sampling, must be found from the receiver.
 #include "manifold/shooting.h"
 
-#include "manifold/sheet_pool.h"
+#include "light/bench.h"
+#include "manifold/found_chains.h"
 #include "support/casters.h"
 
 #include <gtest/gtest.h>
@@ -71,7 +72,7 @@ void add_mirror_beside(SceneMaker& maker, const Graph& graph) {
 }
 std::vector<CasterCase> cases() {
     return {{"mirror ball", [](SceneMaker& m) { add_ball(m, test::mirror()); }, 0.02},
-            {"glass ball", [](SceneMaker& m) { add_ball(m, test::glass(1.5f)); }, 0.01},
+            {"glass ball", [](SceneMaker& m) { add_ball(m, test::glass(1.5f)); }, 0.006},
             {"two sheets of glass",
              [](SceneMaker& m) {
                  for (const float z : {0.5f, 0.9f})
@@ -84,13 +85,13 @@ std::vector<CasterCase> cases() {
                  m.builder.add_image(test::plane_normals(128, 0.25, 0.03, 5));
                  add_mirror_beside(m, test::normal_mapped(test::mirror(), Vec2(1.0f, 1.0f)));
              },
-             0.01},
+             0.004},
             {"bumpy mirror",
              [](SceneMaker& m) {
                  m.builder.add_image(test::plane_heights(128, 128, 0.25, 0.03, 5));
                  add_mirror_beside(m, test::bump_mapped(test::mirror(), Vec2(1.0f, 1.0f), 1.6f));
              },
-             0.01},
+             0.002},
             {"two wavy sheets of glass",
              [](SceneMaker& m) {
                  m.builder.add_image(test::plane_normals(128, 0.5, 0.02, 5));
@@ -201,6 +202,44 @@ void expect_certain_shots(float thickness) {
 TEST(Shots, NextToAChainOfAWideSlabArriveForCertain) { expect_certain_shots(0.3f); }
 TEST(Shots, NextToAChainOfAThinPaneArriveForCertain) { expect_certain_shots(1e-3f); }
 
+// Where light of a wavy mirror folds over, two chains of one kind meet: from each a shot across the
+// fold comes to the other.
+TEST(Shots, AcrossAFoldComeBack) {
+    SceneMaker maker;
+    maker.builder.add_image(test::plane_normals(1024, 0.5, 0.1, 5));
+    add_mirror_beside(maker, test::normal_mapped(test::mirror(), Vec2(1.0f, 1.0f)));
+    const ChainEnd end{false, {0.3f, -1.2f, 2.6f}, Vec3(0.0f)};
+    test::add_lamp(maker, end.p, {0.0f, 0.2f, 0.8f}, 0.05f);
+    const RenderScene world = maker.finish();
+    Pcg pcg(9);
+    ManifoldStats stats;
+    int pairs = 0, back = 0;
+    for (int i = 0; i < 60000; ++i) {
+        const RayStart x{{1.6f * pcg.one() - 0.8f, 1.6f * pcg.one() - 0.8f, 0.0f}, {0, 0, 1}, 1e-6f};
+        const std::optional<ChainStart> start =
+            sample_chain(*world.scene, settings(), x, world.casters, 0, pcg, stats);
+        if (!start) continue;
+        const std::optional<ChainSolution> one = shoot(
+            *world.scene, settings(), x, end, start->kind, start->w, settings().max_halvings, stats);
+        if (!one) continue;
+        const auto across = [&](const ChainSolution& from, float step) {
+            return shoot_across_fold(*world.scene, settings(), x, end, from, step,
+                                     settings().max_halvings, stats);
+        };
+        constexpr float kStep = 1e-2f, kNear = 0.03f;  // rad
+        const std::optional<ChainSolution> other = across(*one, kStep);
+        if (!other || length(other->w - one->w) > kNear) continue;
+        ++pairs;
+        EXPECT_EQ(other->kind, one->kind);
+        EXPECT_LT(other->determinant * one->determinant, 0.0f);
+        EXPECT_FALSE(same_solution(settings(), *one, *other));
+        const std::optional<ChainSolution> again = across(*other, kStep);
+        if (again && same_solution(settings(), *one, *again)) ++back;
+    }
+    EXPECT_GT(pairs, 100);
+    EXPECT_GE(back, pairs * 9 / 10);
+}
+
 // ---- fixed starts
 
 // A mirror ball beside a slab of glass of two instances, an opaque square between slab and lamp.
@@ -282,6 +321,18 @@ TEST_F(FixedStarts, ReflectFromTheMiddleOfABall) {
     EXPECT_FALSE(central_reflection({ball.center, {0, 0, 1}, 1e-6f}, ball));
 }
 
+// A path from the light to x, as a shot finds it that starts next to it.
+std::optional<ChainSolution> shoot_back(const RenderScene& world, const RayStart& x,
+                                        const ChainEnd& light, const Traced& path) {
+    ManifoldStats stats;
+    const std::optional<ChainSolution> found =
+        shoot(*world.scene, settings(), x, light, path.kind.reversed(),
+              normalize(path.vertices.back() - x.p), settings().max_halvings, stats);
+    if (!found || !is_chain(*found, path.kind.reversed(), path.vertices.back(), path.vertices[0]))
+        return std::nullopt;
+    return found;
+}
+
 // Rays that leave the light evenly carry even shares of its light: those whose chain no lead finds
 // from where they land are light that walks would have to find.
 TEST(SheetsSlow, LeadToNearlyAllLight) {
@@ -308,19 +359,12 @@ TEST(SheetsSlow, LeadToNearlyAllLight) {
                              Vec3(0, 0, 1), 1e-5f};
             if (std::abs(x.p.z) > 1e-4f) continue;
             ++chains;
+            const std::optional<ChainSolution> own = shoot_back(world, x, {false, y->p, {}}, *path);
             const auto best_chance = [&](float u) {
-                std::vector<Lead> leads;
-                sheet.find_leads(x.p, Vec3(0.0f), kWorth, u, leads);
-                float best = 0.0f;
-                for (const Lead& lead : leads) {
-                    const std::optional<ChainSolution> found =
-                        shoot(*world.scene, settings(), x, {false, y->p, Vec3(0.0f)}, *lead.kind,
-                              lead.w, settings().lead_halvings, stats);
-                    if (found && is_chain(*found, path->kind.reversed(), path->vertices.back(),
-                                          path->vertices[0]))
-                        best = std::max(best, lead.chance);
-                }
-                return best;
+                FoundChains found;
+                shoot_leads(*world.scene, settings(), sheet, x, *y, kWorth, u, found, stats);
+                const FoundChain* one = own ? find_chain(settings(), found, *own) : nullptr;
+                return one != nullptr ? one->chance : 0.0f;
             };
             const float chance = best_chance(0.0f);
             if (chance == 0.0f) {
@@ -376,18 +420,65 @@ double missed_beside_a_board(float lamp_radius) {
         if (std::abs(x.p.z) > 1e-4f || std::max(std::abs(x.p.x), std::abs(x.p.y)) > 0.8f) continue;
         ++chains;
         const LightSheet* sheet = nearest_sheet({pool}, *y);
-        std::vector<Lead> leads;
-        sheet->find_leads(x.p, shift_between(sheet->light_point(), *y), 1.0f, 0.0f, leads);
-        const auto finds = [&](const Lead& lead) {
-            const std::optional<ChainSolution> found =
-                shoot(*world.scene, settings(), x, {false, y->p, Vec3(0.0f)}, *lead.kind, lead.w,
-                      settings().lead_halvings, stats);
-            return found && is_chain(*found, path->kind.reversed(), path->vertices.back(),
-                                     path->vertices[0]);
-        };
-        if (std::none_of(leads.begin(), leads.end(), finds)) ++missed;
+        FoundChains found;
+        shoot_leads(*world.scene, settings(), *sheet, x, *y, 1.0f, 0.0f, found, stats);
+        const std::optional<ChainSolution> own = shoot_back(world, x, {false, y->p, {}}, *path);
+        if (!own || find_chain(settings(), found, *own) == nullptr) ++missed;
     }
     return static_cast<double>(missed) / chains;
+}
+
+// Where nothing folds over, a chain has the determinant whose sign its beam tells, whatever the light.
+TEST(Sheets, TellTheSignOfDeterminants) {
+    const Vec3 above(0.3f, -0.4f, 3.0f), down = normalize(above) * -1.0f;
+    const auto lamp = [](const LightDesc& light) {
+        return [light](SceneMaker& maker) { maker.builder.add_light(light); };
+    };
+    const std::pair<const char*, std::function<void(SceneMaker&)>> lights[] = {
+        {"point", lamp(test::point_lamp(10.0f, 0.0f, above))},
+        {"sphere", lamp(test::point_lamp(10.0f, 0.05f, above))},
+        {"rectangle", lamp(test::area_lamp(10.0f, AreaShape::rectangle, {0.1f, 0.1f}, above, down))},
+        {"narrow beam",
+         lamp(test::beam(test::area_lamp(10.0f, AreaShape::rectangle, {0.3f, 0.3f}, above, down),
+                         0.1f))},
+        {"parallel sun", lamp(test::sun_lamp(1.0f, 0.0f, down))},
+        {"sun with a disc", lamp(test::sun_lamp(1.0f, 0.02f, down))},
+        {"emissive mesh", [&](SceneMaker& maker) {
+             maker.add(test::sphere(8, 0.05), test::emission(1, 1, 1, 5), test::translation(above));
+         }}};
+    for (const auto& [name, add] : lights) {
+        SceneMaker maker;
+        maker.add(test::square(8.0f), test::diffuse(0.8f), {}, CausticsRole::receiver);
+        add_ball(maker, test::mirror());
+        maker.add(test::square(0.8f), test::glass(1.3f), test::rotation_x(0.2f, {0, 0, 1.5f}),
+                  CausticsRole::caster);
+        add(maker);
+        const RenderScene world = maker.finish();
+        const SheetPool pool =
+            build_sheets(*world.scene, world.lights, world.casters, settings(), 3, 128, 1);
+        Pcg pcg(7);
+        ManifoldStats stats;
+        int right = 0, wrong = 0;
+        for (int i = 0; i < 4000; ++i) {
+            const RayStart x{
+                {4.0f * pcg.one() - 2.0f, 4.0f * pcg.one() - 2.0f, 0.0f}, {0, 0, 1}, 1e-6f};
+            const Vec2 u = pcg.two();
+            const std::optional<LightPoint> y =
+                sample_light_point(world.lights, *world.scene, {u.x, u.y, pcg.one()});
+            const LightSheet* sheet = nearest_sheet({pool}, *y);
+            std::vector<Lead> leads;
+            sheet->find_leads(x.p, shift_between(sheet->light_point(), *y), 1.0f, 0.0f, leads);
+            for (const Lead& lead : leads) {
+                const std::optional<ChainSolution> found =
+                    shoot(*world.scene, settings(), x, end_of(*y), *lead.kind, lead.w,
+                          settings().max_halvings, stats);
+                if (found && lead.inside)
+                    ++((found->determinant > 0.0f) == lead.positive ? right : wrong);
+            }
+        }
+        EXPECT_GT(right, 1000) << name;
+        EXPECT_LT(wrong, right / 100) << name;
+    }
 }
 
 TEST(Sheets, LeadToLightOfPenumbras) {

@@ -176,8 +176,9 @@ void Film::read(Pass pass, std::span<float> out) const {
     }
     const std::lock_guard lock(splat_mutex_);
     if (pass != Pass::combined && pass != Pass::caustics && pass != Pass::variance) return;
-    for (const SplatSource source : {SplatSource::light_paths, SplatSource::highlights}) {
-        if (pass == Pass::caustics && source == SplatSource::highlights) continue;
+    for (const SplatSource source :
+         {SplatSource::light_paths, SplatSource::highlights, SplatSource::missed_highlights}) {
+        if (pass == Pass::caustics && source != SplatSource::light_paths) continue;
         const SplatLayer& layer = splats_[static_cast<size_t>(source)];
         for (size_t at = 0; at < layer.pixels.size(); ++at) {
             const SplatMean mean = layer.mean(at);

@@ -62,7 +62,7 @@ struct Splat {
     Spectrum value;
 };
 
-enum class SplatSource : uint8_t { light_paths, highlights };
+enum class SplatSource : uint8_t { light_paths, highlights, missed_highlights };
 
 class Film {
 public:
@@ -111,7 +111,7 @@ private:
         SplatMean mean(size_t pixel) const;
     };
     mutable std::mutex splat_mutex_;    // guards them
-    std::array<SplatLayer, 2> splats_;  // of each SplatSource
+    std::array<SplatLayer, 3> splats_;  // of each SplatSource
 };
 
 }  // namespace spc

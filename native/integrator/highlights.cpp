@@ -7,13 +7,16 @@ namespace spc {
 
 namespace {
 
-// Shots of all estimates of one sample of the picture, for each pixel.
-constexpr double kShots = 1.0 / 32;
+// Shots of all estimates of one sample of the picture, for each pixel, and searches.
+constexpr double kShots = 1.0 / 32, kSearches = 1.0 / 8;
 constexpr double kMostLeads = 1024.0;  // to one light
 constexpr uint32_t kChunk = 256;
 
 Sampler highlight_sampler(uint32_t seed, uint64_t index) {
     return sampler_beside_pixels(seed, 0x686967686c69ull, index);
+}
+Sampler search_sampler(uint32_t seed, uint64_t index) {
+    return sampler_beside_pixels(seed, 0x736561726368ull, index);
 }
 
 // The camera as the beginning of chains, through one point of its lens.
@@ -95,6 +98,21 @@ void add_lead(const Techniques& techniques, const CameraEye& eye, const RandomHi
     if (std::none_of(alike.begin(), alike.end(), comes_to_it)) leads.push_back({solution.kind, w});
 }
 
+// The pixels that may show themselves in the picture.
+struct FilmWindow {
+    FilmWindow(const Camera& camera, float margin) {
+        const float around = std::ceil(margin);
+        const auto& [x0, y0, crop_width, crop_height] = camera.crop;
+        corner = Vec2(static_cast<float>(x0) - around, static_cast<float>(y0) - around);
+        width = crop_width + 2 * static_cast<uint32_t>(around);
+        height = crop_height + 2 * static_cast<uint32_t>(around);
+    }
+    double pixels() const { return static_cast<double>(uint64_t{width} * height); }
+
+    Vec2 corner;
+    uint32_t width, height;
+};
+
 }  // namespace
 
 std::unique_ptr<const Highlights> learn_highlights(const RenderScene& world,
@@ -131,6 +149,7 @@ std::unique_ptr<const Highlights> learn_highlights(const RenderScene& world,
                  static_cast<double>(result->leads[light].size());
     if (leads == 0.0) return nullptr;
     result->estimates = std::ceil(std::min(shots / leads, pixel_count(scene.camera)));
+    result->searches = kSearches;
     return result;
 }
 
@@ -144,6 +163,29 @@ void estimate_highlights(const RenderScene& world, const IntegratorSettings& set
     for (const Highlight& one : found)
         if (const std::optional<Vec2> film = eye.place(one.p, margin))
             splats.push_back({*film, one.value});
+}
+
+uint64_t highlight_searches(const Camera& camera, const Highlights& highlights, float margin) {
+    return static_cast<uint64_t>(
+        std::ceil(highlights.searches * FilmWindow(camera, margin).pixels()));
+}
+
+void search_highlights(const RenderScene& world, const IntegratorSettings& settings, float margin,
+                       uint32_t seed, uint64_t index, std::vector<Splat>& splats, PathStats& stats) {
+    const Camera& camera = world.scene->camera;
+    const FilmWindow window(camera, margin);
+    const Sampler sampler = search_sampler(seed, index);
+    const Vec2 u = sampler[Domain::film].two();
+    const Vec2 pixel = window.corner + Vec2(std::floor(u.x * static_cast<float>(window.width)),
+                                            std::floor(u.y * static_cast<float>(window.height)));
+    const CameraEye eye(*world.scene, settings, sampler[Domain::lens].two(), stats.rays);
+    const std::optional<Highlight> one = search_highlight(
+        techniques_of(world, settings), eye.receiver, pixel, sampler, stats.manifold);
+    if (!one) return;
+    const auto searches =
+        static_cast<double>(highlight_searches(camera, *settings.highlights, margin));
+    if (const std::optional<Vec2> film = eye.place(one->p, margin))
+        splats.push_back({*film, one->value * static_cast<float>(window.pixels() / searches)});
 }
 
 }  // namespace spc

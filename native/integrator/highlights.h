@@ -17,9 +17,16 @@ std::unique_ptr<const Highlights> learn_highlights(const RenderScene& world,
                                                    const std::atomic<bool>& cancelled,
                                                    PathStats& stats);
 
-// One estimate; appends what it adds within the camera's crop and `margin` pixels around it.
+// One estimate of those that leads come to; appends what it adds within the camera's crop and `margin`
+// pixels around it.
 void estimate_highlights(const RenderScene& world, const IntegratorSettings& settings, float margin,
                          uint32_t seed, uint64_t index, std::vector<Splat>& splats,
                          PathStats& stats);
+
+// Searches for those that no lead comes to, for one sample of the picture, and one of them, which
+// appends what it adds.
+uint64_t highlight_searches(const Camera& camera, const Highlights& highlights, float margin);
+void search_highlights(const RenderScene& world, const IntegratorSettings& settings, float margin,
+                       uint32_t seed, uint64_t index, std::vector<Splat>& splats, PathStats& stats);
 
 }  // namespace spc

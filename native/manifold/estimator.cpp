@@ -89,12 +89,9 @@ public:
         if (sheet != nullptr)
             shoot_leads(scene_, settings_, *sheet, start(), y_, worth, 0.0f, found, stats_);
         if (find_chain(settings_, found, *missed) != nullptr) return sum;
-        const std::optional<Connection> connection = connect(missed->chain);
-        if (!connection) return sum;
-        const Spectrum value = light_of(*connection, missed->chain) *
-                               scale_of_missed(*connection, search, caster, *missed, pcg);
-        const Spectrum more = counted(search, caster, *missed, value, connection->strength(), pcg) *
-                              (1.0f / search_chance);
+        const Spectrum more = of_missed(missed->chain, pcg,
+                                        [&] { return comes_again(search, caster, *missed, pcg); }) *
+                              (1.0f / (caster.probability * search_chance));
         if (is_black(more)) return sum;
         ++stats_.missed;
         stats_.missed_energy += static_cast<double>(luminance(more));
@@ -107,6 +104,7 @@ public:
         return by_chance({techniques_.rough_chain_casters, 1, &facets}, pcg);
     }
 
+    // Of chains that leads come to.
     void highlights(std::vector<Highlight>& out) {
         FoundChains found;
         shoot_leads(techniques_, start(), y_, found, stats_);
@@ -114,6 +112,22 @@ public:
             const Spectrum value = contribution(one.solution.chain);
             if (!is_black(value)) out.push_back({one.solution.chain.vertices[0].patch.p, value});
         }
+    }
+
+    // Of those that none comes to, by a search of one pixel.
+    std::optional<Highlight> missed_highlight(const Vec2& pixel, Pcg& pcg) {
+        const auto search = [&] {
+            return search_pixel(techniques_, start(), pixel, end_of(y_), pcg, stats_);
+        };
+        const std::optional<ChainSolution> missed = search();
+        if (!missed || is_led_to(techniques_, start(), end_of(y_), y_.light, *missed, stats_))
+            return std::nullopt;
+        const Spectrum value = of_missed(missed->chain, pcg, [&] {
+            const std::optional<ChainSolution> again = search();
+            return again && same_solution(settings_, *missed, *again);
+        });
+        if (is_black(value)) return std::nullopt;
+        return Highlight{missed->chain.vertices[0].patch.p, value};
     }
 
     std::optional<ChainSolution> random_highlight(Pcg& pcg) {
@@ -178,20 +192,19 @@ private:
         if (!connection) return Spectrum(0.0f);
         const Spectrum value =
             light_of(*connection, solution->chain) * static_cast<float>(connection->scale);
-        return counted(search, first, *solution, value, connection->strength(), pcg);
+        return counted(value, connection->strength(), pcg,
+                       [&] { return comes_again(search, first, *solution, pcg); }) *
+               (1.0f / first.probability);
     }
 
-    // The value over the chance to find its solution: that of the caster where it begins is known,
-    // the rest are trials until it comes again. Chains of little throughput take as many as others, so
-    // that only some are counted.
-    Spectrum counted(const Search& search, const CasterChoice& first, const ChainSolution& solution,
-                     const Spectrum& value, float strength, Pcg& pcg) {
+    // The value over the chance to find its solution, by trials until it comes again. Chains of little
+    // throughput take as many as others, so that only some are counted.
+    template <class Trial>
+    Spectrum counted(const Spectrum& value, float strength, Pcg& pcg, const Trial& comes_again) {
         if (is_black(value)) return value;
         const float chance = std::clamp(strength, kLeastChance, 1.0f);
         if (pcg.one() >= chance) return Spectrum(0.0f);
-        const uint32_t trials =
-            trials_until([&] { return comes_again(search, first, solution, pcg); });
-        return value * (static_cast<float>(trials) / (chance * first.probability));
+        return value * (static_cast<float>(trials_until(comes_again)) / chance);
     }
 
     bool comes_again(const Search& search, const CasterChoice& first, const ChainSolution& solution,
@@ -275,15 +288,24 @@ private:
         return light_of(*connection, chain) * static_cast<float>(connection->scale);
     }
 
-    // Of the light of a chain that sheets miss.
-    float scale_of_missed(const Connection& connection, const Search& search,
-                          const CasterChoice& first, const ChainSolution& solution, Pcg& pcg) {
+    // The same of a chain that a definite search misses, without what is shared with others.
+    template <class Trial>
+    Spectrum of_missed(const Chain& chain, Pcg& pcg, const Trial& comes_again) {
+        const std::optional<Connection> connection = connect(chain);
+        if (!connection) return Spectrum(0.0f);
+        const Spectrum light = light_of(*connection, chain);
+        if (is_black(light)) return light;
+        return counted(light * scale_of_missed(*connection, comes_again), connection->strength(),
+                       pcg, comes_again);
+    }
+
+    template <class Trial>
+    float scale_of_missed(const Connection& connection, const Trial& comes_again) {
         const CausticDensities& p = connection.densities;
         if (!p.missed_are_apart()) return static_cast<float>(connection.scale);
         // Where path tracing is blind all is the searches'.
         const uint32_t most = p.path_tracing > 0.0 ? settings_.weight_trials : 1;
-        const uint32_t trials = count_trials(
-            settings_, most, [&] { return comes_again(search, first, solution, pcg); });
+        const uint32_t trials = count_trials(settings_, most, comes_again);
         return static_cast<float>(p.geometry * p.share_of_searches(trials) /
                                   static_cast<double>(y_.pdf));
     }
@@ -434,6 +456,16 @@ void find_highlights(const Techniques& techniques, const Receiver& camera, const
     Estimate(techniques, camera, *y, stats).highlights(found);
 }
 
+std::optional<Highlight> search_highlight(const Techniques& techniques, const Receiver& camera,
+                                          const Vec2& pixel, const Sampler& sampler,
+                                          ManifoldStats& stats) {
+    const std::optional<LightPoint> y = sample_light_point(
+        techniques.lights, techniques.scene, sampler[Domain::highlight_light].three());
+    if (!y || !techniques.highlights->has(y->light)) return std::nullopt;
+    Pcg pcg(sampler[Domain::highlight_seeds].stream_seed());
+    return Estimate(techniques, camera, *y, stats).missed_highlight(pixel, pcg);
+}
+
 std::optional<RandomHighlight> random_highlight(const Techniques& techniques, const Receiver& camera,
                                                 const Sampler& sampler, ManifoldStats& stats) {
     const std::optional<LightPoint> y = sample_light_point(
@@ -448,11 +480,8 @@ std::optional<RandomHighlight> random_highlight(const Techniques& techniques, co
 
 bool leads_to(const Techniques& techniques, const Receiver& camera, const HighlightLead& lead,
               const RandomHighlight& highlight, ManifoldStats& stats) {
-    const ManifoldSettings& settings = techniques.manifold;
-    const std::optional<ChainSolution> solution =
-        shoot(techniques.scene, settings, start_of(camera), end_of(highlight.y), lead.kind, lead.w,
-              settings.lead_halvings, stats);
-    return solution && same_solution(settings, *solution, highlight.solution);
+    return leads_to(techniques, start_of(camera), end_of(highlight.y), lead, highlight.solution,
+                    stats);
 }
 
 }  // namespace spc

@@ -54,6 +54,10 @@ struct Highlight {
 // One estimate of those that leads come to: appends them.
 void find_highlights(const Techniques& techniques, const Receiver& camera, const Sampler& sampler,
                      std::vector<Highlight>& found, ManifoldStats& stats);
+// One search in a pixel, by its corner, for one that no lead comes to.
+std::optional<Highlight> search_highlight(const Techniques& techniques, const Receiver& camera,
+                                          const Vec2& pixel, const Sampler& sampler,
+                                          ManifoldStats& stats);
 
 // One that was come upon by chance, as techniques.highlights would share it if it had leads to it.
 struct RandomHighlight {

@@ -79,6 +79,53 @@ void shoot_leads(const Techniques& techniques, const RayStart& x, const LightPoi
     }
 }
 
+bool leads_to(const Techniques& techniques, const RayStart& x, const ChainEnd& end,
+              const HighlightLead& lead, const ChainSolution& solution, ManifoldStats& stats) {
+    if (lead.kind != solution.kind) return false;
+    const ManifoldSettings& settings = techniques.manifold;
+    const std::optional<ChainSolution> found =
+        shoot(techniques.scene, settings, x, end, lead.kind, lead.w, settings.lead_halvings, stats);
+    return found && same_solution(settings, *found, solution);
+}
+
+bool is_led_to(const Techniques& techniques, const RayStart& x, const ChainEnd& end, uint32_t light,
+               const ChainSolution& solution, ManifoldStats& stats) {
+    const auto leads_to_it = [&](const HighlightLead& lead) {
+        return leads_to(techniques, x, end, lead, solution, stats);
+    };
+    const std::vector<HighlightLead>& leads = techniques.highlights->leads[light];
+    return std::any_of(leads.begin(), leads.end(), leads_to_it);
+}
+
+namespace {
+
+Vec2 pixel_of(const Camera& camera, const RayStart& x, const ChainSolution& solution) {
+    const Vec2 film = camera.film_towards(x.p, normalize(solution.chain.vertices[0].patch.p - x.p));
+    return {std::floor(film.x), std::floor(film.y)};
+}
+
+bool is_same(const ManifoldSettings& settings, const ChainSolution& one,
+             const std::optional<ChainSolution>& other) {
+    return other && same_solution(settings, one, *other);
+}
+
+}  // namespace
+
+std::optional<ChainSolution> search_pixel(const Techniques& techniques, const RayStart& x,
+                                          const Vec2& pixel, const ChainEnd& end, Pcg& pcg,
+                                          ManifoldStats& stats) {
+    const Scene& scene = techniques.scene;
+    const ManifoldSettings& settings = techniques.manifold;
+    const std::optional<ChainStart> start =
+        sample_chain_along(scene, settings, scene.camera.ray_from(x.p, pixel + pcg.two()),
+                           techniques.casters, pcg, stats);
+    if (!start) return std::nullopt;
+    const std::optional<ChainSolution> found =
+        shoot(scene, settings, x, end, start->kind, start->w, settings.max_halvings, stats);
+    if (!found || !(pixel_of(scene.camera, x, *found) == pixel)) return std::nullopt;
+    return found;
+}
+
 namespace {
 
 RayStart start_of(const CausticPath& path) { return {path.x, path.sides.ng, path.p_error}; }
@@ -110,9 +157,9 @@ bool comes_by_definite_search(const Techniques& techniques, const LightSheets& s
     const ManifoldSettings& settings = techniques.manifold;
     const LightPoint y = light_point(end);
     FoundChains found;
-    if (path.from_camera) {
-        shoot_leads(techniques, start_of(path), y, found, stats);
-    } else if (settings.finder == ChainFinder::sheets) {
+    if (path.from_camera)
+        return is_led_to(techniques, start_of(path), end.end, end.light, own, stats);
+    if (settings.finder == ChainFinder::sheets) {
         if (const LightSheet* sheet = nearest_sheet(sheets, y))
             shoot_leads(techniques.scene, settings, *sheet, start_of(path), y,
                         std::numeric_limits<float>::max(), 0.0f, found, stats);
@@ -132,17 +179,22 @@ uint32_t trials_if_missed(const Techniques& techniques, const LightSheets& sheet
     const ManifoldSettings& settings = techniques.manifold;
     const std::optional<ChainSolution> own = shoot_along(techniques, path, end, stats);
     if (own && comes_by_definite_search(techniques, sheets, path, end, *own, stats)) return 0;
-    if (path.from_camera || settings.finder != ChainFinder::sheets) return 1;
+    if (!path.from_camera && settings.finder != ChainFinder::sheets) return 1;
     if (!own) return most;
+    const RayStart x = start_of(path);
+    if (path.from_camera) {
+        const Vec2 pixel = pixel_of(techniques.scene.camera, x, *own);
+        return count_trials(settings, most, [&] {
+            return is_same(settings, *own, search_pixel(techniques, x, pixel, end.end, pcg, stats));
+        });
+    }
     const uint32_t first = techniques.casters.of_instance[path.vertices[0].hit.instance];
     return count_trials(settings, most, [&] {
-        const std::optional<ChainStart> start = sample_chain(
-            techniques.scene, settings, start_of(path), techniques.casters, first, pcg, stats);
-        if (!start) return false;
-        const std::optional<ChainSolution> again =
-            shoot(techniques.scene, settings, start_of(path), end.end, start->kind, start->w,
-                  settings.max_halvings, stats);
-        return again && same_solution(settings, *own, *again);
+        const std::optional<ChainStart> start =
+            sample_chain(techniques.scene, settings, x, techniques.casters, first, pcg, stats);
+        return start && is_same(settings, *own,
+                                shoot(techniques.scene, settings, x, end.end, start->kind, start->w,
+                                      settings.max_halvings, stats));
     });
 }
 

@@ -47,9 +47,21 @@ uint32_t count_trials(const ManifoldSettings& settings, uint32_t most, const Tri
     return trials;
 }
 
+// Whether the lead, or one of those to the light, comes to the chain.
+bool leads_to(const Techniques& techniques, const RayStart& x, const ChainEnd& end,
+              const HighlightLead& lead, const ChainSolution& solution, ManifoldStats& stats);
+bool is_led_to(const Techniques& techniques, const RayStart& x, const ChainEnd& end, uint32_t light,
+               const ChainSolution& solution, ManifoldStats& stats);
+
+// A random search from a point of the camera's lens for chains that are seen in a pixel: it begins
+// there, too. `pixel`: its corner.
+std::optional<ChainSolution> search_pixel(const Techniques& techniques, const RayStart& x,
+                                          const Vec2& pixel, const ChainEnd& end, Pcg& pcg,
+                                          ManifoldStats& stats);
+
 // 0 where a lead of the sheets or of highlights, or a fixed start, comes to the path's chain. Else the
-// trials, at most so many, until a random search beside sheets came to it from the caster where it
-// begins; 1 where there are no searches. Not of walks, which may come to any.
+// trials, at most so many, until a random search came to it from the caster where it begins, or the
+// pixel; 1 where there are no searches. Not of walks, which may come to any.
 uint32_t trials_if_missed(const Techniques& techniques, const LightSheets& sheets,
                           const CausticPath& path, const LightEnd& end, uint32_t most, Pcg& pcg,
                           ManifoldStats& stats);

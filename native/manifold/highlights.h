@@ -17,6 +17,9 @@ struct HighlightLead {
 struct Highlights {
     std::vector<std::vector<HighlightLead>> leads;  // of each light
     double estimates = 0.0;  // for each sample of the picture; each shoots all leads of one light
+    // In each pixel of the film for each sample of the picture: random searches, which begin there, for
+    // chains that no lead comes to and that are seen there.
+    double searches = 0.0;
     bool has(uint32_t light) const { return !leads[light].empty(); }
 };
 

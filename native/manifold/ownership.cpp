@@ -281,13 +281,14 @@ std::optional<CausticDensities> caustic_densities(const Techniques& techniques,
     const std::optional<ChainDerivative> derivative = chain_derivative(path.x, chain, end.end);
     if (!derivative) return std::nullopt;
 
+    constexpr double kWorthOfSearch = 0.5;  // by the noise of its count
     CausticDensities p;
     p.geometry = derivative->geometry * static_cast<double>(end.cosine);
     const bool by_manifold = manifold_owns(techniques, path) &&
                              !(path.from_camera && !shows_highlights(techniques, end));
     if (by_manifold && path.from_camera) {
         p.manifold = techniques.highlights->estimates * static_cast<double>(end.pdf);
-        p.missed = 0.0;
+        p.missed = kWorthOfSearch * techniques.highlights->searches * static_cast<double>(end.pdf);
     } else if (by_manifold) {
         const ManifoldSettings& manifold = techniques.manifold;
         p.manifold = manifold_worth(techniques, path) * static_cast<double>(end.pdf) * facets;
@@ -300,8 +301,8 @@ std::optional<CausticDensities> caustic_densities(const Techniques& techniques,
             };
             if (chooses_caster(manifold, path)) p.manifold *= chance_of_caster();
             if (manifold.finder == ChainFinder::sheets)
-                p.missed = 0.5 * static_cast<double>(manifold.search_chance) * chance_of_caster() *
-                           static_cast<double>(end.pdf);
+                p.missed = kWorthOfSearch * static_cast<double>(manifold.search_chance) *
+                           chance_of_caster() * static_cast<double>(end.pdf);
             if (manifold.finder == ChainFinder::mnee && !manifold.biased) p.missed = 0.0;
         }
     }

@@ -199,9 +199,9 @@ struct CausticDensities {
     double manifold = 0.0;
     double light_tracing = 0.0;  // paths p_L(y) p_e(w_y) |dw_y/dA_x| times the chances of all lobes
     // Of random searches for chains that the manifold's definite search misses, where others take its
-    // share of them: p_L(y) times the chance of a search that begins at the chain's caster, half of it
-    // for the noise of its count. One in so many trials comes to the chain. 0: there are none, beside
-    // fixed starts and of highlights.
+    // share of them: p_L(y) times the chance of a search that begins at the chain's caster, or in the
+    // pixel that shows it, half of it for the noise of its count. One in so many trials comes to the
+    // chain. 0: there are none, beside fixed starts.
     std::optional<double> missed;
 
     // What light tracing multiplies the path's light with: its geometry over the densities, of which

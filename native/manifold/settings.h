@@ -13,7 +13,7 @@ namespace spc {
 enum class Interaction : uint8_t { reflection, refraction };
 
 // Interactions of a chain, at most: of any, and of those that the manifold looks for from receivers.
-inline constexpr uint32_t kLongestChain = 12, kLongestManifoldChain = 6;
+inline constexpr uint32_t kLongestChain = 13, kLongestManifoldChain = 6;
 
 enum class Constraint : uint8_t { half_vector, angle_difference };
 

@@ -181,6 +181,47 @@ float chance_of_reflection(const SpecularInterface& interface, float cosine, flo
     return std::clamp(facet::dielectric(cosine, eta), kFloor, 1.0f - kFloor);
 }
 
+// Of a ray that has hit a caster, or nothing.
+std::optional<ChainStart> follow_by_chance(const Scene& scene, const ManifoldSettings& settings,
+                                           const CasterSet& casters, Ray ray,
+                                           std::optional<Hit> hit, uint32_t longest, Pcg& pcg,
+                                           ManifoldStats& stats, const FrozenFacets* facets) {
+    const std::vector<Interaction>& family = settings.family;
+    if (!family.empty()) longest = static_cast<uint32_t>(family.size());
+    ChainStart chain{{}, ray.direction};
+    while (hit && hit->light == kNone && casters.of_instance[hit->surface.instance] != kNone) {
+        const SpecularInterface& specular = interface_at(scene, hit->surface, facets);
+        const CasterPatch patch = patch_at(scene, hit->surface, specular, facets, chain.kind.count);
+        const float eta = eta_seen_from(patch.ng, ray.direction * -1.0f, specular.ior);
+        const Interaction interaction =
+            !family.empty() ? family[chain.kind.count]
+            : pcg.one() < chance_of_reflection(specular, dot(patch.n, ray.direction), eta)
+                ? Interaction::reflection
+                : Interaction::refraction;
+        if (!has_interaction(specular, interaction)) break;
+        RayDual dual = ray_dual_from(ray.direction);
+        if (!pass_vertex({interaction, eta, patch}, 0.0, dual)) break;
+        chain.kind.append({hit->surface.instance, interaction});
+        if (chain.kind.count == longest) break;
+        const Vec3 out(dual.d);
+        const RayStart from{patch.p, patch.ng, patch.p_error};
+        ray = {patch.p, out, leave(from, out), kInfinity};
+        ++stats.rays;
+        hit = scene.accel->intersect(ray, kVisibleScattered);
+    }
+    if (chain.kind.count == 0) return std::nullopt;
+    if (!family.empty()) {
+        if (chain.kind.count < longest) return std::nullopt;
+        return chain;
+    }
+    // Light may wait behind any of the vertices; most often behind the last.
+    if (pcg.one() < 0.5f)
+        chain.kind = chain.kind.first(
+            1 + std::min(static_cast<uint32_t>(pcg.one() * static_cast<float>(chain.kind.count)),
+                         chain.kind.count - 1));
+    return chain;
+}
+
 }  // namespace
 
 FrozenFacets freeze_facets(Pcg& pcg) {
@@ -259,53 +300,38 @@ std::optional<ChainStart> sample_chain(const Scene& scene, const ManifoldSetting
                                        const RayStart& x, const CasterSet& casters, uint32_t caster,
                                        Pcg& pcg, ManifoldStats& stats, const FrozenFacets* facets) {
     const Caster& first = casters.casters[caster];
-    const std::vector<Interaction>& family = settings.family;
-    const auto longest =
-        family.empty() ? settings.longest_chain : static_cast<uint32_t>(family.size());
-    ChainStart chain;
+    Vec3 w;
     const bool by_area = pcg.one() < settings.seeds_by_area;
     if (by_area) {
         const Vec3 to = surface_position(scene, sample_on(first, pcg)) - x.p;
         const float distance = length(to);
         if (!(distance > 0.0f)) return std::nullopt;
-        chain.w = to * (1.0f / distance);
+        w = to * (1.0f / distance);
     } else {
-        chain.w = towards_caster(first, x.p, pcg.two());
+        w = towards_caster(first, x.p, pcg.two());
     }
-    Ray ray{x.p, chain.w, leave(x, chain.w), kInfinity};
+    const Ray ray{x.p, w, leave(x, w), kInfinity};
     ++stats.rays;
-    std::optional<Hit> hit = scene.accel->intersect_caster(first.instance, ray);
-    while (hit && hit->light == kNone && casters.of_instance[hit->surface.instance] != kNone) {
-        const SpecularInterface& specular = interface_at(scene, hit->surface, facets);
-        const CasterPatch patch = patch_at(scene, hit->surface, specular, facets, chain.kind.count);
-        const float eta = eta_seen_from(patch.ng, ray.direction * -1.0f, specular.ior);
-        const Interaction interaction =
-            !family.empty() ? family[chain.kind.count]
-            : pcg.one() < chance_of_reflection(specular, dot(patch.n, ray.direction), eta)
-                ? Interaction::reflection
-                : Interaction::refraction;
-        if (!has_interaction(specular, interaction)) break;
-        RayDual dual = ray_dual_from(ray.direction);
-        if (!pass_vertex({interaction, eta, patch}, 0.0, dual)) break;
-        chain.kind.append({hit->surface.instance, interaction});
-        if (chain.kind.count == longest) break;
-        const Vec3 out(dual.d);
-        const RayStart from{patch.p, patch.ng, patch.p_error};
-        ray = {patch.p, out, leave(from, out), kInfinity};
+    return follow_by_chance(scene, settings, casters, ray,
+                            scene.accel->intersect_caster(first.instance, ray),
+                            settings.longest_chain, pcg, stats, facets);
+}
+
+std::optional<ChainStart> sample_chain_along(const Scene& scene, const ManifoldSettings& settings,
+                                             Ray ray, const CasterSet& casters, Pcg& pcg,
+                                             ManifoldStats& stats) {
+    for (;;) {
         ++stats.rays;
-        hit = scene.accel->intersect(ray, kVisibleScattered);
+        const std::optional<Hit> hit = scene.accel->intersect(ray, kVisibleCamera);
+        if (!hit) return std::nullopt;
+        if (hit->light == kNone) {
+            if (casters.of_instance[hit->surface.instance] != kNone)
+                return follow_by_chance(scene, settings, casters, ray, hit, kLongestChain, pcg,
+                                        stats, nullptr);
+            if (!scene.any_transparency) return std::nullopt;
+        }
+        ray.t_near = past(hit->t);
     }
-    if (chain.kind.count == 0) return std::nullopt;
-    if (!family.empty()) {
-        if (chain.kind.count < longest) return std::nullopt;
-        return chain;
-    }
-    // Light may wait behind any of the vertices; most often behind the last.
-    if (pcg.one() < 0.5f)
-        chain.kind = chain.kind.first(
-            1 + std::min(static_cast<uint32_t>(pcg.one() * static_cast<float>(chain.kind.count)),
-                         chain.kind.count - 1));
-    return chain;
 }
 
 std::optional<ChainStart> straight_chain(const Scene& scene, const ManifoldSettings& settings,

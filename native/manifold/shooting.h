@@ -79,6 +79,10 @@ std::optional<ChainStart> sample_chain(const Scene& scene, const ManifoldSetting
                                        const RayStart& x, const CasterSet& casters, uint32_t caster,
                                        Pcg& pcg, ManifoldStats& stats,
                                        const FrozenFacets* facets = nullptr);
+// The same along a ray of the camera's, from the first caster that it meets on.
+std::optional<ChainStart> sample_chain_along(const Scene& scene, const ManifoldSettings& settings,
+                                             Ray ray, const CasterSet& casters, Pcg& pcg,
+                                             ManifoldStats& stats);
 // Along the segment to the end: refracted by every caster that it crosses, whatever else stands in
 // its way [Hanika15]. Empty where it crosses none, or more than a chain may have.
 std::optional<ChainStart> straight_chain(const Scene& scene, const ManifoldSettings& settings,

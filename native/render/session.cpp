@@ -17,7 +17,7 @@ namespace {
 // that a tile's data stays in cache, up to 2^kDoublings.
 constexpr uint32_t kDoublings = 2, kLargestBatch = 1u << kDoublings;
 
-// Light paths, or estimates of highlights, in a job.
+// Light paths, estimates of highlights and searches for them in a job.
 constexpr uint64_t kSplatJob = 1024;
 // Of those, between two looks at the clock.
 constexpr uint64_t kUntilClock = 64;
@@ -268,10 +268,15 @@ void Session::find_highlights() {
 
 void Session::count_splats() {
     if (light_pilot_) light_paths_ = light_paths_that_pay(*light_pilot_);
-    if (highlights_) highlight_estimates_ = static_cast<uint64_t>(highlights_->estimates);
-    if (light_paths_ + highlight_estimates_ == 0) return;
-    splat_jobs_ = static_cast<uint32_t>(std::clamp<uint64_t>(
-        (light_paths_ + highlight_estimates_) / kSplatJob, 1, film_.tile_count()));
+    if (highlights_) {
+        highlight_estimates_ = static_cast<uint64_t>(highlights_->estimates);
+        highlight_searches_ =
+            highlight_searches(world_.scene->camera, *highlights_, filter_.reach());
+    }
+    const uint64_t splats = light_paths_ + highlight_estimates_ + highlight_searches_;
+    if (splats == 0) return;
+    splat_jobs_ =
+        static_cast<uint32_t>(std::clamp<uint64_t>(splats / kSplatJob, 1, film_.tile_count()));
     settings_.integrator.light_tracing.paths = static_cast<double>(light_paths_);
 }
 
@@ -442,7 +447,7 @@ GlintEffort Session::glint_effort(const PixelSums& pixel, double variance_of_til
             static_cast<float>(std::sqrt(std::max(variance_of_tile, 0.0)))};
 }
 
-// A part of the light paths and of the estimates of highlights of a pass.
+// A part of the light paths, the estimates of highlights and the searches for them of a pass.
 bool Session::render_splats(uint32_t pass, uint32_t part, RenderStats& stats) {
     const auto stop = [&] { return pass > 0 ? should_stop() : must_stop(); };
     const auto& crop = world_.scene->camera.crop;
@@ -475,7 +480,11 @@ bool Session::render_splats(uint32_t pass, uint32_t part, RenderStats& stats) {
         estimate_part(highlight_estimates_, [&](uint64_t i, std::vector<Splat>& splats) {
             estimate_highlights(world_, integrator, margin, settings_.seed, i, splats, stats.path);
         });
-    if (!light || !highlights) return false;
+    const auto missed =
+        estimate_part(highlight_searches_, [&](uint64_t i, std::vector<Splat>& splats) {
+            search_highlights(world_, integrator, margin, settings_.seed, i, splats, stats.path);
+        });
+    if (!light || !highlights || !missed) return false;
     while (splat_jobs_done_.load() != uint64_t{pass} * splat_jobs_ + part) {
         if (stop()) return false;
         std::this_thread::yield();
@@ -486,6 +495,9 @@ bool Session::render_splats(uint32_t pass, uint32_t part, RenderStats& stats) {
     if (highlight_estimates_ > 0)
         film_.add_splats(SplatSource::highlights, highlights->splats, filter_, highlights->count,
                          static_cast<double>(highlight_estimates_));
+    if (highlight_searches_ > 0)
+        film_.add_splats(SplatSource::missed_highlights, missed->splats, filter_, missed->count,
+                         static_cast<double>(highlight_searches_));
     ++splat_jobs_done_;
     return true;
 }

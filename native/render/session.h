@@ -125,7 +125,8 @@ private:
     std::vector<TileEvidence> evidence_;              // of each tile, from those passes
     // Of each pass, beside its tiles. Splats are added to the film in the order of these, too.
     uint32_t splat_jobs_ = 0;
-    uint64_t light_paths_ = 0, highlight_estimates_ = 0;  // for each sample of the picture
+    uint64_t light_paths_ = 0, highlight_estimates_ = 0,
+             highlight_searches_ = 0;  // for each sample of the picture
     std::atomic<uint64_t> splat_jobs_done_{0};
     std::unique_ptr<const LightPilot> light_pilot_;
     std::unique_ptr<const Highlights> highlights_;

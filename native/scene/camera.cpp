@@ -12,6 +12,8 @@ struct LensPoint {
     Vec2 tilt{0.0f, 0.0f};  // what a ray through it moves towards the axis, per m along the axis
 };
 
+LensPoint tilted(const Camera& camera, const Vec2& at) { return {at, at / camera.focus_distance}; }
+
 LensPoint lens_point(const Camera& camera, const Vec2& lens) {
     if (camera.aperture_radius == 0.0f) return {};
     Vec2 p;
@@ -29,7 +31,7 @@ LensPoint lens_point(const Camera& camera, const Vec2& lens) {
     }
     const Vec2 at(p.x * camera.aperture_radius / camera.aperture_ratio,
                   p.y * camera.aperture_radius);
-    return {at, at / camera.focus_distance};
+    return tilted(camera, at);
 }
 
 // Pixels per unit of the viewplane.
@@ -53,16 +55,37 @@ LocalRay local_ray(Projection projection, const Vec2& film, const LensPoint& len
     return {origin, slope, length(Vec3(slope.x, slope.y, -1.0f))};
 }
 
+Ray ray_through(const Camera& camera, const Vec2& pixels, const LensPoint& lens) {
+    const auto& [left, right, bottom, top] = camera.viewplane;
+    const Vec2 film(lerp(left, right, pixels.x / static_cast<float>(camera.width)),
+                    lerp(bottom, top, pixels.y / static_cast<float>(camera.height)));
+    const auto [origin, slope, stretch] = local_ray(camera.projection, film, lens);
+    return {camera.to_world.point(Vec3(origin.x, origin.y, 0.0f)),
+            camera.to_world.vector(Vec3(slope.x, slope.y, -1.0f) * (1.0f / stretch)),
+            camera.clip_near * stretch, camera.clip_far * stretch};
+}
+
+LensPoint point_of_lens(const Camera& camera, const Vec3& x) {
+    if (camera.aperture_radius == 0.0f) return {};
+    const Vec3 local = camera.to_world.transposed(x - camera.to_world.translation);
+    return tilted(camera, {local.x, local.y});
+}
+
 }  // namespace
 
 Ray Camera::ray(float x, float y, const Vec2& lens) const {
-    const auto& [left, right, bottom, top] = viewplane;
-    const Vec2 film(lerp(left, right, x / static_cast<float>(width)),
-                    lerp(bottom, top, y / static_cast<float>(height)));
-    const auto [origin, slope, stretch] = local_ray(projection, film, lens_point(*this, lens));
-    return {to_world.point(Vec3(origin.x, origin.y, 0.0f)),
-            to_world.vector(Vec3(slope.x, slope.y, -1.0f) * (1.0f / stretch)), clip_near * stretch,
-            clip_far * stretch};
+    return ray_through(*this, {x, y}, lens_point(*this, lens));
+}
+
+Ray Camera::ray_from(const Vec3& x, const Vec2& film) const {
+    return ray_through(*this, film, point_of_lens(*this, x));
+}
+
+Vec2 Camera::film_towards(const Vec3& x, const Vec3& w) const {
+    const Vec3 local = to_world.transposed(w);
+    const Vec2 corner(viewplane[0], viewplane[2]);
+    return (Vec2(local.x, local.y) / -local.z + point_of_lens(*this, x).tilt - corner) *
+           pixel_scale(*this);
 }
 
 RayChange Camera::ray_change(float x, float y, const Vec2& lens) const {

@@ -143,8 +143,10 @@ struct Camera {
     // The way back, through the same point of the lens: a ray through view(p, lens)->film is the
     // one to p. Empty where p is not in front of the camera, or clipped.
     std::optional<CameraView> view(const Vec3& p, const Vec2& lens) const;
-    // Pixels^2 of the film per sr around the direction `w` through a point of the lens, of a camera
-    // with a perspective.
+    // Of a camera with a perspective, by a point `x` of its lens where rays start: the ray through a
+    // point of the film, where the direction `w` is seen on it, and pixels^2 per sr around that.
+    Ray ray_from(const Vec3& x, const Vec2& film) const;
+    Vec2 film_towards(const Vec3& x, const Vec3& w) const;
     float film_per_solid_angle(const Vec3& w) const;
     // Within the crop, or less than `margin` pixels beside it.
     bool is_near_crop(const Vec2& film, float margin) const;

@@ -23,21 +23,36 @@ void set_wide_camera(SceneMaker& maker, const Vec3& from, const std::function<vo
     maker.builder.set_camera(camera);
 }
 
+enum class By { rays, leads, searches };
+
+// In the place of all leads one that comes to nothing, and so many searches that they have their share
+// beside rays, which find the lamps of this test easily.
+void blind(Highlights& highlights) {
+    highlights.searches = 16.0;
+    for (std::vector<HighlightLead>& leads : highlights.leads) {
+        if (leads.empty()) continue;
+        leads.resize(1);
+        leads[0].w = leads[0].w * -1.0f;
+    }
+}
+
 // The whole picture without what lights show by themselves.
-Picture render_highlights(const RenderScene& world, bool with_chains, uint32_t rounds,
-                          uint32_t seed, const BounceLimits& limits = {16, 0, 16, 16, 16},
-                          uint32_t walks = kWalks) {
+Picture render_highlights(const RenderScene& world, By by, uint32_t rounds, uint32_t seed,
+                          const BounceLimits& limits = {16, 0, 16, 16, 16}, uint32_t walks = kWalks) {
     IntegratorSettings settings;
     settings.limits = limits;
     PathStats stats;
-    std::unique_ptr<const Highlights> highlights;
-    if (with_chains) {
+    std::optional<Highlights> highlights;
+    if (by != By::rays) {
         settings.manifold = unbiased_manifold();
         settings.manifold.finder = ChainFinder::sheets;
         const std::atomic<bool> cancelled{false};
-        highlights = learn_highlights(world, settings, walks, seed, 1, cancelled, stats);
-        EXPECT_TRUE(highlights) << "no chain from the camera to a light";
-        settings.highlights = highlights.get();
+        const std::unique_ptr<const Highlights> learned =
+            learn_highlights(world, settings, walks, seed, 1, cancelled, stats);
+        EXPECT_TRUE(learned) << "no chain from the camera to a light";
+        if (learned) highlights = *learned;
+        if (by == By::searches) blind(*highlights);
+        settings.highlights = &*highlights;
     }
     const Camera& camera = world.scene->camera;
     const auto& [x0, y0, width, height] = camera.crop;
@@ -66,6 +81,9 @@ Picture render_highlights(const RenderScene& world, bool with_chains, uint32_t r
         const auto count = highlights ? static_cast<uint64_t>(highlights->estimates) : 0u;
         for (uint64_t i = 0; i < count; ++i)
             estimate_highlights(world, settings, 0.0f, seed, round * count + i, splats, stats);
+        const uint64_t searches = highlights ? highlight_searches(camera, *highlights, 0.0f) : 0u;
+        for (uint64_t i = 0; i < searches; ++i)
+            search_highlights(world, settings, 0.0f, seed, round * searches + i, splats, stats);
         for (const Splat& splat : splats) {
             add(splat.film.x, splat.film.y, average(splat.value));
             splatted += average(splat.value);
@@ -97,7 +115,7 @@ TEST(Highlights, OfASphereInAMirrorAreInClosedForm) {
         std::pow(double(kWidth) / (2.0 * double(kHalfView)), 2) / std::pow(cosine, 3);
     const double expected = radiance * solid_angle * pixels_per_sr;
 
-    const Picture picture = render_highlights(world, true, 500, 3);
+    const Picture picture = render_highlights(world, By::leads, 500, 3);
     const double error = picture.mean[4].standard_error();
     EXPECT_LT(error, 0.005 * expected);
     EXPECT_NEAR(picture.mean[4].mean(), expected, 4.0 * error);
@@ -144,7 +162,7 @@ TEST(Highlights, BetweenMirrorsAreInClosedFormForAllReflections) {
     EXPECT_GE(seen, 5u);
 
     const BounceLimits limits{kMost - 1, 0, kMost - 1, kMost - 1, 16};
-    const Picture picture = render_highlights(world, true, 500, 3, limits, 32 * kWalks);
+    const Picture picture = render_highlights(world, By::leads, 500, 3, limits, 32 * kWalks);
     const double error = picture.mean[4].standard_error();
     EXPECT_LT(error, 0.02 * expected);
     EXPECT_NEAR(picture.mean[4].mean(), expected, 4.0 * error);
@@ -159,10 +177,10 @@ struct Case {
 };
 
 // Path tracing has to find the lamps often enough for a comparison: some pixels wide.
-void expect_agreement(std::vector<Case> cases) {
+void expect_agreement(std::vector<Case> cases, By by = By::leads) {
     for (Case& one : cases) {
-        const Picture expected = render_highlights(one.world, false, one.rounds, 11, one.limits),
-                      actual = render_highlights(one.world, true, one.rounds / 16, 12, one.limits);
+        const Picture expected = render_highlights(one.world, By::rays, one.rounds, 11, one.limits),
+                      actual = render_highlights(one.world, by, one.rounds / 16, 12, one.limits);
         for (size_t i = 0; i < actual.mean.size(); ++i) {
             // Of less than some ten hits nothing follows for a part.
             const MeanEstimate& traced = expected.mean[i];
@@ -277,6 +295,32 @@ TEST(HighlightsSlow, AgreeWithPathTracingForEveryLight) {
         },
         add_mirror_ball);
     expect_agreement(std::move(cases));
+}
+
+TEST(HighlightsSlow, AgreeWithPathTracingWhereNoLeadComesToThem) {
+    std::vector<Case> cases;
+    cases.push_back(with_bulb("lens and window", add_mirror_ball, 0.1f, [](Camera& camera) {
+        camera.aperture_radius = 0.02f;
+        camera.focus_distance = 3.0f;
+        camera.crop = {12, 10, 17, 20};
+    }));
+    cases.push_back(with_bulb(
+        "bumped mirror",
+        [](SceneMaker& maker) {
+            maker.builder.add_image(plane_normals(32, 0.25, 0.05, 4));
+            maker.add(square(1.0f), normal_mapped(mirror(), {1, 1}),
+                      rotation_x(std::numbers::pi_v<float> / 4), CausticsRole::caster);
+        },
+        0.05f));
+    cases.push_back(with_bulb(
+        "mirror ball behind a veil",
+        [](SceneMaker& maker) {
+            add_mirror_ball(maker);
+            maker.add(square(0.5f), transparent(0.5f), rotation_x(0.98f, kEye * 0.8f));
+        },
+        0.1f));
+    for (Case& one : cases) one.rounds /= 2;
+    expect_agreement(std::move(cases), By::searches);
 }
 
 TEST(HighlightsSlow, AgreeWithPathTracingWithinLimits) {

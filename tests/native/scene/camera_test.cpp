@@ -100,6 +100,20 @@ TEST(Camera, RaysAreThoseOfAPinhole) {
     }
 }
 
+TEST_P(Cameras, RaysByAPointOfTheLensAreTheSameAndLeadBackToTheFilm) {
+    if (GetParam().projection == kOrthographic) return;  // has directions of its own
+    test::Uniforms uniforms(9);
+    for (int i = 0; i < 50; ++i) {
+        const Camera camera = random_camera(uniforms);
+        const Vec2 film(160.0f * uniforms(), 90.0f * uniforms());
+        const Ray ray = camera.ray(film.x, film.y, uniforms.two()),
+                  again = camera.ray_from(ray.origin, film);
+        EXPECT_NEAR(length(again.origin - ray.origin), 0.0f, 1e-5f);
+        EXPECT_NEAR_ANGLE(again.direction, ray.direction, 1e-5);
+        EXPECT_NEAR((camera.film_towards(ray.origin, ray.direction) - film).length(), 0.0f, 1e-2f);
+    }
+}
+
 TEST_P(Cameras, ClipsAndDepthAreAlongTheAxis) {
     test::Uniforms uniforms(7);
     for (int i = 0; i < 50; ++i) {

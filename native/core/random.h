@@ -31,7 +31,8 @@ enum class Domain : uint32_t {
     rough_chain_activation,
     highlight_light,
     highlight_seeds,
-    missed_chains
+    missed_chains,
+    folds
 };
 
 inline uint64_t mix_bits(uint64_t x) {  // a bijection with good avalanche, [Stafford11] variant 13

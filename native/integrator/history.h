@@ -100,6 +100,7 @@ struct PathHistory {
         caustic.before = before;
         caustic.approach = approach_to_it.bounces;
         caustic.film_per_area = 0.0f;
+        caustic.folds = nullptr;
         caustic.count = 0;
     }
     // After append_smooth(), for set_direction(): where nobody shares paths, nobody needs that.

@@ -40,6 +40,9 @@ struct PathTracer {
     // surface makes of that.
     std::optional<PathDifferential> differential{};
     std::optional<GlintPoint> glints{};
+    // At the surface where the path is, and at history.caustic.x.
+    FoldDirections folds_here{}, folds_at_x{};
+    bool from_folds = false;  // x has drawn one of those
 
     const Scene& scene() const { return *world.scene; }
 
@@ -48,6 +51,30 @@ struct PathTracer {
         const std::optional<Hit> hit = scene().accel->intersect(ray, ray_kind);
         throughput *= media.transmittance(hit ? hit->t - ray.t_near : kInfinity);
         return hit;
+    }
+
+    // Along the ray to a surface, which the path then evaluates: adds the light that it runs into on
+    // the way and there. Empty where it leaves the scene.
+    std::optional<Hit> go_to_surface(Surface& surface, Spectrum& radiance) {
+        for (;;) {
+            const std::optional<Hit> hit = intersect();
+            if (!hit) {
+                const bool shows_film = settings.transparent_film && ray_kind == kVisibleCamera;
+                go_towards(ray.direction);
+                if (!shows_film) radiance += throughput * emission_from_afar();
+                return hit;
+            }
+            if (hit->light == kNone) {
+                evaluate(*hit, surface);
+                come_to(surface.p);
+                radiance += throughput * emission_of_surface(*hit, surface);
+                return hit;
+            }
+            // Lamps are looked through, as in Cycles.
+            come_to(ray.origin + ray.direction * hit->t);
+            radiance += throughput * emission_of_lamp(*hit);
+            ray.t_near = past(hit->t);
+        }
     }
 
     // What the path finds at a surface, as far as it is allowed to see it.
@@ -88,6 +115,7 @@ struct PathTracer {
 
     // Of the path since x.
     float weight_of_own(const LightEnd& end) const {
+        if (from_folds && history.stage != PathHistory::Stage::chain) return 0.0f;
         switch (history.stage) {
             case PathHistory::Stage::unconnected: return 1.0f;
             case PathHistory::Stage::scattered: {
@@ -120,23 +148,26 @@ struct PathTracer {
     }
 
     float weight_of_chain(const LightEnd& end) const {
+        const float unshared = from_folds ? 0.0f : 1.0f;
         const Techniques techniques = techniques_of(world, settings);
         const CausticPath& so_far = history.caustic;
         if (!(end.pdf > 0.0f) ||
             !(manifold_owns(techniques, so_far) || light_tracing_owns(techniques, so_far)))
-            return 1.0f;
-        if (so_far.from_camera && !settings.highlights->has(end.light)) return 1.0f;
+            return unshared;
+        if (so_far.from_camera && !settings.highlights->has(end.light)) return unshared;
         CausticPath path = so_far;
-        if (is_black(chain_throughput(scene(), path, end.end))) return 1.0f;
+        if (is_black(chain_throughput(scene(), path, end.end))) return unshared;
         const std::optional<CausticDensities> p = caustic_densities(techniques, path, end);
-        if (!p || p->manifold + p->light_tracing == 0.0) return 1.0f;
+        if (!p || p->manifold + p->light_tracing == 0.0) return unshared;
+        const double own = from_folds ? p->share_of_folds() : 1.0 - p->share_of_folds();
+        if (own == 0.0) return 0.0f;
         const uint32_t trials =
             p->missed_are_apart()
                 ? trials_if_missed(techniques, pass.sheets, path, end,
                                    settings.manifold.weight_trials, pcg, stats.manifold)
                 : 0;
-        return static_cast<float>(trials > 0 ? p->share_of_path_tracing(trials)
-                                             : p->path_tracing / p->sum());
+        return static_cast<float>(
+            own * (trials > 0 ? p->share_of_directions(trials) : p->by_directions() / p->sum()));
     }
 
     // A lamp without shadow shines through everything: rays, which do not, leave it to those who
@@ -395,7 +426,14 @@ struct PathTracer {
                 approach,
                 bounces,
                 0.0f,
-                rough_visit(surface).before};
+                rough_visit(surface).before,
+                folds_here.empty() ? nullptr : &folds_here};
+    }
+
+    // Before receiver_at(). Light paths find folds where the camera comes as they do.
+    void look_for_folds(const Surface& surface, const CameraApproach& approach, bool receives) {
+        const bool alone = !(approach.film_per_area > 0.0f) && !rough_visit(surface).before;
+        folds_here = receives && alone ? FoldDirections(pass.sheets, surface.p) : FoldDirections();
     }
 
     // Of chains of deltas, and of those with rough vertices. Throughput included.
@@ -408,7 +446,8 @@ struct PathTracer {
             sum += estimate(surface, approach, depth, sampler[Domain::manifold_activation].one(),
                             [&](const Receiver& receiver) {
                                 return manifold_radiance(techniques, receiver, pass.sheets, sampler,
-                                                         stats.manifold);
+                                                         stats.manifold) +
+                                       fold_radiance(surface, sampler[Domain::folds]);
                             });
         if (may_begin_rough_chain(surface, approach))
             sum += estimate(
@@ -417,6 +456,53 @@ struct PathTracer {
                     return rough_chain_radiance(techniques, receiver, sampler, stats.manifold);
                 });
         return sum;
+    }
+
+    // Of chains of deltas, by a direction next to folds.
+    Spectrum fold_radiance(const Surface& surface, const Sampler& sampler) const {
+        if (folds_here.empty()) return Spectrum(0.0f);
+        const std::optional<Vec3> w = folds_here.sample(sampler.three());
+        const float pdf = w ? folds_here.pdf(*w) : 0.0f;
+        if (!(pdf > 0.0f)) return Spectrum(0.0f);
+        const ClosureEval f = eval(surface.closures, surface.ng, surface.wo, *w);
+        if (is_black(f.f_cos)) return Spectrum(0.0f);
+        PathTracer path{world, settings, pass, stats, pcg, lens, ray, media};
+        path.throughput = f.f_cos * (1.0f / pdf);
+        path.bounces = bounces;
+        path.from_folds = true;
+        ClosureSample next{};
+        next.wi = *w;
+        next.pdf_omega = f.pdf_omega;
+        next.kind = BounceKind::diffuse;
+        path.history.append_smooth(scene(), surface, next, true, {}, bounces);
+        path.history.keep(surface, {});
+        path.history.caustic.folds = &folds_here;
+        path.leave(surface, next);
+        return path.light_behind_deltas(sampler);
+    }
+
+    // Throughput included.
+    Spectrum light_behind_deltas(const Sampler& sampler) {
+        Spectrum sum(0.0f);
+        Surface surface;
+        for (uint32_t vertex = 0;; ++vertex) {
+            const std::optional<Hit> hit = go_to_surface(surface, sum);
+            if (!hit) return sum;
+            const std::optional<ClosureSample> next =
+                sample(surface.closures, surface.ng, surface.wo,
+                       sampler.vertex(vertex)[Domain::closure].three());
+            if (!next) return sum;
+            throughput *= next->weight;
+            if (next->kind == BounceKind::transparent) {
+                if (!look_through(*hit)) return sum;
+                continue;
+            }
+            if (!next->delta || history.caustic.count == settings.manifold.longest_chain)
+                return sum;
+            bounces.add(next->kind);
+            history.append_delta(surface.hit, *next, world.casters);
+            leave(surface, *next);
+        }
     }
 
     // See CausticPath::begins_rough. Where the camera comes as light paths do, they find them.
@@ -442,14 +528,15 @@ struct PathTracer {
         if (u >= chance) return Spectrum(0.0f);
         ManifoldStats& counts = stats.manifold;
         const ManifoldStats before = counts;
+        const uint64_t rays_before = stats.rays;
         Receiver receiver = receiver_at(surface, approach);
         receiver.importance = max_component(throughput) * smooth_albedo(surface.closures) *
                               share_beside_light_paths(approach) / (kPi * chance);
         const Spectrum caustic = throughput * (1.0f / chance) * radiance(receiver);
         const double squares =
             static_cast<double>((sqr(caustic.x) + sqr(caustic.y) + sqr(caustic.z)) * (1.0f / 3.0f));
-        const double work =
-            static_cast<double>(counts.iterations - before.iterations + counts.rays - before.rays);
+        const double work = static_cast<double>(counts.iterations - before.iterations + counts.rays -
+                                                before.rays + stats.rays - rays_before);
         stats.evidence[i].add(
             {squares * static_cast<double>(chance), work / static_cast<double>(chance)});
         if (counts.capped > before.capped)
@@ -490,15 +577,21 @@ struct PathTracer {
             history.append_smooth(scene(), surface, next, receives, approach, before);
             if (shares()) history.keep(surface, approach);
             if (next.glints) history.set_glints(glints->density(next.wi));
+            std::swap(folds_at_x, folds_here);
+            if (!folds_at_x.empty()) history.caustic.folds = &folds_at_x;
         } else {
             history.append_delta(surface.hit, next, world.casters);
         }
+        leave(surface, next);
+        return true;
+    }
+
+    void leave(const Surface& surface, const ClosureSample& next) {
         ray_kind = ray_kind_after(next.kind);
         from = surface.p;
         if (dot(surface.ng, next.wi) < 0.0f) media.cross(scene(), surface.hit, next.wi);
         ray = {offset_origin({surface.p, surface.ng, surface.p_error}, next.wi), next.wi, 0.0f,
                kInfinity};
-        return true;
     }
 
     // Ends paths of little throughput without bias; the root keeps them alive longer than the
@@ -551,26 +644,13 @@ PathSample path_radiance(const RenderScene& world, const IntegratorSettings& set
     PathSample out;
     Surface surface;
     for (uint32_t vertex = 0;; ++vertex) {
-        const std::optional<Hit> hit = path.intersect();
-        if (!hit && settings.transparent_film && path.ray_kind == kVisibleCamera) {
-            const Spectrum& t = path.throughput;
-            out.alpha = 1.0f - (t.x + t.y + t.z) / 3.0f;
-            break;
-        }
+        const std::optional<Hit> hit = path.go_to_surface(surface, out.radiance);
         if (!hit) {
-            path.go_towards(path.ray.direction);
-            out.radiance += path.throughput * path.emission_from_afar();
+            const Spectrum& t = path.throughput;
+            if (settings.transparent_film && path.ray_kind == kVisibleCamera)
+                out.alpha = 1.0f - (t.x + t.y + t.z) / 3.0f;
             break;
         }
-        if (hit->light != kNone) {  // lamps are looked through, as in Cycles
-            path.come_to(path.ray.origin + path.ray.direction * hit->t);
-            out.radiance += path.throughput * path.emission_of_lamp(*hit);
-            path.ray.t_near = past(hit->t);
-            continue;
-        }
-        path.evaluate(*hit, surface);
-        path.come_to(surface.p);
-        out.radiance += path.throughput * path.emission_of_surface(*hit, surface);
         if (path.bounces.exhausted(settings.limits)) {
             if (path.look_for_lights_behind(*hit, surface)) continue;
             break;
@@ -582,6 +662,7 @@ PathSample path_radiance(const RenderScene& world, const IntegratorSettings& set
         out.radiance += path.throughput * path.direct_radiance(surface, approach, here);
         if (path.glints) out.radiance += path.glint_radiance(surface, here);
         const bool receives = path.may_receive(surface);
+        path.look_for_folds(surface, approach, receives && settings.manifold.enabled);
         if (receives && settings.manifold.enabled) {
             const Spectrum caustic = path.caustic_radiance(surface, approach, here);
             out.radiance += caustic;

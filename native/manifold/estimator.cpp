@@ -303,8 +303,8 @@ private:
     float scale_of_missed(const Connection& connection, const Trial& comes_again) {
         const CausticDensities& p = connection.densities;
         if (!p.missed_are_apart()) return static_cast<float>(connection.scale);
-        // Where path tracing is blind all is the searches'.
-        const uint32_t most = p.path_tracing > 0.0 ? settings_.weight_trials : 1;
+        // Where directions are blind all is the searches'.
+        const uint32_t most = p.by_directions() > 0.0 ? settings_.weight_trials : 1;
         const uint32_t trials = count_trials(settings_, most, comes_again);
         return static_cast<float>(p.geometry * p.share_of_searches(trials) /
                                   static_cast<double>(y_.pdf));
@@ -406,6 +406,7 @@ CausticPath caustic_path(const Scene& scene, const Receiver& receiver, const Clo
     path.receiver = true;
     path.approach = receiver.approach.bounces;
     path.film_per_area = film_per_area(scene, receiver.approach, receiver.hit, receiver.wo, wi);
+    path.folds = receiver.folds;
     path.before = receiver.before;
     return path;
 }

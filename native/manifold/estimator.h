@@ -29,7 +29,8 @@ struct Receiver {
     BounceCounts before;  // see CausticPath
     // What irradiance adds to the pixel's radiance, about; largest channel.
     float importance;
-    const CausticPath* rough_before;  // see RoughVisit; null: there is none
+    const CausticPath* rough_before;        // see RoughVisit; null: there is none
+    const FoldDirections* folds = nullptr;  // see CausticPath
     const Camera* camera = nullptr;
 };
 

@@ -282,6 +282,8 @@ std::optional<CausticDensities> caustic_densities(const Techniques& techniques,
     if (!derivative) return std::nullopt;
 
     constexpr double kWorthOfSearch = 0.5;  // by the noise of its count
+    // Patches are larger than what chains at folds take of them.
+    constexpr double kWorthOfFolds = 0.25;
     CausticDensities p;
     p.geometry = derivative->geometry * static_cast<double>(end.cosine);
     const bool by_manifold = manifold_owns(techniques, path) &&
@@ -313,6 +315,10 @@ std::optional<CausticDensities> caustic_densities(const Techniques& techniques,
     const bool by_rays = !is_seen_through(techniques.lights, end.light);
     if (!end.delta && (by_rays || !by_manifold))
         p.path_tracing = static_cast<double>(path.pdf_omega) * probability * p.geometry;
+    if (!end.delta && by_rays && by_manifold && path.folds != nullptr)
+        p.folds = kWorthOfFolds *
+                  static_cast<double>(path.folds->pdf(normalize(chain[0].patch.p - path.x))) *
+                  probability * p.geometry;
     // Where the camera's rays run into a light as often, they need no help, which is not for nothing.
     if (path.from_camera && p.manifold <= p.path_tracing) {
         p.manifold = 0.0;

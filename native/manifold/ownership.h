@@ -8,6 +8,7 @@
 
 #include "bsdf/closure.h"
 #include "manifold/emission.h"
+#include "manifold/fold_directions.h"
 #include "manifold/highlights.h"
 
 namespace spc {
@@ -129,6 +130,7 @@ struct CausticPath {
     // and Turns::density of the casters on the way.
     // 0 if the camera's path came any other way.
     float film_per_area = 0.0f;
+    const FoldDirections* folds = nullptr;  // of which x draws one; null: it does not
     uint32_t count = 0;
     std::array<CausticVertex, kLongestChain> vertices;  // from the receiver on; `count` are valid
 
@@ -193,7 +195,8 @@ inline double manifold_worth(const Techniques& techniques, const CausticPath& pa
 struct CausticDensities {
     double geometry = 0.0;  // |dw_x/dA_y|, the cosine at y included
     double path_tracing =
-        0.0;  // p_bsdf(w) |dw_x/dA_y| times the chances of all lobes; 0 for delta lights
+        0.0;             // p_bsdf(w) |dw_x/dA_y| times the chances of all lobes; 0 for delta lights
+    double folds = 0.0;  // the same of directions next to folds, times their worth
     double direct = 0.0;  // of next event estimation
     // p_L(y) times the chance of the caster and manifold_worth(); of highlights times their estimates.
     double manifold = 0.0;
@@ -208,26 +211,30 @@ struct CausticDensities {
     // the estimator's own one divides it and the sum weighs. Finite on a fold. The manifold takes
     // manifold_worth() of it, which it has not been divided by.
     double scale() const { return geometry / sum(); }
-    double sum() const { return path_tracing + direct + manifold + light_tracing; }
+    double sum() const { return by_directions() + direct + manifold + light_tracing; }
+    // Of those who draw a direction at x and follow it.
+    double by_directions() const { return path_tracing + folds; }
 
     // A chain that sheets miss is found by searches, of which a few may do, or thousands. Who weighs it
     // counts trials anew, by which both have their share of what they are left with: the count is
     // random, but since it is independent of how the chain was found, the weights sum to one on
-    // average. It costs a look whether sheets miss the chain, so that is only done where path tracing
-    // is not dense. What fixed starts miss is path tracing's alone.
+    // average. It costs a look whether sheets miss the chain, so that is only done where directions
+    // are not dense. What fixed starts miss is path tracing's alone.
     bool missed_are_apart() const {
         constexpr double kDense = 4096.0;
-        return missed && (*missed == 0.0 || kDense * manifold > path_tracing);
+        return missed && (*missed == 0.0 || kDense * manifold > by_directions());
     }
     // Shares of a missed chain, by so many trials to find it.
     double share_of_searches(double trials) const {
-        return shared_by_camera() * *missed / (trials * path_tracing + *missed);
+        return shared_by_camera() * *missed / (trials * by_directions() + *missed);
     }
-    double share_of_path_tracing(double trials) const {
+    double share_of_directions(double trials) const {
         if (*missed == 0.0) return shared_by_camera();
-        return shared_by_camera() * trials * path_tracing / (trials * path_tracing + *missed);
+        return shared_by_camera() * trials * by_directions() / (trials * by_directions() + *missed);
     }
-    double shared_by_camera() const { return (path_tracing + manifold) / sum(); }
+    // Of what directions have.
+    double share_of_folds() const { return folds > 0.0 ? folds / by_directions() : 0.0; }
+    double shared_by_camera() const { return (by_directions() + manifold) / sum(); }
 };
 // Throughput of the chain's vertices as the camera's path comes to them, f |cos| of rough ones;
 // fills in the chances of their lobes. By the places of the vertices alone, so that all techniques

@@ -92,8 +92,9 @@ struct Slab {
 
 class PrismTree::Builder {
 public:
-    Builder(PrismTree& tree, const Shape& shape, float reach, std::vector<uint32_t>& order)
-        : nodes_(tree.nodes_), order_(order), shape_(shape), reach_(reach) {
+    Builder(PrismTree& tree, const Shape& shape, float reach, std::vector<uint32_t>& order,
+            Volumes volumes)
+        : nodes_(tree.nodes_), order_(order), shape_(shape), reach_(reach), volumes_(volumes) {
         for (const uint32_t i : order_) places_.push_back(place_of(shape(i), reach));
     }
 
@@ -175,7 +176,7 @@ private:
         const std::array<Vec3, 3> normals = normals_around(shape_(largest));
         std::array<Vec3, 3> motion{Vec3(0.0f), Vec3(0.0f), Vec3(0.0f)};
         const float share = 1.0f / static_cast<float>(end - begin);
-        for (uint32_t i = begin; i < end; ++i)
+        for (uint32_t i = begin; volumes_ == Volumes::move && i < end; ++i)
             for (size_t j = 0; j < 3; ++j) motion[j] += places_[order_[i]].motion[j] * share;
         std::array<Slab, 3> slabs;
         for (size_t k = 0; k < 3; ++k) slabs[k] = {normals[k], along(normals[k], motion)};
@@ -200,13 +201,15 @@ private:
     std::vector<uint32_t>& order_;
     const Shape& shape_;
     const float reach_;
+    const Volumes volumes_;
     std::vector<Place> places_;
 };
 
-PrismTree::PrismTree(uint32_t count, const Shape& shape, float reach, std::vector<uint32_t>& order) {
+PrismTree::PrismTree(uint32_t count, const Shape& shape, float reach, std::vector<uint32_t>& order,
+                     Volumes volumes) {
     order.resize(count);
     std::iota(order.begin(), order.end(), 0u);
-    if (count > 0) Builder(*this, shape, reach, order).build(0, count);
+    if (count > 0) Builder(*this, shape, reach, order, volumes).build(0, count);
 }
 
 }  // namespace spc

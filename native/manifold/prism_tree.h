@@ -29,11 +29,17 @@ class PrismTree {
 public:
     using Shape = std::function<MovingPrism(uint32_t)>;
     PrismTree() = default;  // holds nothing
+    enum class Volumes {
+        move,
+        stay  // and hold their prisms for every shift: visit() is called without one
+    };
     // `reach`: the longest shift. `order` receives the indices of the prisms as they lie in the tree:
     // what belongs to them is found fastest if it is put in this order.
-    PrismTree(uint32_t count, const Shape& shape, float reach, std::vector<uint32_t>& order);
+    PrismTree(uint32_t count, const Shape& shape, float reach, std::vector<uint32_t>& order,
+              Volumes volumes = Volumes::move);
 
-    // Calls `act` with the place in that order of each prism that holds p, and of some that do not.
+    // Calls `act` with the place in that order of each prism that holds p, and of some that do not,
+    // until it returns false.
     template <class Act>
     void visit(const Vec3& p, const Vec3& shift, const Act& act) const {
         if (nodes_.empty()) return;
@@ -44,10 +50,10 @@ public:
             const Node& node = nodes_[waiting[--count]];
             for (uint32_t holds = node.holds(p, shift); holds != 0; holds &= holds - 1) {
                 const uint32_t child = node.children[static_cast<size_t>(std::countr_zero(holds))];
-                if ((child & kPrism) != 0)
-                    act(child & ~kPrism);
-                else
+                if ((child & kPrism) == 0)
                     waiting[count++] = child;
+                else if (!act(child & ~kPrism))
+                    return;
             }
         }
     }

@@ -383,6 +383,27 @@ std::array<const BeamEdge*, 3> edges_of(const BeamSet& set, const Beam& beam) {
     return {&set.edges[beam.edges[0]], &set.edges[beam.edges[1]], &set.edges[beam.edges[2]]};
 }
 
+// Around a prism, wherever shifts within reach take it.
+std::array<HalfSpace, 5> sides_around(const MovingPrism& prism, float reach) {
+    const auto& [a, b, c] = prism.corners;
+    const auto before = [&](const Vec3& direction) {
+        const float size = length(direction);
+        HalfSpace side{size > 0.0f ? direction * (1.0f / size) : Vec3(0.0f), -kInfinity};
+        for (const auto& [p, half, motion] : prism.corners) {
+            float squares = 0.0f;
+            for (const Vec3& moved : motion) squares += sqr(dot(side.normal, moved));
+            const float far = std::abs(dot(side.normal, half)) + reach * std::sqrt(squares);
+            side.upper = std::max(side.upper, dot(side.normal, p) + far);
+        }
+        return side;
+    };
+    const Vec3 along = a.half + b.half + c.half;
+    const bool forward = dot(cross(b.p - a.p, c.p - a.p), along) > 0.0f;
+    const Vec3 d = forward ? along : along * -1.0f;
+    return {before(cross(b.p - a.p, d)), before(cross(c.p - b.p, d)), before(cross(a.p - c.p, d)),
+            before(d), before(d * -1.0f)};
+}
+
 // Squares of one level into which the places fall, and their neighbours.
 std::vector<Square> squares_around(std::span<const Vec2> places, uint32_t level) {
     const uint32_t side = 1u << level;
@@ -479,6 +500,7 @@ LightSheet::LightSheet(const SheetWorld& world, const LightPoint& y, uint32_t ti
     : y_(y) {
     std::map<ChainKind, uint32_t> kinds;
     for (const TracedTile& tile : trace_tiles(world, y, around, tiles)) append(tile.beams, kinds);
+    if (!y.delta) build_folds(reach);
     build_layers(reach, world.threads);
 }
 
@@ -515,6 +537,37 @@ void LightSheet::build_layers(float reach, uint32_t threads) {
         layer.tree = PrismTree(static_cast<uint32_t>(unordered.size()), shape, reach, order);
         for (const uint32_t i : order) layer.entries.push_back(unordered[i]);
     });
+}
+
+void LightSheet::build_folds(float reach) {
+    std::vector<const Beam*> beams;
+    for (const Beam& beam : all_.beams)
+        if (beam.margin > 0.0f) beams.push_back(&beam);
+    const auto shape = [&](uint32_t i) {
+        return prism_of(edges_of(all_, *beams[i]), *beams[i], 0.0f);
+    };
+    std::vector<uint32_t> order;
+    fold_tree_ = PrismTree(static_cast<uint32_t>(beams.size()), shape, reach, order,
+                           PrismTree::Volumes::stay);
+    for (const uint32_t i : order) {
+        const auto [a, b, c] = edges_of(all_, *beams[i]);
+        const FoldPatch patch{a->last, b->last - a->last, c->last - a->last};
+        folds_.push_back({patch, sides_around(shape(i), reach)});
+    }
+}
+
+bool LightSheet::find_folds(const Vec3& x, size_t most,
+                            std::vector<const FoldPatch*>& patches) const {
+    bool few = true;
+    fold_tree_.visit(x, Vec3(0.0f), [&](uint32_t i) {
+        const auto& [patch, sides] = folds_[i];
+        if (!std::all_of(sides.begin(), sides.end(), [&](const HalfSpace& s) { return s.holds(x); }))
+            return true;
+        few = patches.size() < most;
+        if (few) patches.push_back(&patch);
+        return few;
+    });
+    return few;
 }
 
 void LightSheet::append(const BeamSet& part, std::map<ChainKind, uint32_t>& kinds) {
@@ -555,6 +608,7 @@ void LightSheet::find_leads(const Vec3& x, const Vec3& shift, float worth, float
         if (std::max(layer.density * worth, kLeastChance) > u)
             layer.tree.visit(x, shift, [&](uint32_t i) {
                 add_lead(layer.entries[i], x, shift, worth, u, leads);
+                return true;
             });
     std::partition(leads.begin(), leads.end(), [](const Lead& lead) { return lead.inside; });
 }

@@ -55,6 +55,16 @@ struct BeamSet {
     std::vector<ChainKind> kinds;  // from the receiver on
     uint64_t rays = 0;
 };
+// A part of the last caster, as seen from the light, where chains of a beam at a fold meet it: a corner,
+// and the edges from there.
+struct FoldPatch {
+    Vec3 p, e1, e2;
+};
+struct HalfSpace {
+    Vec3 normal;
+    float upper;
+    bool holds(const Vec3& p) const { return dot(normal, p) <= upper; }
+};
 // A chain that may exist, and the direction at the receiver in which to look for it.
 struct Lead {
     const ChainKind* kind;
@@ -89,6 +99,9 @@ public:
     // first. `shift`: from the sheet's light point to that of the chains.
     void find_leads(const Vec3& x, const Vec3& shift, float worth, float u,
                     std::vector<Lead>& leads) const;
+    // Adds the patches of beams at folds and ends that x lies in for any light point within reach.
+    // False where that makes more than `most`.
+    bool find_folds(const Vec3& x, size_t most, std::vector<const FoldPatch*>& patches) const;
 
 private:
     // Where to look at a beam: for what lies inside it, or beside it within its margin.
@@ -104,14 +117,22 @@ private:
         std::vector<Entry> entries;  // in the tree's order
         PrismTree tree;
     };
+    struct Fold {
+        FoldPatch patch;
+        std::array<HalfSpace, 5> sides;  // of where its beam may go
+    };
     void append(const BeamSet& part, std::map<ChainKind, uint32_t>& kinds);
     void build_layers(float reach, uint32_t threads);
+    // Before build_layers(), which takes the beams.
+    void build_folds(float reach);
     void add_lead(const Entry& entry, const Vec3& x, const Vec3& shift, float worth, float u,
                   std::vector<Lead>& leads) const;
 
     const LightPoint y_;
     BeamSet all_;
     std::vector<Layer> layers_;
+    std::vector<Fold> folds_;  // in the tree's order
+    PrismTree fold_tree_;
 };
 
 }  // namespace spc

@@ -126,20 +126,22 @@ TEST(CausticWeightsSlow, BesideSheetsSumToOneOverTheirOwnRecords) {
 TEST(CausticWeightsSlow, OfMissedChainsSumToOne) {
     CausticDensities p;
     p.path_tracing = 0.01;
+    p.folds = 0.03;
     p.manifold = 0.4;
     p.light_tracing = 0.2;
     p.missed = 0.3;
+    EXPECT_EQ(p.share_of_folds(), 0.75);
     ASSERT_TRUE(p.missed_are_apart());
     double before = 0.0;
     for (const double trials : {1.0, 7.0, 5000.0}) {
-        const double share = p.share_of_path_tracing(trials);
+        const double share = p.share_of_directions(trials);
         EXPECT_NEAR(share + p.share_of_searches(trials) + p.light_tracing / p.sum(), 1.0, 1e-12);
         EXPECT_GT(share, before);  // the harder to find, the more
         before = share;
     }
     EXPECT_GT(p.share_of_searches(5000.0), 0.0);
-    p.path_tracing = 0.0;
-    EXPECT_EQ(p.share_of_path_tracing(7.0), 0.0);
+    p.path_tracing = p.folds = 0.0;
+    EXPECT_EQ(p.share_of_directions(7.0), 0.0);
     EXPECT_NEAR(p.share_of_searches(7.0) + p.light_tracing / p.sum(), 1.0, 1e-12);
 }
 
@@ -153,7 +155,7 @@ TEST(CausticWeightsSlow, OfChainsThatFixedStartsMissSumToOne) {
         p.path_tracing = path_tracing;
         p.manifold = 0.4;
         ASSERT_TRUE(p.missed_are_apart());
-        EXPECT_NEAR(p.share_of_path_tracing(1.0) + p.light_tracing / p.sum(), 1.0, 1e-12);
+        EXPECT_NEAR(p.share_of_directions(1.0) + p.light_tracing / p.sum(), 1.0, 1e-12);
     }
 }
 

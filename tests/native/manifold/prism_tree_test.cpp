@@ -65,12 +65,42 @@ TEST(PrismTree, FindsThePrismsThatHoldAPoint) {
     for (uint32_t i = 0; i < prisms.size(); ++i) {
         const Vec3 shift = direction(pcg) * (0.99f * kReach * pcg.one());
         std::set<uint32_t> found;
-        tree.visit(point_in(prisms[i], shift, pcg), shift,
-                   [&](uint32_t k) { EXPECT_TRUE(found.insert(order[k]).second) << k << " twice"; });
+        tree.visit(point_in(prisms[i], shift, pcg), shift, [&](uint32_t k) {
+            EXPECT_TRUE(found.insert(order[k]).second) << k << " twice";
+            return true;
+        });
         EXPECT_EQ(found.count(i), 1u) << i;
         visited += found.size();
     }
     EXPECT_LT(visited, 60 * prisms.size());
+}
+
+bool no_prism(uint32_t) {
+    ADD_FAILURE();
+    return true;
+}
+
+// Volumes that stay hold what moves.
+TEST(PrismTree, FindsThePrismsThatMayHoldAPoint) {
+    Pcg pcg(2);
+    std::vector<MovingPrism> prisms;
+    for (int i = 0; i < 3000; ++i) prisms.push_back(prism(pcg, i % 100 == 0));
+    std::vector<uint32_t> order;
+    const PrismTree tree(
+        static_cast<uint32_t>(prisms.size()), [&](uint32_t i) { return prisms[i]; }, kReach, order,
+        PrismTree::Volumes::stay);
+    size_t visited = 0;
+    for (uint32_t i = 0; i < prisms.size(); ++i) {
+        const Vec3 shift = direction(pcg) * (0.99f * kReach * pcg.one());
+        bool found = false;
+        tree.visit(point_in(prisms[i], shift, pcg), Vec3(0.0f), [&](uint32_t k) {
+            found = found || order[k] == i;
+            ++visited;
+            return true;
+        });
+        EXPECT_TRUE(found) << i;
+    }
+    EXPECT_LT(visited, prisms.size() * prisms.size() / 4);
 }
 
 TEST(PrismTree, TakesDegeneratePrisms) {
@@ -81,14 +111,17 @@ TEST(PrismTree, TakesDegeneratePrisms) {
     const PrismTree tree(
         9, [&](uint32_t) { return point; }, kReach, order);
     size_t found = 0;
-    tree.visit(Vec3(1, 2, 3), Vec3(0.0f), [&](uint32_t) { ++found; });
+    tree.visit(Vec3(1, 2, 3), Vec3(0.0f), [&](uint32_t) { return ++found < 20; });
     EXPECT_EQ(found, 9u);
-    tree.visit(Vec3(1, 2, 3.1f), Vec3(0.0f), [](uint32_t) { FAIL(); });
+    found = 0;
+    tree.visit(Vec3(1, 2, 3), Vec3(0.0f), [&](uint32_t) { return ++found < 4; });
+    EXPECT_EQ(found, 4u);
+    tree.visit(Vec3(1, 2, 3.1f), Vec3(0.0f), no_prism);
 }
 
 TEST(PrismTree, MayBeEmpty) {
     const PrismTree tree;
-    tree.visit(Vec3(0.0f), Vec3(0.0f), [](uint32_t) { FAIL(); });
+    tree.visit(Vec3(0.0f), Vec3(0.0f), no_prism);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include "manifold/shooting.h"
 
 #include "light/bench.h"
+#include "manifold/fold_directions.h"
 #include "manifold/found_chains.h"
 #include "support/casters.h"
 
@@ -478,6 +479,71 @@ TEST(Sheets, TellTheSignOfDeterminants) {
         }
         EXPECT_GT(right, 1000) << name;
         EXPECT_LT(wrong, right / 100) << name;
+    }
+}
+
+// In narrow cones around some of them, as many fall as their density has there.
+TEST(Folds, DirectionsHaveTheDensityOfTheirSamples) {
+    SceneMaker maker;
+    maker.add(test::square(8.0f), test::diffuse(0.8f), {}, CausticsRole::receiver);
+    maker.builder.add_image(test::plane_normals(128, 0.25, 0.1, 5));
+    add_mirror_beside(maker, test::normal_mapped(test::mirror(), Vec2(1.0f, 1.0f)));
+    test::add_lamp(maker, {0.3f, -1.2f, 2.6f}, {0.0f, 0.2f, 0.8f}, 0.05f);
+    const RenderScene world = maker.finish();
+    const SheetPool pool =
+        build_sheets(*world.scene, world.lights, world.casters, settings(), 3, 64, 1);
+    constexpr float kCone = 2e-4f;  // 1 - cos, 0.02 rad
+    constexpr int kDraws = 64;
+    Pcg pcg(11);
+    const auto draw = [&](const FoldDirections& folds) {
+        const Vec2 u = pcg.two();
+        return folds.sample({u.x, u.y, pcg.one()});
+    };
+    int next_to_folds = 0;
+    double sum = 0.0, squares = 0.0;  // of differences
+    double inside = 0.0;
+    for (int i = 0; i < 20000; ++i) {
+        const Vec3 x(1.6f * pcg.one() - 0.8f, 1.6f * pcg.one() - 0.8f, 0.0f);
+        const FoldDirections folds({pool}, x);
+        if (folds.empty()) continue;
+        ++next_to_folds;
+        const std::optional<Vec3> axis = draw(folds);
+        ASSERT_TRUE(axis);
+        EXPECT_NEAR(length(*axis), 1.0f, 1e-5f);
+        EXPECT_GT(folds.pdf(*axis), 0.0f);
+        const Frame frame = Frame::around(*axis);
+        double counted = 0.0, integral = 0.0;
+        for (int k = 0; k < kDraws; ++k) {
+            if (dot(*draw(folds), *axis) > 1.0f - kCone) counted += 1.0 / kDraws;
+            const Vec3 w = frame.to_world(uniform_cone(pcg.two(), kCone));
+            integral += static_cast<double>(folds.pdf(w) / uniform_cone_pdf(kCone)) / kDraws;
+        }
+        inside += counted;
+        sum += integral - counted;
+        squares += (integral - counted) * (integral - counted);
+    }
+    EXPECT_GT(next_to_folds, 1000);
+    EXPECT_GT(inside, 0.1 * next_to_folds);
+    EXPECT_LT(inside, 0.95 * next_to_folds);
+    EXPECT_LT(std::abs(sum), 4.0 * std::sqrt(squares));
+    std::cout << next_to_folds << " places, in the cones " << inside / next_to_folds
+              << " of the directions, by their density " << (inside + sum) / next_to_folds << " +- "
+              << std::sqrt(squares) / next_to_folds << std::endl;
+}
+
+// Lights without extent, which no direction finds, have none.
+TEST(Folds, AreNotOfPointLights) {
+    SceneMaker maker;
+    maker.add(test::square(8.0f), test::diffuse(0.8f), {}, CausticsRole::receiver);
+    add_ball(maker, test::glass(1.5f));
+    maker.builder.add_light(test::point_lamp(10.0f, 0.0f, {0.3f, -1.2f, 2.6f}));
+    const RenderScene world = maker.finish();
+    const SheetPool pool =
+        build_sheets(*world.scene, world.lights, world.casters, settings(), 3, 64, 1);
+    Pcg pcg(12);
+    for (int i = 0; i < 2000; ++i) {
+        const Vec3 x(1.6f * pcg.one() - 0.8f, 1.6f * pcg.one() - 0.8f, 0.0f);
+        EXPECT_TRUE(FoldDirections({pool}, x).empty());
     }
 }
 

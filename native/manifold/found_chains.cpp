@@ -27,16 +27,22 @@ void shoot_leads(const Scene& scene, const ManifoldSettings& settings, const Lig
                  ManifoldStats& stats) {
     static thread_local std::vector<Lead> leads;
     leads.clear();
-    sheet.find_leads(x.p, shift_between(sheet.light_point(), y), worth, u, leads);
+    const Vec3 shift = shift_between(sheet.light_point(), y);
+    sheet.find_leads(x.p, shift, worth, u, leads);
     constexpr float kLeastStep = 1e-4f, kLargestStep = 0.1f;  // rad
     std::vector<const Lead*> arrived;
     for (const Lead& lead : leads) {
         const auto repeated = [&](const Lead* other) { return repeats(lead, *other); };
         if (std::any_of(arrived.begin(), arrived.end(), repeated)) continue;
         ++stats.leads;
-        const std::optional<ChainSolution> solution =
-            shoot(scene, settings, x, end_of(y), *lead.kind, lead.w,
-                  lead.inside ? settings.max_halvings : settings.lead_halvings, stats);
+        const auto shoot_along = [&](const Vec3& w) {
+            return shoot(scene, settings, x, end_of(y), *lead.kind, w,
+                         lead.inside ? settings.max_halvings : settings.lead_halvings, stats);
+        };
+        std::optional<ChainSolution> solution = shoot_along(lead.w);
+        if (!solution && lead.inside)  // there is a chain, if nothing breaks the beam
+            for (const Vec3& w : sheet.directions_around(lead, x.p, shift))
+                if ((solution = shoot_along(w))) break;
         if (!solution) continue;
         FoundChain& one = add(settings, found, *solution, lead.chance);
         if ((solution->determinant > 0.0f) == lead.positive) {

@@ -8,53 +8,11 @@
 // each is the start of a shot that finds the chain exactly.
 #pragma once
 
-#include "manifold/emission.h"
+#include "manifold/beams.h"
 #include "manifold/prism_tree.h"
-#include "manifold/shooting.h"
-
-#include <atomic>
-#include <map>
 
 namespace spc {
 
-// What sheets are made of.
-struct SheetWorld {
-    const Scene& scene;
-    const LightSet& lights;
-    const CasterSet& casters;
-    const EmissionGuide& guide;
-    uint32_t longest_chain;
-    uint32_t threads;  // that build one; 0: all
-    // Once set, sheets end where they are; whoever sets it throws them away.
-    const std::atomic<bool>* cancelled = nullptr;
-};
-
-// A ray behind its last caster.
-struct BeamEdge {
-    Vec3 last;    // vertex on that caster
-    Vec3 d;       // unit direction behind it
-    Vec3 landed;  // on a receiver
-    // By how much both move as the light point does, while the ray keeps to the point where it met its
-    // first caster: columns, per m of the light point or, for a distant light, per unit of its
-    // direction.
-    std::array<Vec3, 3> last_moved, landed_moved;
-};
-// Three rays of one kind of chain that are neighbours at the light.
-struct Beam {
-    std::array<uint32_t, 3> edges;
-    uint32_t kind;
-    float margin;  // in barycentrics, by which it reaches beyond its rays
-    float depth;   // m along the rays, before and behind where they landed
-    // Light in it, by area across it where it landed: about what irradiance, for a light point of unit
-    // density, it gives.
-    float density;
-};
-struct BeamSet {
-    std::vector<BeamEdge> edges;
-    std::vector<Beam> beams;
-    std::vector<ChainKind> kinds;  // from the receiver on
-    uint64_t rays = 0;
-};
 // A part of the last caster, as seen from the light, where chains of a beam at a fold meet it: a corner,
 // and the edges from there.
 struct FoldPatch {
@@ -99,6 +57,8 @@ public:
     // first. `shift`: from the sheet's light point to that of the chains.
     void find_leads(const Vec3& x, const Vec3& shift, float worth, float u,
                     std::vector<Lead>& leads) const;
+    // Those of the three rays of the lead's beam, where the lead itself does not lead to a chain.
+    std::array<Vec3, 3> directions_around(const Lead& lead, const Vec3& x, const Vec3& shift) const;
     // Adds the patches of beams at folds and ends that x lies in for any light point within reach.
     // False where that makes more than `most`.
     bool find_folds(const Vec3& x, size_t most, std::vector<const FoldPatch*>& patches) const;
@@ -121,7 +81,6 @@ private:
         FoldPatch patch;
         std::array<HalfSpace, 5> sides;  // of where its beam may go
     };
-    void append(const BeamSet& part, std::map<ChainKind, uint32_t>& kinds);
     void build_layers(float reach, uint32_t threads);
     // Before build_layers(), which takes the beams.
     void build_folds(float reach);

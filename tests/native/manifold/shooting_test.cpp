@@ -80,19 +80,19 @@ std::vector<CasterCase> cases() {
                      m.add(test::square(0.8f), test::glass(1.3f), test::rotation_x(0.2f, {0, 0, z}),
                            CausticsRole::caster);
              },
-             0.005},
+             0.0005},
             {"wavy mirror",
              [](SceneMaker& m) {
                  m.builder.add_image(test::plane_normals(128, 0.25, 0.03, 5));
                  add_mirror_beside(m, test::normal_mapped(test::mirror(), Vec2(1.0f, 1.0f)));
              },
-             0.004},
+             0.003},
             {"bumpy mirror",
              [](SceneMaker& m) {
                  m.builder.add_image(test::plane_heights(128, 128, 0.25, 0.03, 5));
                  add_mirror_beside(m, test::bump_mapped(test::mirror(), Vec2(1.0f, 1.0f), 1.6f));
              },
-             0.002},
+             0.0005},
             {"two wavy sheets of glass",
              [](SceneMaker& m) {
                  m.builder.add_image(test::plane_normals(128, 0.5, 0.02, 5));
@@ -101,7 +101,7 @@ std::vector<CasterCase> cases() {
                            test::normal_mapped(test::glass(1.3f), Vec2(1.0f, 1.0f)),
                            test::rotation_x(0.2f, {0, 0, z}), CausticsRole::caster);
              },
-             0.01}};
+             0.001}};
 }
 RenderScene make(const CasterCase& c) {
     SceneMaker maker;

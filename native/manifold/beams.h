@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Rays from one point of a light through the casters to receivers, and what lies between them.
+#pragma once
+
+#include "manifold/emission.h"
+#include "manifold/shooting.h"
+
+#include <atomic>
+
+namespace spc {
+
+// What sheets are made of.
+struct SheetWorld {
+    const Scene& scene;
+    const LightSet& lights;
+    const CasterSet& casters;
+    const EmissionGuide& guide;
+    uint32_t longest_chain;
+    uint32_t threads;  // that build one; 0: all
+    // Once set, sheets end where they are; whoever sets it throws them away.
+    const std::atomic<bool>* cancelled = nullptr;
+};
+
+// A ray behind its last caster.
+struct BeamEdge {
+    Vec3 last;    // vertex on that caster
+    Vec3 d;       // unit direction behind it
+    Vec3 landed;  // on a receiver
+    // By how much both move as the light point does, while the ray keeps to the point where it met its
+    // first caster: columns, per m of the light point or, for a distant light, per unit of its
+    // direction.
+    std::array<Vec3, 3> last_moved, landed_moved;
+};
+// Three rays of one kind of chain that are neighbours at the light.
+struct Beam {
+    std::array<uint32_t, 3> edges;
+    uint32_t kind;
+    float margin;  // in barycentrics, by which it reaches beyond its rays
+    float depth;   // m along the rays, before and behind where they landed
+    // Light in it, by area across it where it landed: about what irradiance, for a light point of unit
+    // density, it gives.
+    float density;
+};
+struct BeamSet {
+    std::vector<BeamEdge> edges;
+    std::vector<Beam> beams;
+    std::vector<ChainKind> kinds;  // from the receiver on
+    uint64_t rays = 0;
+};
+// Of some `tiles` parts of the light's unit square, which are smaller where what becomes of the rays
+// varies most. `around`: see LightSheet.
+BeamSet trace_beams(const SheetWorld& world, const LightPoint& y, uint32_t tiles,
+                    std::span<const LightPoint> around);
+
+}  // namespace spc

@@ -78,6 +78,7 @@ struct PathHistory {
             return;
         }
         if (chain != &rough_chain) rough_chain = *chain;
+        rough_chain.folds = nullptr;  // no direction next to folds leads to rough vertices
         rough_chain.append(*vertex);
     }
     // `before`: the path's bounces when it came here.

@@ -2,7 +2,10 @@
 #include "integrator/path.h"
 
 #include "integrator/history.h"
+#include "manifold/fold_directions.h"
 #include "manifold/found_chains.h"
+
+#include <utility>
 
 namespace spc {
 
@@ -42,7 +45,7 @@ struct PathTracer {
     std::optional<GlintPoint> glints{};
     // At the surface where the path is, and at history.caustic.x.
     FoldDirections folds_here{}, folds_at_x{};
-    bool from_folds = false;  // x has drawn one of those
+    bool from_folds = false;  // whether one of folds_at_x has been drawn there
 
     const Scene& scene() const { return *world.scene; }
 
@@ -430,10 +433,11 @@ struct PathTracer {
                 folds_here.empty() ? nullptr : &folds_here};
     }
 
-    // Before receiver_at(). Light paths find folds where the camera comes as they do.
+    // Before receiver_at(). Where the camera comes as light paths do, those find what is next to folds.
     void look_for_folds(const Surface& surface, const CameraApproach& approach, bool receives) {
-        const bool alone = !(approach.film_per_area > 0.0f) && !rough_visit(surface).before;
-        folds_here = receives && alone ? FoldDirections(pass.sheets, surface.p) : FoldDirections();
+        const bool draws =
+            receives && !(approach.film_per_area > 0.0f) && !rough_visit(surface).before;
+        folds_here = draws ? FoldDirections(pass.sheets, surface.p) : FoldDirections();
     }
 
     // Of chains of deltas, and of those with rough vertices. Throughput included.
@@ -478,7 +482,10 @@ struct PathTracer {
         path.history.keep(surface, {});
         path.history.caustic.folds = &folds_here;
         path.leave(surface, next);
-        return path.light_behind_deltas(sampler);
+        const uint64_t rays_before = stats.rays;
+        const Spectrum light = path.light_behind_deltas(sampler);
+        stats.manifold.rays += std::exchange(stats.rays, rays_before) - rays_before;
+        return light;
     }
 
     // Throughput included.
@@ -501,6 +508,7 @@ struct PathTracer {
                 return sum;
             bounces.add(next->kind);
             history.append_delta(surface.hit, *next, world.casters);
+            if (history.stage != PathHistory::Stage::chain) return sum;
             leave(surface, *next);
         }
     }
@@ -528,15 +536,14 @@ struct PathTracer {
         if (u >= chance) return Spectrum(0.0f);
         ManifoldStats& counts = stats.manifold;
         const ManifoldStats before = counts;
-        const uint64_t rays_before = stats.rays;
         Receiver receiver = receiver_at(surface, approach);
         receiver.importance = max_component(throughput) * smooth_albedo(surface.closures) *
                               share_beside_light_paths(approach) / (kPi * chance);
         const Spectrum caustic = throughput * (1.0f / chance) * radiance(receiver);
         const double squares =
             static_cast<double>((sqr(caustic.x) + sqr(caustic.y) + sqr(caustic.z)) * (1.0f / 3.0f));
-        const double work = static_cast<double>(counts.iterations - before.iterations + counts.rays -
-                                                before.rays + stats.rays - rays_before);
+        const double work =
+            static_cast<double>(counts.iterations - before.iterations + counts.rays - before.rays);
         stats.evidence[i].add(
             {squares * static_cast<double>(chance), work / static_cast<double>(chance)});
         if (counts.capped > before.capped)
@@ -658,11 +665,11 @@ PathSample path_radiance(const RenderScene& world, const IntegratorSettings& set
 
         const Sampler here = sampler.vertex(vertex);
         const CameraApproach approach = path.approach_to(surface);
+        const bool receives = path.may_receive(surface);
         path.look_for_glints(*hit, surface, approach, pixel);
+        path.look_for_folds(surface, approach, receives && settings.manifold.enabled);
         out.radiance += path.throughput * path.direct_radiance(surface, approach, here);
         if (path.glints) out.radiance += path.glint_radiance(surface, here);
-        const bool receives = path.may_receive(surface);
-        path.look_for_folds(surface, approach, receives && settings.manifold.enabled);
         if (receives && settings.manifold.enabled) {
             const Spectrum caustic = path.caustic_radiance(surface, approach, here);
             out.radiance += caustic;

@@ -79,7 +79,7 @@ struct PathStats {
 // What one path contributes to the film.
 struct PathSample {
     Spectrum radiance{0.0f};
-    Spectrum caustics{0.0f};  // the manifold's share of it
+    Spectrum caustics{0.0f};  // the manifold's share of it, and that of directions next to folds
     float alpha = 1.0f;
     // Of the first surface that is not looked through.
     bool hit = false;

@@ -18,7 +18,6 @@ struct Landing {
     ChainKind kind;    // from the light on
     uint32_t ordinal;  // among the receivers behind the last caster
     BeamEdge edge;
-    float path;  // m from the light, or from where the rays of a distant one begin
     uint32_t instance;
     Vec3 ng;
     float throughput;  // largest component
@@ -43,11 +42,11 @@ public:
         const Frame frame = Frame::around(y_.distant ? y_.direction : ray.direction);
         across_ = {frame.x, frame.y};
         const RayDual dual{.d = Vec3d(ray.direction), .dp = {}, .dd = {}};
-        follow(ray, dual, 0.0f, ChainKind{}, 1.0f);
+        follow(ray, dual, ChainKind{}, 1.0f);
     }
 
 private:
-    void follow(Ray ray, const RayDual& dual, float path, const ChainKind& kind, float throughput) {
+    void follow(Ray ray, const RayDual& dual, const ChainKind& kind, float throughput) {
         uint32_t ordinal = 0;
         bool in_shadow = false;
         for (;;) {
@@ -58,10 +57,10 @@ private:
             if (hit->light != kNone) continue;  // lamps are looked through
             const Instance& instance = scene_.instances[hit->surface.instance];
             if (kind.count > 0 && instance.receiver)
-                land(ray, dual, path, *hit, kind, ordinal++, throughput);
+                land(ray, dual, *hit, kind, ordinal++, throughput);
             if (world_.casters.of_instance[hit->surface.instance] != kNone) {
                 if (!in_shadow || is_lit_from_around(hit->surface))
-                    branch(ray, dual, path, *hit, kind, throughput);
+                    branch(ray, dual, *hit, kind, throughput);
                 return;
             }
             const bool transparent =
@@ -88,8 +87,8 @@ private:
         });
     }
 
-    void land(const Ray& ray, const RayDual& dual, float path, const Hit& hit,
-              const ChainKind& kind, uint32_t ordinal, float throughput) {
+    void land(const Ray& ray, const RayDual& dual, const Hit& hit, const ChainKind& kind,
+              uint32_t ordinal, float throughput) {
         const Vec3 landed = surface_position(scene_, hit.surface);
         const Vec3 ng = front_normal(scene_, hit.surface.instance, hit.surface.triangle);
         BeamEdge edge{ray.origin, ray.direction, landed, {}, {}};
@@ -105,13 +104,13 @@ private:
                 edge.landed_moved[static_cast<size_t>(k)] += on_receiver * across_[j][k];
             }
         }
-        landings_.push_back({kind, ordinal, edge, path + hit.t, hit.surface.instance, ng,
-                             throughput, throughput * emitted_});
+        landings_.push_back(
+            {kind, ordinal, edge, hit.surface.instance, ng, throughput, throughput * emitted_});
     }
 
     // Reflected and refracted, as far as either carries light.
-    void branch(const Ray& ray, const RayDual& before, float path, const Hit& at,
-                const ChainKind& kind, float throughput) {
+    void branch(const Ray& ray, const RayDual& before, const Hit& at, const ChainKind& kind,
+                float throughput) {
         if (kind.count == world_.longest_chain) return;
         const SurfaceHit& hit = at.surface;
         const SpecularInterface& specular = scene_.material_of(hit).specular;
@@ -147,7 +146,7 @@ private:
             ChainKind longer = kind;
             longer.append({hit.instance, interaction});
             const Vec3 origin = offset_origin({surface.p, surface.ng, surface.p_error}, out);
-            follow({origin, out, 0.0f, kInfinity}, dual, path + at.t, longer, left);
+            follow({origin, out, 0.0f, kInfinity}, dual, longer, left);
         }
     }
 
@@ -204,19 +203,20 @@ struct Mark {
 // A ray on a tile's border, which neighbouring tiles have as well: its place, in cells of the finest
 // tiles, and how it came to where it ends.
 struct BorderRay {
-    std::array<uint32_t, 2> place;
-    uint32_t ordinal;
-    ChainKind kind;
-    auto operator<=>(const BorderRay&) const = default;
+    std::array<uint32_t, 4> key;  // place, kind, Landing::ordinal
+    uint32_t edge;
+};
+struct MarkedBeams {
+    BeamSet set;
+    std::vector<Mark> marks;  // of the set's edges
+    std::vector<BorderRay> border;
 };
 struct TracedTile {
     Square square;
     // How much of the tile's light comes by cells that are no smooth part of a sheet: by area of the
     // unit square.
     float irregular = 0.0f;
-    BeamSet beams;
-    std::vector<Mark> marks;                             // of its edges
-    std::vector<std::pair<BorderRay, uint32_t>> border;  // and edges
+    MarkedBeams beams;
 };
 
 // A square's grid of rays, made into beams.
@@ -236,17 +236,16 @@ public:
                     return std::min(place, 1.0f - 0x1p-24f);
                 };
                 begin_[j * kCorners + i] = static_cast<uint32_t>(landings_.size());
-                SheetRay(world, y, around, landings_, traced_.beams.rays)
+                SheetRay(world, y, around, landings_, traced_.beams.set.rays)
                     .follow({at(tile.x, i), at(tile.y, j)});
             }
         begin_[kCorners * kCorners] = static_cast<uint32_t>(landings_.size());
-        traced_.marks.resize(landings_.size());
+        traced_.beams.marks.resize(landings_.size());
         for (uint32_t j = 0; j < kCells; ++j)
             for (uint32_t i = 0; i < kCells; ++i) fill_cell(i, j);
-        finish();
+        finish(tile);
         traced_.square = tile;
         traced_.irregular = tile.level == kFinestLevel ? 0.0f : irregularity_ * tile.area();
-        list_border(tile);
     }
     TracedTile take() { return std::move(traced_); }
 
@@ -284,7 +283,7 @@ private:
             whole = whole && k != kNone;
             if (k == kNone) continue;
             throughput = std::max(throughput, landings_[k].throughput);
-            traced_.marks[k].expected += c % 2 == 0 ? 2 : 1;
+            traced_.beams.marks[k].expected += c % 2 == 0 ? 2 : 1;
         }
         add_beam(ends[0], ends[1], ends[2]);
         add_beam(ends[0], ends[2], ends[3]);
@@ -312,10 +311,10 @@ private:
             longest * (flat ? kFlatDepth : 1.0f) + 1e-5f * length(la.edge.landed - la.edge.last);
         const bool forward = dot(cross(e1, e2), la.edge.d) > 0.0f;
         for (const uint32_t k : {a, b, c}) {
-            (forward ? traced_.marks[k].forward : traced_.marks[k].backward) = true;
-            ++traced_.marks[k].beams;
+            (forward ? traced_.beams.marks[k].forward : traced_.beams.marks[k].backward) = true;
+            ++traced_.beams.marks[k].beams;
         }
-        traced_.beams.beams.push_back({{a, b, c}, 0, 0.0f, depth, 0.0f});
+        traced_.beams.set.beams.push_back({{a, b, c}, 0, 0.0f, depth, 0.0f});
     }
 
     // Light in the beam by area across it.
@@ -327,32 +326,31 @@ private:
         return std::max({a.light, b.light, c.light}) * beam_size_ / std::max(area, 1e-20f);
     }
 
-    void finish() {
+    void finish(const Square& tile) {
         std::map<ChainKind, uint32_t> index;
         for (const Landing& landing : landings_) {
-            traced_.beams.edges.push_back(landing.edge);
+            traced_.beams.set.edges.push_back(landing.edge);
             const auto [at, added] =
                 index.try_emplace(landing.kind, static_cast<uint32_t>(index.size()));
-            if (added) traced_.beams.kinds.push_back(landing.kind.reversed());
+            if (added) traced_.beams.set.kinds.push_back(landing.kind.reversed());
         }
-        for (Beam& beam : traced_.beams.beams) {
+        for (Beam& beam : traced_.beams.set.beams) {
             beam.kind = index[landings_[beam.edges[0]].kind];
             beam.density = density_of(beam);
         }
+        list_border(tile, index);
     }
 
-    void list_border(const Square& tile) {
+    void list_border(const Square& tile, std::map<ChainKind, uint32_t>& kinds) {
         const uint32_t cell = 1u << (kFinestLevel - tile.level);
         for (uint32_t j = 0; j < kCorners; ++j)
             for (uint32_t i = 0; i < kCorners; ++i) {
                 if (i % kCells != 0 && j % kCells != 0) continue;
+                const uint32_t x = (tile.x * kCells + i) * cell, y = (tile.y * kCells + j) * cell;
                 const uint32_t at = corner(i, j);
                 for (uint32_t k = begin_[at]; k < begin_[at + 1]; ++k)
-                    traced_.border.push_back(
-                        {{{(tile.x * kCells + i) * cell, (tile.y * kCells + j) * cell},
-                          landings_[k].ordinal,
-                          landings_[k].kind},
-                         k});
+                    traced_.beams.border.push_back(
+                        {{x, y, kinds[landings_[k].kind], landings_[k].ordinal}, k});
             }
     }
 
@@ -365,30 +363,6 @@ private:
     float irregularity_ = 0.0f;
 };
 
-// Marks what rays on borders have around them in other tiles.
-void join_borders(std::vector<TracedTile>& tiles) {
-    std::map<BorderRay, Mark> joined;
-    for (const TracedTile& tile : tiles)
-        for (const auto& [ray, edge] : tile.border) joined[ray].add(tile.marks[edge]);
-    for (TracedTile& tile : tiles)
-        for (const auto& [ray, edge] : tile.border) tile.marks[edge] = joined[ray];
-}
-
-// Where a sheet folds over or ends, chains lie beyond its triangles.
-void set_margins(TracedTile& tile) {
-    constexpr float kFoldMargin = 0.75f, kEndMargin = 1.0f;
-    for (Beam& beam : tile.beams.beams) {
-        const auto any = [&](const auto& test) {
-            return std::any_of(beam.edges.begin(), beam.edges.end(),
-                               [&](uint32_t k) { return test(tile.marks[k]); });
-        };
-        beam.margin = 0.0f;
-        if (any([](const Mark& mark) { return mark.forward && mark.backward; }))
-            beam.margin = kFoldMargin;
-        if (any([](const Mark& mark) { return mark.beams < mark.expected; }))
-            beam.margin = kEndMargin;
-    }
-}
 // Squares of one level into which the places fall, and their neighbours.
 std::vector<Square> squares_around(std::span<const Vec2> places, uint32_t level) {
     const uint32_t side = 1u << level;
@@ -445,7 +419,7 @@ std::vector<TracedTile> trace_tiles(const SheetWorld& world, const LightPoint& y
             traced[i] = Tile(world, y, around, squares[i]).take();
         });
         for (TracedTile& tile : traced)
-            if (!tile.beams.edges.empty()) tiles.push_back(std::move(tile));
+            if (!tile.beams.set.edges.empty()) tiles.push_back(std::move(tile));
     };
     const std::vector<Vec2> places = places_of_casters(world, y);
     add(first_squares(places, budget / 4));
@@ -468,39 +442,70 @@ std::vector<TracedTile> trace_tiles(const SheetWorld& world, const LightPoint& y
     return tiles;
 }
 
-// Adds the tile to all that there are; `kinds` are theirs.
-void append(const TracedTile& tile, std::map<ChainKind, uint32_t>& kinds, BeamSet& all) {
-    const BeamSet& part = tile.beams;
-    const auto offset = static_cast<uint32_t>(all.edges.size());
-    all.edges.insert(all.edges.end(), part.edges.begin(), part.edges.end());
-    std::vector<uint32_t> index(part.kinds.size());
-    for (size_t k = 0; k < part.kinds.size(); ++k) {
+// Adds the tile's to all that there are; `kinds` are theirs.
+void append(const MarkedBeams& part, std::map<ChainKind, uint32_t>& kinds, MarkedBeams& all) {
+    const auto offset = static_cast<uint32_t>(all.set.edges.size());
+    all.set.edges.insert(all.set.edges.end(), part.set.edges.begin(), part.set.edges.end());
+    all.marks.insert(all.marks.end(), part.marks.begin(), part.marks.end());
+    std::vector<uint32_t> index(part.set.kinds.size());
+    for (size_t k = 0; k < index.size(); ++k) {
         const auto [at, added] =
-            kinds.try_emplace(part.kinds[k], static_cast<uint32_t>(kinds.size()));
-        if (added) all.kinds.push_back(part.kinds[k]);
+            kinds.try_emplace(part.set.kinds[k], static_cast<uint32_t>(kinds.size()));
+        if (added) all.set.kinds.push_back(part.set.kinds[k]);
         index[k] = at->second;
     }
-    for (Beam beam : part.beams) {
+    for (Beam beam : part.set.beams) {
         for (uint32_t& edge : beam.edges) edge += offset;
         beam.kind = index[beam.kind];
-        all.beams.push_back(beam);
+        all.set.beams.push_back(beam);
     }
-    all.rays += part.rays;
+    for (BorderRay ray : part.border) {
+        ray.key[2] = index[ray.key[2]];
+        ray.edge += offset;
+        all.border.push_back(ray);
+    }
+    all.set.rays += part.set.rays;
+}
+
+// Marks what rays on borders have around them in all of their tiles.
+void join_borders(MarkedBeams& all) {
+    std::stable_sort(all.border.begin(), all.border.end(),
+                     [](const BorderRay& a, const BorderRay& b) { return a.key < b.key; });
+    for (auto begin = all.border.begin(), end = begin; begin != all.border.end(); begin = end) {
+        Mark joined;
+        for (; end != all.border.end() && end->key == begin->key; ++end)
+            joined.add(all.marks[end->edge]);
+        for (auto ray = begin; ray != end; ++ray) all.marks[ray->edge] = joined;
+    }
+}
+
+// Where a sheet folds over or ends, chains lie beyond its triangles.
+void set_margins(MarkedBeams& all) {
+    constexpr float kFoldMargin = 0.75f, kEndMargin = 1.0f;
+    for (Beam& beam : all.set.beams) {
+        const auto any = [&](const auto& test) {
+            return std::any_of(beam.edges.begin(), beam.edges.end(),
+                               [&](uint32_t k) { return test(all.marks[k]); });
+        };
+        beam.margin = 0.0f;
+        if (any([](const Mark& mark) { return mark.forward && mark.backward; }))
+            beam.margin = kFoldMargin;
+        if (any([](const Mark& mark) { return mark.beams < mark.expected; }))
+            beam.margin = kEndMargin;
+    }
 }
 
 }  // namespace
 
 BeamSet trace_beams(const SheetWorld& world, const LightPoint& y, uint32_t tiles,
                     std::span<const LightPoint> around) {
-    std::vector<TracedTile> traced = trace_tiles(world, y, around, tiles);
-    join_borders(traced);
-    BeamSet all;
+    MarkedBeams all;
     std::map<ChainKind, uint32_t> kinds;
-    for (TracedTile& tile : traced) {
-        set_margins(tile);
-        append(tile, kinds, all);
-    }
-    return all;
+    for (const TracedTile& tile : trace_tiles(world, y, around, tiles))
+        append(tile.beams, kinds, all);
+    join_borders(all);
+    set_margins(all);
+    return std::move(all.set);
 }
 
 }  // namespace spc

@@ -2,6 +2,7 @@
 #include "manifold/ownership.h"
 
 #include "manifold/facet.h"
+#include "manifold/fold_directions.h"
 
 namespace spc {
 
@@ -315,7 +316,7 @@ std::optional<CausticDensities> caustic_densities(const Techniques& techniques,
     const bool by_rays = !is_seen_through(techniques.lights, end.light);
     if (!end.delta && (by_rays || !by_manifold))
         p.path_tracing = static_cast<double>(path.pdf_omega) * probability * p.geometry;
-    if (!end.delta && by_rays && by_manifold && path.folds != nullptr)
+    if (!end.delta && by_rays && by_manifold && !path.is_rough() && path.folds != nullptr)
         p.folds = kWorthOfFolds *
                   static_cast<double>(path.folds->pdf(normalize(chain[0].patch.p - path.x))) *
                   probability * p.geometry;

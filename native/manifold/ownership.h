@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Who estimates a path of light that reaches a receiver through specular interactions: path
-// tracing, the manifold, light tracing, or several of them.
+// tracing, directions next to folds, the manifold, light tracing, or several of them.
 //
 // A path is described by what it is, not by how it was found; from that one function computes the
 // densities with which each technique finds it, and all of them weigh it by the balance heuristic.
@@ -8,10 +8,11 @@
 
 #include "bsdf/closure.h"
 #include "manifold/emission.h"
-#include "manifold/fold_directions.h"
 #include "manifold/highlights.h"
 
 namespace spc {
+
+class FoldDirections;
 
 // Cycles' limits: a path may scatter this often and still be lit at its last vertex.
 struct BounceLimits {

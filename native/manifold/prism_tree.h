@@ -31,7 +31,7 @@ public:
     PrismTree() = default;  // holds nothing
     enum class Volumes {
         move,
-        stay  // and hold their prisms for every shift: visit() is called without one
+        stay  // and hold their prisms for every shift: visit() is given none
     };
     // `reach`: the longest shift. `order` receives the indices of the prisms as they lie in the tree:
     // what belongs to them is found fastest if it is put in this order.

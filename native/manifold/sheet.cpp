@@ -80,12 +80,15 @@ std::array<HalfSpace, 5> sides_around(const MovingPrism& prism, float reach) {
 Vec3 moved_by(const std::array<Vec3, 3>& moved, const Vec3& shift) {
     return moved[0] * shift.x + moved[1] * shift.y + moved[2] * shift.z;
 }
+
 }  // namespace
 
 LightSheet::LightSheet(const SheetWorld& world, const LightPoint& y, uint32_t tiles, float reach,
                        std::span<const LightPoint> around)
     : y_(y), all_(trace_beams(world, y, tiles, around)) {
-    if (!y.delta) build_folds(reach);
+    // Rays come to neither points nor what is seen through.
+    if (!y.delta && (light_visibility(world.lights, y.light) & kVisibleShadow) != 0)
+        build_folds(reach);
     build_layers(reach, world.threads);
 }
 
@@ -125,20 +128,24 @@ void LightSheet::build_layers(float reach, uint32_t threads) {
 }
 
 void LightSheet::build_folds(float reach) {
+    const auto patch_of = [&](const Beam& beam) {
+        const auto [a, b, c] = edges_of(all_, beam);
+        return FoldPatch{a->last, b->last - a->last, c->last - a->last};
+    };
     std::vector<const Beam*> beams;
-    for (const Beam& beam : all_.beams)
-        if (beam.margin > 0.0f) beams.push_back(&beam);
+    for (const Beam& beam : all_.beams) {
+        const FoldPatch patch = patch_of(beam);
+        if (beam.margin > 0.0f && length_squared(cross(patch.e1, patch.e2)) > 0.0f)
+            beams.push_back(&beam);
+    }
     const auto shape = [&](uint32_t i) {
         return prism_of(edges_of(all_, *beams[i]), *beams[i], 0.0f);
     };
     std::vector<uint32_t> order;
     fold_tree_ = PrismTree(static_cast<uint32_t>(beams.size()), shape, reach, order,
                            PrismTree::Volumes::stay);
-    for (const uint32_t i : order) {
-        const auto [a, b, c] = edges_of(all_, *beams[i]);
-        const FoldPatch patch{a->last, b->last - a->last, c->last - a->last};
-        folds_.push_back({patch, sides_around(shape(i), reach)});
-    }
+    for (const uint32_t i : order)
+        folds_.push_back({patch_of(*beams[i]), sides_around(shape(i), reach)});
 }
 
 bool LightSheet::find_folds(const Vec3& x, size_t most,

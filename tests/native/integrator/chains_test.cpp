@@ -409,6 +409,22 @@ std::vector<ChainCase> of_kinds(const std::set<std::string>& names, const Method
     return cases;
 }
 
+// Directions next to folds lead to rays that no light and no rough surface ever ends.
+TEST(Folds, RaysEndAmongMirrorsThatAreNoCasters) {
+    SceneMaker maker;
+    add_floor(maker);
+    maker.builder.add_image(plane_normals(128, 0.25, 0.1, 5));
+    maker.add(square(0.8f), normal_mapped(mirror(), Vec2(1.0f, 1.0f)),
+              rotation_x(1.3f, {0.0f, 0.9f, 0.8f}), CausticsRole::caster);
+    maker.add(sphere(48, 20.0), mirror());
+    add_lamp(maker, {0.3f, -1.2f, 2.6f}, {0.0f, 0.2f, 0.8f}, 0.05f);
+    const RenderScene world = maker.finish();
+    const FloorMean mean =
+        Floor(world, &kSheets)
+            .mean([](const Vec2& u) { return Vec3(u.x - 0.5f, u.y - 0.5f, 0.0f); }, 2000, 3);
+    EXPECT_GT(mean.caustics.mean(), 0.0);
+}
+
 TEST(ChainsSlow, OfSmoothCastersAgreeWithPathTracing) { expect_agreement(chain_cases()); }
 TEST(ChainsSlow, OfNormalMappedCastersAgreeWithPathTracing) {
     expect_agreement(of_kinds({"R", "T"}, kWalks), {Relief::normals});

@@ -448,28 +448,32 @@ struct PathTracer {
         const Techniques techniques = techniques_of(world, settings);
         if (!world.casters.empty())
             sum += estimate(surface, approach, depth, sampler[Domain::manifold_activation].one(),
-                            [&](const Receiver& receiver) {
-                                return manifold_radiance(techniques, receiver, pass.sheets, sampler,
-                                                         stats.manifold) +
-                                       fold_radiance(surface, sampler[Domain::folds]);
+                            [&](const Receiver& receiver, bool draws) {
+                                ManifoldRadiance result =
+                                    manifold_radiance(techniques, receiver, pass.sheets, draws,
+                                                      sampler, stats.manifold);
+                                add_folds(surface, sampler[Domain::folds], result);
+                                return result;
                             });
         if (may_begin_rough_chain(surface, approach))
             sum += estimate(
                 surface, approach, kReceiverDepths + depth,
-                sampler[Domain::rough_chain_activation].one(), [&](const Receiver& receiver) {
-                    return rough_chain_radiance(techniques, receiver, sampler, stats.manifold);
+                sampler[Domain::rough_chain_activation].one(), [&](const Receiver& receiver, bool) {
+                    return ManifoldRadiance{
+                        Spectrum(0.0f),
+                        rough_chain_radiance(techniques, receiver, sampler, stats.manifold)};
                 });
         return sum;
     }
 
     // Of chains of deltas, by a direction next to folds.
-    Spectrum fold_radiance(const Surface& surface, const Sampler& sampler) const {
-        if (folds_here.empty()) return Spectrum(0.0f);
+    void add_folds(const Surface& surface, const Sampler& sampler, ManifoldRadiance& to) const {
+        if (folds_here.empty()) return;
         const std::optional<Vec3> w = folds_here.sample(sampler.three());
         const float pdf = w ? folds_here.pdf(*w) : 0.0f;
-        if (!(pdf > 0.0f)) return Spectrum(0.0f);
+        if (!(pdf > 0.0f)) return;
         const ClosureEval f = eval(surface.closures, surface.ng, surface.wo, *w);
-        if (is_black(f.f_cos)) return Spectrum(0.0f);
+        if (is_black(f.f_cos)) return;
         PathTracer path{world, settings, pass, stats, pcg, lens, ray, media};
         path.throughput = f.f_cos * (1.0f / pdf);
         path.bounces = bounces;
@@ -483,9 +487,10 @@ struct PathTracer {
         path.history.caustic.folds = &folds_here;
         path.leave(surface, next);
         const uint64_t rays_before = stats.rays;
-        const Spectrum light = path.light_behind_deltas(sampler);
-        stats.manifold.rays += std::exchange(stats.rays, rays_before) - rays_before;
-        return light;
+        to.led += path.light_behind_deltas(sampler);
+        const uint64_t rays = std::exchange(stats.rays, rays_before) - rays_before;
+        stats.manifold.rays += rays;
+        to.work_of_leads += rays;
     }
 
     // Throughput included.
@@ -528,27 +533,29 @@ struct PathTracer {
                    : 1.0f;
     }
 
-    // Of kind `i` of Activation; `u` decides whether there is one.
+    // Of kind `i` of Activation; `u` decides whether it has what is left to chance. Throughput
+    // included.
     template <class Estimate>
     Spectrum estimate(const Surface& surface, const CameraApproach& approach, size_t i, float u,
                       const Estimate& radiance) {
         const float chance = pass.activation[i];
-        if (u >= chance) return Spectrum(0.0f);
+        const bool draws = u < chance, is_led = i < kReceiverDepths && !pass.sheets.all.empty();
+        if (!draws && !is_led) return Spectrum(0.0f);
         ManifoldStats& counts = stats.manifold;
         const ManifoldStats before = counts;
         Receiver receiver = receiver_at(surface, approach);
         receiver.importance = max_component(throughput) * smooth_albedo(surface.closures) *
-                              share_beside_light_paths(approach) / (kPi * chance);
-        const Spectrum caustic = throughput * (1.0f / chance) * radiance(receiver);
-        const double squares =
-            static_cast<double>((sqr(caustic.x) + sqr(caustic.y) + sqr(caustic.z)) * (1.0f / 3.0f));
-        const double work =
-            static_cast<double>(counts.iterations - before.iterations + counts.rays - before.rays);
+                              share_beside_light_paths(approach) / kPi;
+        const ManifoldRadiance found = radiance(receiver, draws);
+        const Spectrum drawn = throughput * found.drawn * (1.0f / chance);
+        const double squares = static_cast<double>(dot(drawn, drawn) * (1.0f / 3.0f));
+        const auto work = static_cast<double>(counts.work() - before.work() - found.work_of_leads);
         stats.evidence[i].add(
             {squares * static_cast<double>(chance), work / static_cast<double>(chance)});
+        stats.work_of_leads += found.work_of_leads;
         if (counts.capped > before.capped)
-            counts.capped_energy += static_cast<double>(luminance(caustic));
-        return caustic;
+            counts.capped_energy += static_cast<double>(luminance(drawn));
+        return throughput * found.led + drawn;
     }
 
     // ---- going on; each tells whether the path does

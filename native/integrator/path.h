@@ -39,8 +39,8 @@ inline size_t receiver_depth(uint32_t bounces) {
     return std::min<size_t>(bounces, kReceiverDepths - 1);
 }
 
-// Chances of manifold estimates at a receiver of each depth: first of chains of deltas, then of
-// chains with rough vertices.
+// Chances of manifold estimates at a receiver of each depth, of sheets' but for the chains that leads
+// come to: first of chains of deltas, then of chains with rough vertices.
 inline constexpr size_t kEstimates = 2 * kReceiverDepths;
 using Activation = std::array<float, kEstimates>;
 inline constexpr Activation kAlways{1, 1, 1, 1, 1, 1};
@@ -59,7 +59,8 @@ struct PassState {
     GlintEffort glints{};
 };
 
-// What manifold estimates of one kind gave and cost, as if there had been one at each receiver.
+// What manifold estimates of one kind gave and cost by what is left to chance, as if each receiver had
+// had it.
 struct ActivationEvidence {
     double second_moment = 0.0;  // of what they add to their pixels, mean of the channels
     double cost = 0.0;           // Newton iterations and rays
@@ -74,6 +75,8 @@ struct PathStats {
     ManifoldStats manifold;
     GlintStats glints;
     std::array<ActivationEvidence, kEstimates> evidence;
+    // Newton iterations, and rays, those next to folds among them; not part of the evidence.
+    uint64_t work_of_leads = 0;
 };
 
 // What one path contributes to the film.

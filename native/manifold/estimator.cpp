@@ -68,34 +68,36 @@ public:
     // The sum over the solutions to which a sheet leads, weak ones by chance. What it misses at its
     // folds and ends is left to walks, as many as it takes to find it again: they have next to
     // nothing to find.
-    Spectrum by_sheet(const LightSheet* sheet, float sure, Pcg& pcg) {
+    ManifoldRadiance by_sheet(const LightSheet* sheet, float sure, bool draws, Pcg& pcg) {
         const float search_chance = sheet != nullptr ? settings_.search_chance : 1.0f;
         // Of light that is 1 by area at the receiver.
         const float worth = sure > 0.0f ? receiver_.importance / (y_.pdf * sure)
                                         : std::numeric_limits<float>::max();
         FoundChains found;
         const float u = pcg.one();
+        const uint64_t work_before = stats_.work();
         if (sheet != nullptr)
             shoot_leads(scene_, settings_, *sheet, start(), y_, worth, u, found, stats_);
-        Spectrum sum(0.0f);
+        ManifoldRadiance result;
         for (const FoundChain& one : found)
-            sum += contribution(one.solution.chain) * (1.0f / one.chance);
+            result.led += contribution(one.solution.chain) * (1.0f / one.chance);
         stats_.roots += found.size();
-        if (pcg.one() >= search_chance) return sum;
+        result.work_of_leads = stats_.work() - work_before;
+        if (!draws || pcg.one() >= search_chance) return result;
         const Search search{techniques_.casters};
         const CasterChoice caster = choose(search, pcg);
         const std::optional<ChainSolution> missed = random_chain(search, caster, pcg);
-        if (!missed || find_chain(settings_, found, *missed) != nullptr) return sum;
+        if (!missed || find_chain(settings_, found, *missed) != nullptr) return result;
         if (sheet != nullptr)
             shoot_leads(scene_, settings_, *sheet, start(), y_, worth, 0.0f, found, stats_);
-        if (find_chain(settings_, found, *missed) != nullptr) return sum;
-        const Spectrum more = of_missed(missed->chain, pcg,
-                                        [&] { return comes_again(search, caster, *missed, pcg); }) *
-                              (1.0f / (caster.probability * search_chance));
-        if (is_black(more)) return sum;
+        if (find_chain(settings_, found, *missed) != nullptr) return result;
+        result.drawn = of_missed(missed->chain, pcg,
+                                 [&] { return comes_again(search, caster, *missed, pcg); }) *
+                       (1.0f / (caster.probability * search_chance));
+        if (is_black(result.drawn)) return result;
         ++stats_.missed;
-        stats_.missed_energy += static_cast<double>(luminance(more));
-        return sum + more;
+        stats_.missed_energy += static_cast<double>(luminance(result.drawn));
+        return result;
     }
 
     // One chain among facets that are drawn once.
@@ -411,31 +413,31 @@ CausticPath caustic_path(const Scene& scene, const Receiver& receiver, const Clo
     return path;
 }
 
-Spectrum manifold_radiance(const Techniques& techniques, const Receiver& receiver,
-                           const LightSheets& sheets, const Sampler& sampler, ManifoldStats& stats) {
+ManifoldRadiance manifold_radiance(const Techniques& techniques, const Receiver& receiver,
+                                   const LightSheets& sheets, bool draws, const Sampler& sampler,
+                                   ManifoldStats& stats) {
+    ManifoldRadiance result;
+    const ManifoldSettings& settings = techniques.manifold;
     const CasterSet& casters = techniques.casters;
     const Vec3 u = sampler[Domain::manifold_light].three();
     Pcg pcg(sampler[Domain::manifold_seeds].stream_seed());
     const std::optional<LightPoint> y = sample_light_point(techniques.lights, techniques.scene, u);
-    if (!y) return Spectrum(0.0f);
-    if (techniques.manifold.finder == ChainFinder::sheets) {
-        ++stats.estimates;
-        return Estimate(techniques, receiver, *y, stats)
-            .by_sheet(nearest_sheet(sheets, *y), sheets.sure, pcg);
-    }
+    if (!y) return result;
     ++stats.estimates;
     Estimate estimate(techniques, receiver, *y, stats);
-    const ManifoldSettings& settings = techniques.manifold;
-    Spectrum sum(0.0f);
+    if (settings.finder == ChainFinder::sheets)
+        return estimate.by_sheet(nearest_sheet(sheets, *y), sheets.sure, draws, pcg);
     if (settings.finder == ChainFinder::walks && settings.looks_for_longer())
-        sum = settings.biased ? estimate.biased_long(pcg) : estimate.unbiased_long(pcg);
-    if (!settings.looks_for_singles()) return sum;
+        result.drawn = settings.biased ? estimate.biased_long(pcg) : estimate.unbiased_long(pcg);
+    if (!settings.looks_for_singles()) return result;
     const CasterChoice choice = choose_caster(casters, receiver.p, sides_of(receiver), end_of(*y),
                                               sampler[Domain::manifold_caster].one());
-    if (choice.index == kNone) return sum;
-    if (settings.finder == ChainFinder::mnee) return estimate.from_fixed_starts(choice.index);
+    if (choice.index == kNone) return result;
     const Caster& caster = casters.casters[choice.index];
-    return sum + (settings.biased ? estimate.biased(caster, pcg) : estimate.unbiased(caster, pcg));
+    result.drawn += settings.finder == ChainFinder::mnee ? estimate.from_fixed_starts(choice.index)
+                    : settings.biased                    ? estimate.biased(caster, pcg)
+                                                         : estimate.unbiased(caster, pcg);
+    return result;
 }
 
 Spectrum rough_chain_radiance(const Techniques& techniques, const Receiver& receiver,

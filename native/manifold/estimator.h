@@ -39,9 +39,16 @@ struct Receiver {
 CausticPath caustic_path(const Scene& scene, const Receiver& receiver, const ClosureEval& at_x,
                          const Vec3& wi);
 
-// One estimate of the radiance from `receiver` towards its wo.
-Spectrum manifold_radiance(const Techniques& techniques, const Receiver& receiver,
-                           const LightSheets& sheets, const Sampler& sampler, ManifoldStats& stats);
+// Radiance from a receiver towards its wo. What each estimate has, where sheets lead it, and what is
+// left to chance.
+struct ManifoldRadiance {
+    Spectrum led{0.0f}, drawn{0.0f};
+    uint64_t work_of_leads = 0;  // Newton iterations and rays
+};
+// One estimate; without `draws`, which only sheets do without, of what leads come to alone.
+ManifoldRadiance manifold_radiance(const Techniques& techniques, const Receiver& receiver,
+                                   const LightSheets& sheets, bool draws, const Sampler& sampler,
+                                   ManifoldStats& stats);
 
 // The same of chains with rough vertices alone, each at a facet that is drawn anew.
 Spectrum rough_chain_radiance(const Techniques& techniques, const Receiver& receiver,

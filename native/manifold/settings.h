@@ -80,6 +80,7 @@ struct ManifoldStats {
     uint64_t missed = 0;         // found by walks beside them
     double missed_energy = 0.0;  // luminance that those gave to their estimates
     double capped_energy = 0.0;  // luminance that capped estimates gave to their pixels
+    uint64_t work() const { return iterations + rays; }
     void add(const ManifoldStats& other) {
         estimates += other.estimates;
         walks += other.walks;

@@ -82,6 +82,7 @@ void RenderStats::add(const RenderStats& other) {
     light.add(other.light);
     glint_bytes += other.glint_bytes;
     for (size_t i = 0; i < kEstimates; ++i) path.evidence[i].add(other.path.evidence[i]);
+    path.work_of_leads += other.path.work_of_leads;
 }
 
 Session::Session(const RenderScene& world, const RenderSettings& settings)
@@ -133,16 +134,14 @@ void Session::look_at_clock(uint32_t pass) {
 
 void TileEvidence::add(const RenderStats& stats) {
     samples += stats.samples;
-    rays += stats.path.rays;
+    rays += stats.path.rays + stats.path.work_of_leads;
     for (size_t i = 0; i < kEstimates; ++i) manifold[i].add(stats.path.evidence[i]);
 }
 
 Activation activation_for(const TileEvidence& evidence, double variance) {
-    // What has not been met must not come too rarely.
-    constexpr double kLeastChance = 1.0 / 8;
-    // Chains with rough vertices are found so rarely that a tile hears late of what they bring: then
-    // it comes as a single bright sample.
-    constexpr double kLeastRoughChance = 1.0 / 4;
+    // What has not been met must not come too rarely: a tile hears late of what chains bring that are
+    // found once in a while, and then it comes as a single bright sample.
+    constexpr double kLeastChance = 1.0 / 4;
     // Of the variance that a tile shows, what is left for all but the manifold at least.
     constexpr double kLeastRest = 0.05;
 
@@ -157,8 +156,7 @@ Activation activation_for(const TileEvidence& evidence, double variance) {
         const ActivationEvidence& e = evidence.manifold[i];
         if (e.cost == 0.0) continue;
         const double best = std::sqrt(e.second_moment / e.cost * rest_cost / rest);
-        const double least = i < kReceiverDepths ? kLeastChance : kLeastRoughChance;
-        chances[i] = static_cast<float>(std::clamp(best, least, 1.0));
+        chances[i] = static_cast<float>(std::clamp(best, kLeastChance, 1.0));
     }
     return chances;
 }

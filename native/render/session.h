@@ -51,7 +51,7 @@ struct RenderProgress {
 // What is known of the estimates of a tile, from all its samples so far.
 struct TileEvidence {
     uint64_t samples = 0;
-    uint64_t rays = 0;  // of path tracing
+    uint64_t rays = 0;  // of path tracing, and the work of leads
     std::array<ActivationEvidence, kEstimates> manifold;
     void add(const RenderStats& stats);
 };

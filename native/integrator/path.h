@@ -40,7 +40,7 @@ inline size_t receiver_depth(uint32_t bounces) {
 }
 
 // Chances of manifold estimates at a receiver of each depth, of sheets' but for the chains that leads
-// come to: first of chains of deltas, then of chains with rough vertices.
+// come to: first of chains of deltas, then of chains with rough vertices. 0: there are none at all.
 inline constexpr size_t kEstimates = 2 * kReceiverDepths;
 using Activation = std::array<float, kEstimates>;
 inline constexpr Activation kAlways{1, 1, 1, 1, 1, 1};

@@ -68,7 +68,10 @@ Paths weighed_paths(ChainFinder finder, uint32_t tries, float wrong = 1.0f, uint
 
 double largest_deviation(const std::vector<Weighed>& paths) {
     double largest = 0.0;
-    for (const Weighed& path : paths) largest = std::max(largest, std::abs(path.deviation));
+    for (const Weighed& path : paths) {
+        EXPECT_TRUE(std::isfinite(path.deviation));
+        largest = std::max(largest, std::abs(path.deviation));
+    }
     return largest;
 }
 

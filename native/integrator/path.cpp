@@ -539,8 +539,8 @@ struct PathTracer {
     Spectrum estimate(const Surface& surface, const CameraApproach& approach, size_t i, float u,
                       const Estimate& radiance) {
         const float chance = pass.activation[i];
-        const bool draws =
-            u<chance, is_led = chance> 0.0f && i < kReceiverDepths && !pass.sheets.all.empty();
+        const bool draws = u < chance;
+        const bool is_led = chance > 0.0f && i < kReceiverDepths && !pass.sheets.all.empty();
         if (!draws && !is_led) return Spectrum(0.0f);
         ManifoldStats& counts = stats.manifold;
         const ManifoldStats before = counts;

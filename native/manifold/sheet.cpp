@@ -134,9 +134,10 @@ void LightSheet::build_folds(float reach) {
     };
     std::vector<const Beam*> beams;
     for (const Beam& beam : all_.beams) {
+        if (!(beam.margin > 0.0f)) continue;
         const FoldPatch patch = patch_of(beam);
-        if (beam.margin > 0.0f && length_squared(cross(patch.e1, patch.e2)) > 0.0f)
-            beams.push_back(&beam);
+        // Without area it would be drawn, but no density would tell of it.
+        if (length_squared(cross(patch.e1, patch.e2)) > 0.0f) beams.push_back(&beam);
     }
     const auto shape = [&](uint32_t i) {
         return prism_of(edges_of(all_, *beams[i]), *beams[i], 0.0f);

@@ -531,20 +531,29 @@ TEST(Folds, DirectionsHaveTheDensityOfTheirSamples) {
               << std::sqrt(squares) / next_to_folds << std::endl;
 }
 
-// Lights without extent, which no direction finds, have none.
-TEST(Folds, AreNotOfPointLights) {
-    SceneMaker maker;
-    maker.add(test::square(8.0f), test::diffuse(0.8f), {}, CausticsRole::receiver);
-    add_ball(maker, test::glass(1.5f));
-    maker.builder.add_light(test::point_lamp(10.0f, 0.0f, {0.3f, -1.2f, 2.6f}));
-    const RenderScene world = maker.finish();
-    const SheetPool pool =
-        build_sheets(*world.scene, world.lights, world.casters, settings(), 3, 64, 1);
-    Pcg pcg(12);
-    for (int i = 0; i < 2000; ++i) {
-        const Vec3 x(1.6f * pcg.one() - 0.8f, 1.6f * pcg.one() - 0.8f, 0.0f);
-        EXPECT_TRUE(FoldDirections({pool}, x).empty());
-    }
+// Lights that rays do not run into, without extent or without shadow, have none.
+TEST(Folds, AreOfLightsThatRaysFind) {
+    const auto with_folds = [](float radius, bool casts_shadow) {
+        SceneMaker maker;
+        maker.add(test::square(8.0f), test::diffuse(0.8f), {}, CausticsRole::receiver);
+        add_ball(maker, test::glass(1.5f));
+        LightDesc lamp = test::point_lamp(10.0f, radius, {0.3f, -1.2f, 2.6f});
+        if (!casts_shadow) lamp.visibility &= ~kVisibleShadow;
+        maker.builder.add_light(lamp);
+        const RenderScene world = maker.finish();
+        const SheetPool pool =
+            build_sheets(*world.scene, world.lights, world.casters, settings(), 3, 64, 1);
+        Pcg pcg(12);
+        int count = 0;
+        for (int i = 0; i < 2000; ++i) {
+            const Vec3 x(1.6f * pcg.one() - 0.8f, 1.6f * pcg.one() - 0.8f, 0.0f);
+            count += FoldDirections({pool}, x).empty() ? 0 : 1;
+        }
+        return count;
+    };
+    EXPECT_GT(with_folds(0.05f, true), 100);
+    EXPECT_EQ(with_folds(0.0f, true), 0);
+    EXPECT_EQ(with_folds(0.05f, false), 0);
 }
 
 TEST(Sheets, LeadToLightOfPenumbras) {

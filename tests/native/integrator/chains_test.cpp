@@ -426,6 +426,32 @@ TEST(Folds, RaysEndAmongMirrorsThatAreNoCasters) {
     EXPECT_GT(mean.caustics.mean(), 0.0);
 }
 
+// Beside strong waves directions next to folds bring a sixth of the light. Walks, which know of no
+// folds, tell whether it is all.
+TEST(FoldsSlow, AgreeWithWalks) {
+    SceneMaker maker;
+    add_floor(maker);
+    maker.builder.add_image(plane_normals(128, 0.25, 0.1, 5));
+    maker.add(square(0.8f), normal_mapped(mirror(), Vec2(1.0f, 1.0f)),
+              rotation_x(1.3f, {0.0f, 0.9f, 0.8f}), CausticsRole::caster);
+    LightDesc lamp;
+    lamp.name = "lamp";
+    lamp.type = LightType::point;
+    lamp.to_world = translation({0.3f, -1.2f, 2.6f});
+    lamp.power = Spectrum(100.0f);
+    lamp.radius = 0.05f;
+    lamp.visibility = kNotDirectly;
+    maker.builder.add_light(lamp);
+    const RenderScene world = maker.finish();
+    const auto point = [](const Vec2& u) { return Vec3(u.x - 0.5f, u.y - 0.5f, 0.0f); };
+    const MeanEstimate sheets = Floor(world, &kSheets).mean(point, 200000, 3).radiance,
+                       walks = Floor(world, &kWalks).mean(point, 1600000, 4).radiance;
+    std::cout << sheets.mean() << " +- " << sheets.standard_error() << ", by walks " << walks.mean()
+              << " +- " << walks.standard_error() << std::endl;
+    EXPECT_TRUE(same_mean(sheets, walks, kFamily));
+    EXPECT_LT(std::hypot(sheets.standard_error(), walks.standard_error()), 0.02 * walks.mean());
+}
+
 TEST(ChainsSlow, OfSmoothCastersAgreeWithPathTracing) { expect_agreement(chain_cases()); }
 TEST(ChainsSlow, OfNormalMappedCastersAgreeWithPathTracing) {
     expect_agreement(of_kinds({"R", "T"}, kWalks), {Relief::normals});

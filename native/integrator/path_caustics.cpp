@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "integrator/path_tracer.h"
+
+#include <utility>
+
+namespace spc {
+
+bool PathTracer::may_receive(const Surface& surface) const {
+    return shares() && has_chain_casters() && has_smooth_closure(surface.closures) &&
+           scene().instances[surface.hit.instance].receiver &&
+           bounces.leaves_room_for_chain(settings.limits);
+}
+
+void PathTracer::look_for_folds(const Surface& surface, const CameraApproach& approach,
+                                bool receives) {
+    const bool draws = receives && !(approach.film_per_area > 0.0f) && !rough_visit(surface).before;
+    folds_here = draws ? FoldDirections(pass.sheets, surface.p) : FoldDirections();
+}
+
+template <class Estimate>
+Spectrum PathTracer::estimate(const Surface& surface, const CameraApproach& approach, size_t i,
+                              float u, const Estimate& radiance) {
+    const float chance = pass.activation[i];
+    const bool draws = u < chance;
+    const bool is_led = chance > 0.0f && i < kReceiverDepths && !pass.sheets.all.empty();
+    if (!draws && !is_led) return Spectrum(0.0f);
+    ManifoldStats& counts = stats.manifold;
+    const ManifoldStats before = counts;
+    Receiver receiver = receiver_at(surface, approach);
+    receiver.importance = max_component(throughput) * smooth_albedo(surface.closures) *
+                          share_beside_light_paths(approach) / kPi;
+    const ManifoldRadiance found = radiance(receiver, draws);
+    const Spectrum drawn = throughput * found.drawn * (1.0f / chance);
+    const double squares = static_cast<double>(dot(drawn, drawn) * (1.0f / 3.0f));
+    const auto work = static_cast<double>(counts.work() - before.work() - found.work_of_leads);
+    stats.evidence[i].add(
+        {squares * static_cast<double>(chance), work / static_cast<double>(chance)});
+    stats.work_of_leads += found.work_of_leads;
+    if (counts.capped > before.capped)
+        counts.capped_energy += static_cast<double>(luminance(drawn));
+    return throughput * found.led + drawn;
+}
+
+Spectrum PathTracer::caustic_radiance(const Surface& surface, const CameraApproach& approach,
+                                      const Sampler& sampler) {
+    Spectrum sum(0.0f);
+    const size_t depth = receiver_depth(bounces.total);
+    const Techniques techniques = techniques_of(world, settings);
+    if (!world.casters.empty())
+        sum += estimate(surface, approach, depth, sampler[Domain::manifold_activation].one(),
+                        [&](const Receiver& receiver, bool draws) {
+                            ManifoldRadiance result = manifold_radiance(
+                                techniques, receiver, pass.sheets, draws, sampler, stats.manifold);
+                            add_folds(surface, sampler[Domain::folds], result);
+                            return result;
+                        });
+    if (may_begin_rough_chain(surface, approach))
+        sum += estimate(
+            surface, approach, kReceiverDepths + depth,
+            sampler[Domain::rough_chain_activation].one(), [&](const Receiver& receiver, bool) {
+                return ManifoldRadiance{
+                    Spectrum(0.0f),
+                    rough_chain_radiance(techniques, receiver, sampler, stats.manifold)};
+            });
+    return sum;
+}
+
+Receiver PathTracer::receiver_at(const Surface& surface, const CameraApproach& approach) const {
+    return {surface.p,
+            surface.p_error,
+            surface.ng,
+            surface.wo,
+            &surface.closures,
+            bounces.transparent_left(settings.limits),
+            &media,
+            surface.hit,
+            approach,
+            bounces,
+            0.0f,
+            rough_visit(surface).before,
+            folds_here.empty() ? nullptr : &folds_here};
+}
+
+bool PathTracer::may_begin_rough_chain(const Surface& surface, const CameraApproach& approach) const {
+    return !world.rough_chain_casters.empty() && !(approach.film_per_area > 0.0f) &&
+           settings.manifold.finder != ChainFinder::mnee &&
+           !(history.has_scattered() && scene().instances[surface.hit.instance].rough_caster);
+}
+
+float PathTracer::share_beside_light_paths(const CameraApproach& approach) const {
+    constexpr double kLeast = 1.0 / 16;
+    return approach.film_per_area > 0.0f
+               ? static_cast<float>(std::max(settings.light_tracing.manifold_share, kLeast))
+               : 1.0f;
+}
+
+void PathTracer::add_folds(const Surface& surface, const Sampler& sampler,
+                           ManifoldRadiance& to) const {
+    if (folds_here.empty()) return;
+    const std::optional<Vec3> w = folds_here.sample(sampler.three());
+    const float pdf = w ? folds_here.pdf(*w) : 0.0f;
+    if (!(pdf > 0.0f)) return;
+    const ClosureEval f = eval(surface.closures, surface.ng, surface.wo, *w);
+    if (is_black(f.f_cos)) return;
+    PathTracer path{world, settings, pass, stats, pcg, lens, ray, media};
+    path.throughput = f.f_cos * (1.0f / pdf);
+    path.bounces = bounces;
+    path.from_folds = true;
+    ClosureSample next{};
+    next.wi = *w;
+    next.pdf_omega = f.pdf_omega;
+    next.kind = BounceKind::diffuse;
+    path.history.append_smooth(scene(), surface, next, true, {}, bounces);
+    path.history.keep(surface, {});
+    path.history.caustic.folds = &folds_here;
+    path.leave(surface, next);
+    const uint64_t rays_before = stats.rays;
+    to.led += path.light_behind_deltas(sampler);
+    const uint64_t rays = std::exchange(stats.rays, rays_before) - rays_before;
+    stats.manifold.rays += rays;
+    to.work_of_leads += rays;
+}
+
+Spectrum PathTracer::light_behind_deltas(const Sampler& sampler) {
+    Spectrum sum(0.0f);
+    Surface surface;
+    for (uint32_t vertex = 0;; ++vertex) {
+        const std::optional<Hit> hit = go_to_surface(surface, sum);
+        if (!hit) return sum;
+        const std::optional<ClosureSample> next =
+            sample(surface.closures, surface.ng, surface.wo,
+                   sampler.vertex(vertex)[Domain::closure].three());
+        if (!next) return sum;
+        throughput *= next->weight;
+        if (next->kind == BounceKind::transparent) {
+            if (!look_through(*hit)) return sum;
+            continue;
+        }
+        if (!next->delta || history.caustic.count == settings.manifold.longest_chain) return sum;
+        bounces.add(next->kind);
+        history.append_delta(surface.hit, *next, world.casters);
+        if (history.stage != PathHistory::Stage::chain) return sum;
+        leave(surface, *next);
+    }
+}
+
+}  // namespace spc

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "integrator/path_tracer.h"
+
+namespace spc {
+
+Spectrum PathTracer::direct_radiance(const Surface& surface, const CameraApproach& approach,
+                                     const Sampler& sampler) {
+    if (!has_smooth_closure(surface.closures)) return Spectrum(0.0f);
+    const std::optional<DirectSample> light =
+        sample_direct(world.lights, scene(), surface.p, sampler[Domain::light].three());
+    if (!light || is_black(light->radiance)) return Spectrum(0.0f);
+    const uint32_t visibility = light_visibility(world.lights, light->light);
+    const ClosureEval f =
+        eval(surface.closures, surface.ng, surface.wo, light->wi, kinds_seeing(visibility));
+    if (is_black(f.f_cos)) return Spectrum(0.0f);
+    // f L / p_light, times its balance weight where other rays find the light, too
+    const Spectrum alone = left_of_direct(surface, *light, f, kinds_seeing(visibility)) *
+                           light->radiance * (1.0f / light->density);
+    if ((visibility & kVisibleShadow) == 0) return alone;
+    return alone * weight_of_direct(surface, approach, *light, f) * unblocked(surface, *light);
+}
+
+Spectrum PathTracer::left_of_direct(const Surface& surface, const DirectSample& light,
+                                    const ClosureEval& f, uint32_t kinds) const {
+    const RoughVisit visit = rough_visit(surface);
+    if (visit.before == nullptr) return f.f_cos;
+    return left_by_rough_chains(techniques_of(world, settings), visit, light.wi, kinds, {},
+                                end_of_direct(surface, light));
+}
+
+float PathTracer::weight_of_direct(const Surface& surface, const CameraApproach& approach,
+                                   const DirectSample& light, const ClosureEval& f) const {
+    if (throws_on(surface, approach)) {
+        const LightEnd end = end_of_direct(surface, light);
+        CausticPath path = caustic_path(scene(), receiver_at(surface, approach), f, light.wi);
+        path.rough_caster = true;
+        if (const std::optional<CausticDensities> p = shared_with_light_paths(path, end))
+            return static_cast<float>(p->direct / p->sum());
+    }
+    return light.delta ? 1.0f : shared(light.density, f.pdf_omega);
+}
+
+LightEnd PathTracer::end_of_direct(const Surface& surface, const DirectSample& light) const {
+    LightEnd end =
+        light_end(light_point_of(world.lights, scene(), surface.p, light), light.wi * -1.0f);
+    end.pdf_direct = light.density;
+    return end;
+}
+
+bool PathTracer::throws_on(const Surface& surface, const CameraApproach& approach) const {
+    if (!scene().instances[surface.hit.instance].rough_caster) return false;
+    CausticPath path;
+    path.rough_caster = true;
+    path.approach = approach.bounces;
+    path.film_per_area = approach.film_per_area;
+    return light_tracing_owns(techniques_of(world, settings), path);
+}
+
+Spectrum PathTracer::unblocked(const Surface& surface, const DirectSample& light) {
+    const bool distant = std::isinf(light.distance);
+    const ChainEnd end{distant, distant ? Vec3(0.0f) : surface.p + light.wi * light.distance,
+                       light.wi, light.margin};
+    uint32_t transparent_left = bounces.transparent_left(settings.limits);
+    Media along = media;
+    if (dot(surface.ng, light.wi) < 0.0f) along.cross(scene(), surface.hit, light.wi);
+    return transmittance(scene(), {surface.p, surface.ng, surface.p_error}, end, kVisibleShadow,
+                         transparent_left, along, stats.rays);
+}
+
+}  // namespace spc

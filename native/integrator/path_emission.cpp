@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "integrator/path_tracer.h"
+#include "manifold/found_chains.h"
+
+namespace spc {
+
+Spectrum PathTracer::emission_from_afar() const {
+    Spectrum sum = emission_of_world();
+    for (const uint32_t sun : world.lights.disc_suns) {
+        if ((light_visibility(world.lights, sun) & ray_kind) == 0) continue;
+        const Spectrum radiance =
+            lamp_radiance(world.lights.lamps[sun], Vec3(0.0f), ray.direction * -1.0f);
+        if (is_black(radiance)) continue;
+        sum += radiance *
+               weight_of_lamp(end_afar(sun, pdf_light_point_sun(world.lights, sun, ray.direction),
+                                       pdf_direct_sun(world.lights, sun, ray.direction)));
+    }
+    return sum;
+}
+
+Spectrum PathTracer::emission_of_world() const {
+    if (!world.lights.has_world || (scene().environment.visibility & ray_kind) == 0)
+        return Spectrum(0.0f);
+    const Spectrum radiance = world_radiance(world.lights, scene(), ray.direction);
+    if (is_black(radiance)) return radiance;
+    const bool scattered = history.stage == PathHistory::Stage::scattered;
+    return radiance *
+           weight_of(end_afar(
+               world.lights.of_world(),
+               light_points_count() ? pdf_light_point_world(world.lights, ray.direction) : 0.0f,
+               scattered ? pdf_direct_world(world.lights, ray.direction) : 0.0f));
+}
+
+Spectrum PathTracer::emission_of_lamp(const Hit& hit) const {
+    const Vec3 p = ray.origin + ray.direction * hit.t;
+    const Spectrum radiance = lamp_radiance(world.lights.lamps[hit.light], p, ray.direction * -1.0f);
+    if (is_black(radiance)) return radiance;
+    float pdf_direct = 0.0f, pdf_point = 0.0f, cos_y = 0.0f;
+    if (history.stage == PathHistory::Stage::scattered)
+        pdf_direct = pdf_direct_lamp(world.lights, history.caustic.x, ray.direction, hit);
+    if (light_points_count()) {
+        cos_y = -dot(lamp_normal(world.lights.lamps[hit.light], p), ray.direction);
+        // The manifold sees lamps from outside alone.
+        if (cos_y > 0.0f) pdf_point = pdf_light_point_lamp(world.lights, hit);
+    }
+    return radiance *
+           weight_of_lamp({{false, p, Vec3(0.0f)}, hit.light, false, cos_y, pdf_point, pdf_direct});
+}
+
+Spectrum PathTracer::emission_of_surface(const Hit& hit, const Surface& surface) const {
+    if (is_black(surface.closures.emission)) return Spectrum(0.0f);
+    float pdf_direct = 0.0f, pdf_point = 0.0f;
+    if (history.stage == PathHistory::Stage::scattered)
+        pdf_direct =
+            pdf_direct_surface(world.lights, scene(), history.caustic.x, ray.direction, hit);
+    if (light_points_count()) pdf_point = pdf_light_point_surface(world.lights, hit.surface);
+    const uint32_t emitter = world.lights.emissive_of_instance[hit.surface.instance];
+    const LightEnd end{{false, surface.p, Vec3(0.0f)},
+                       emitter == kNone ? kNone : world.lights.of_emitter(emitter),
+                       false,
+                       std::abs(dot(surface.ng, ray.direction)),
+                       pdf_point,
+                       pdf_direct};
+    return surface.closures.emission * weight_of(end);
+}
+
+float PathTracer::weight_of(const LightEnd& end) const {
+    const float weight = weight_since_x(end);
+    if (history.rough_chain.count == 0) return weight;
+    return weight *
+           (1.0f - rough_chain_share(techniques_of(world, settings), history.rough_chain, end));
+}
+
+float PathTracer::weight_of_lamp(const LightEnd& end) const {
+    const float weight = weight_of(end);
+    const bool casts_shadow = (light_visibility(world.lights, end.light) & kVisibleShadow) != 0;
+    return casts_shadow || weight == 1.0f ? weight : 0.0f;
+}
+
+float PathTracer::weight_since_x(const LightEnd& end) const {
+    if (from_folds && history.stage != PathHistory::Stage::chain) return 0.0f;
+    switch (history.stage) {
+        case PathHistory::Stage::unconnected: return 1.0f;
+        case PathHistory::Stage::scattered: {
+            const std::optional<CausticDensities> p = shared_with_light_paths(history.caustic, end);
+            if (p) return static_cast<float>(p->path_tracing / p->sum());
+            return history.glints ? 1.0f - shared_by_glints(end.pdf_direct, *history.glints)
+                                  : shared(history.pdf_direct, end.pdf_direct);
+        }
+        case PathHistory::Stage::chain: return weight_of_chain(end);
+    }
+    return 1.0f;
+}
+
+float PathTracer::weight_of_chain(const LightEnd& end) const {
+    const float unshared = from_folds ? 0.0f : 1.0f;
+    const Techniques techniques = techniques_of(world, settings);
+    const CausticPath& so_far = history.caustic;
+    if (!(end.pdf > 0.0f) ||
+        !(manifold_owns(techniques, so_far) || light_tracing_owns(techniques, so_far)))
+        return unshared;
+    if (so_far.from_camera && !settings.highlights->has(end.light)) return unshared;
+    CausticPath path = so_far;
+    if (is_black(chain_throughput(scene(), path, end.end))) return unshared;
+    const std::optional<CausticDensities> p = caustic_densities(techniques, path, end);
+    if (!p || p->manifold + p->light_tracing == 0.0) return unshared;
+    const double own = from_folds ? p->share_of_folds() : 1.0 - p->share_of_folds();
+    if (own == 0.0) return 0.0f;
+    const uint32_t trials =
+        p->missed_are_apart()
+            ? trials_if_missed(techniques, pass.sheets, path, end, settings.manifold.weight_trials,
+                               pcg, stats.manifold)
+            : 0;
+    return static_cast<float>(
+        own * (trials > 0 ? p->share_of_directions(trials) : p->by_directions() / p->sum()));
+}
+
+bool PathTracer::light_points_count() const {
+    return (history.stage == PathHistory::Stage::chain && history.caustic.count > 0) ||
+           history.rough_chain.count > 0 ||
+           (history.stage == PathHistory::Stage::scattered && history.caustic.rough_caster);
+}
+
+LightEnd PathTracer::end_afar(uint32_t light, float pdf, float pdf_direct) const {
+    return {{true, Vec3(0.0f), ray.direction}, light, false, 1.0f, pdf, pdf_direct};
+}
+
+std::optional<CausticDensities> PathTracer::shared_with_light_paths(const CausticPath& path,
+                                                                    const LightEnd& end) const {
+    if (!path.rough_caster || !(end.pdf > 0.0f) || !(end.cosine > 0.0f)) return std::nullopt;
+    const Techniques techniques = techniques_of(world, settings);
+    if (!light_tracing_owns(techniques, path)) return std::nullopt;
+    const std::optional<CausticDensities> p = caustic_densities(techniques, path, end);
+    return p && p->light_tracing > 0.0 ? p : std::nullopt;
+}
+
+}  // namespace spc

@@ -287,7 +287,7 @@ private:
         }
         add_beam(ends[0], ends[1], ends[2]);
         add_beam(ends[0], ends[2], ends[3]);
-        irregularity_ += throughput * (whole ? std::min(1.0f, bend(ends)) : 1.0f);
+        irregularity_ += throughput * (whole ? std::min(1.0f, bend(ends)) : kEnd);
     }
 
     // How far the cell's fourth corner lies from where three of them would have it, by their
@@ -355,6 +355,9 @@ private:
     }
 
     static constexpr float kFlat = 0.999f, kFlatDepth = 0.05f;
+    // Of a cell in which a sheet ends, where a bent one has 1 at most: there are chains beyond its
+    // beams, which at the silhouette of a rippled caster no beam leads to.
+    static constexpr float kEnd = 3.0f;
 
     TracedTile traced_;
     float beam_size_;

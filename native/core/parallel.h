@@ -23,7 +23,7 @@ void parallel_for(uint32_t threads, uint32_t count, const Act& act) {
     std::exception_ptr failure;
     const auto work = [&] {
         try {
-            for (uint32_t i; (i = next.fetch_add(1)) < count;) act(i);
+            for (uint32_t i = 0; (i = next.fetch_add(1)) < count;) act(i);
         } catch (...) {
             next = count;
             const std::lock_guard lock(mutex);

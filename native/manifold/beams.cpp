@@ -378,6 +378,7 @@ std::vector<Square> squares_around(std::span<const Vec2> places, uint32_t level)
                 set[{j, i}] = true;
     }
     std::vector<Square> squares;
+    squares.reserve(set.size());
     for (const auto& [at, used] : set) squares.push_back({at.second, at.first, level});
     return squares;
 }

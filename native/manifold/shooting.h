@@ -13,12 +13,12 @@ namespace spc {
 struct ChainLink {
     uint32_t instance;
     Interaction interaction;
-    auto operator<=>(const ChainLink&) const = default;
+    auto operator<=>(const ChainLink&) const = default;  // NOLINT(modernize-use-nullptr)
 };
 struct ChainKind {
     uint32_t count = 0;
     std::array<ChainLink, kLongestChain> links{};
-    auto operator<=>(const ChainKind&) const = default;
+    auto operator<=>(const ChainKind&) const = default;  // NOLINT(modernize-use-nullptr)
 
     void append(const ChainLink& link) { links[count++] = link; }
     ChainKind first(uint32_t n) const;

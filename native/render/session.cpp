@@ -395,7 +395,7 @@ bool Session::render_tile(uint32_t pass, uint32_t tile, RenderStats& stats) {
 }
 
 void Session::prepare_sheets() {
-    constexpr double kPixelsOfTile = 64.0, kSamplesOfTile = 2048.0, kSecondsOfTile = 0.02;
+    constexpr double kPixelsOfTile = 64.0, kSamplesOfTile = 4096.0, kSecondsOfTile = 0.04;
     constexpr double kLeastTiles = 64.0, kMostTiles = 2048.0;
     const ManifoldSettings& manifold = settings_.integrator.manifold;
     if (manifold.finder != ChainFinder::sheets) return;

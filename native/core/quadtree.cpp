@@ -10,7 +10,7 @@ namespace {
 // A cell is split while it holds more than this share of the weight, and points enough to tell how
 // the weight lies in it.
 constexpr double kLeastShare = 1.0 / 1024;
-constexpr size_t kLeastPoints = 8;
+constexpr size_t kLeastPoints = 32;
 constexpr float kLeastSize = 0x1p-17f;  // coordinates have 2^-24
 
 double total(std::span<const WeightedPoint> points) {

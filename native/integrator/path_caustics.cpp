@@ -20,7 +20,9 @@ void PathTracer::look_for_folds(const Surface& surface, const CameraApproach& ap
 template <class Estimate>
 Spectrum PathTracer::estimate(const Surface& surface, const CameraApproach& approach, size_t i,
                               float u, const Estimate& radiance) {
-    const float chance = pass.activation[i];
+    const float activation = pass.activation[i];
+    const float chance =
+        activation * static_cast<float>(chance_of_walks(settings.manifold, approach.film_per_area));
     const bool draws = u < chance;
     const bool is_led = chance > 0.0f && i < kReceiverDepths && !pass.sheets.all.empty();
     if (!draws && !is_led) return Spectrum(0.0f);
@@ -34,7 +36,7 @@ Spectrum PathTracer::estimate(const Surface& surface, const CameraApproach& appr
     const double squares = static_cast<double>(dot(drawn, drawn) * (1.0f / 3.0f));
     const auto work = static_cast<double>(counts.work() - before.work() - found.work_of_leads);
     stats.evidence[i].add(
-        {squares * static_cast<double>(chance), work / static_cast<double>(chance)});
+        {squares * static_cast<double>(activation), work / static_cast<double>(activation)});
     stats.work_of_leads += found.work_of_leads;
     if (counts.capped > before.capped)
         counts.capped_energy += static_cast<double>(luminance(drawn));

@@ -9,7 +9,7 @@ namespace {
 
 // Shares of the samples: uniform over a light's whole cone, and over what it sees of the casters.
 // The first keeps every density positive, the second bounds what was never learned.
-constexpr float kFloor = 0.05f;
+constexpr float kFloor = 0.1f;
 constexpr float kAimedShare = 0.25f;
 // Points on the casters from which the aim is taken, for all lights together and at least for each.
 constexpr uint32_t kAimingPoints = 1u << 18, kMostAimingPoints = 1u << 14, kLeastAimingPoints = 256;

@@ -170,6 +170,14 @@ CausticPath camera_path(const Camera& camera, const Vec3& x, const Vec3& w);
 bool manifold_owns(const Techniques& techniques, const CausticPath& path);
 bool light_tracing_owns(const Techniques& techniques, const CausticPath& path);
 
+// The chance that a receiver has the manifold's estimate by walks at all, beside that of the pass: where
+// light paths find nearly all that walks do, few need to be asked.
+inline double chance_of_walks(const ManifoldSettings& manifold, float film_per_area) {
+    constexpr double kBesideLightPaths = 1.0 / 16;
+    const bool shares = manifold.finder == ChainFinder::walks && film_per_area > 0.0f;
+    return shares ? kBesideLightPaths : 1.0;
+}
+
 // The balance heuristic takes estimates of equal density for equally good. The manifold's have this
 // much of the worth of a sample that was drawn with the same density: walks choose one of many
 // solutions and count trials, the more for chains of several interactions; sheets cost more than a
@@ -177,13 +185,15 @@ bool light_tracing_owns(const Techniques& techniques, const CausticPath& path);
 // but what they take from light paths of the chains that they miss is left to path tracing. So it is
 // with the leads of highlights. Chains with rough vertices are left to chance alone, the more so with
 // several: in the focus of a ball of rough glass one is met again after a thousand trials, and path
-// tracing is dense. How much light sheets miss, and how hard it is to find, is measured where light
-// paths may have it instead.
+// tracing is dense. Walks that few receivers have are worth as much less. How much light sheets miss,
+// and how hard it is to find, is measured where light paths may have it instead.
 inline double manifold_worth(const Techniques& techniques, const CausticPath& path) {
     if (path.from_camera) return 1.0;
     if (path.is_rough()) return path.count == 1 ? 1.0 / 2 : 1.0 / 32;
     switch (techniques.manifold.finder) {
-        case ChainFinder::walks: return path.count == 1 ? 1.0 / 32 : 1.0 / 128;
+        case ChainFinder::walks:
+            return chance_of_walks(techniques.manifold, path.film_per_area) *
+                   (path.count == 1 ? 1.0 / 32 : 1.0 / 128);
         case ChainFinder::sheets:
             return 1.0 / (8 * (path.film_per_area > 0.0f ? techniques.light_tracing.effort : 1.0));
         case ChainFinder::mnee: return techniques.light_tracing.guide != nullptr ? 1.0 / 32 : 1.0;

@@ -161,10 +161,11 @@ Activation activation_for(const TileEvidence& evidence, double variance) {
     return chances;
 }
 
-Activation activation_for(const TileEvidence& evidence, std::span<const PixelSums> pixels) {
-    if (evidence.samples < kLeastSamples * pixels.size()) return kAlways;
+Activation activation_for(const TileEvidence& evidence, std::span<const PixelSums> pixels,
+                          const Activation& before) {
+    if (evidence.samples < kLeastSamples * pixels.size()) return before;
     const std::optional<double> variance = variance_of(pixels);
-    return variance ? activation_for(evidence, *variance) : kAlways;
+    return variance ? activation_for(evidence, *variance) : before;
 }
 
 void Session::work(bool first) {
@@ -178,6 +179,7 @@ void Session::work(bool first) {
             learn_light_paths();
             find_highlights();
             weigh_noise();
+            weigh_estimates();
             count_splats();
         }
     } catch (...) {
@@ -264,8 +266,17 @@ void Session::find_highlights() {
     stats_.add(stats);
 }
 
+void Session::weigh_estimates() {
+    constexpr uint32_t kPixels = 2048, kRare = 1024;
+    const bool may_draw = settings_.integrator.manifold.enabled &&
+                          !(world_.casters.empty() && world_.rough_chain_casters.empty());
+    if (!light_pilot_ && !may_draw) return;
+    const Probe camera = probe(kPixels, kRare);
+    first_chances_ = activation_for(camera.evidence, camera.variance);
+    if (light_pilot_) light_paths_ = light_paths_that_pay(*light_pilot_, thinned(camera));
+}
+
 void Session::count_splats() {
-    if (light_pilot_) light_paths_ = light_paths_that_pay(*light_pilot_);
     if (highlights_) {
         highlight_estimates_ = static_cast<uint64_t>(highlights_->estimates);
         highlight_searches_ =
@@ -278,7 +289,7 @@ void Session::count_splats() {
     settings_.integrator.light_tracing.paths = static_cast<double>(light_paths_);
 }
 
-Session::Probe Session::probe(uint32_t most, uint32_t rare) const {
+Session::Probe Session::probe(uint32_t most, uint32_t rare) {
     constexpr uint32_t kFewest = 256;
 
     const auto& [x0, y0, width, height] = world_.scene->camera.crop;
@@ -309,6 +320,10 @@ Session::Probe Session::probe(uint32_t most, uint32_t rare) const {
     squares.resize(squares.size() - (squares.size() + rare - 1) / rare);
     RenderStats all;
     for (const RenderStats& one : stats) all.add(one);
+    {
+        const std::lock_guard lock(mutex_);
+        stats_.path.manifold.add(all.path.manifold);
+    }
     const double samples = 2.0 * static_cast<double>(count);
     Probe probe{
         std::accumulate(squares.begin(), squares.end(), 0.0) / samples,
@@ -327,12 +342,11 @@ Session::Probe Session::probe(uint32_t most, uint32_t rare) const {
 }
 
 // As if its manifold estimates came by the chances that tiles will give them.
-Session::Probe Session::thinned(const Probe& whole) {
+Session::Probe Session::thinned(const Probe& whole) const {
     Probe result = whole;
-    const Activation chances = activation_for(whole.evidence, whole.variance);
     const auto samples = static_cast<double>(whole.evidence.samples);
     for (size_t i = 0; i < kEstimates; ++i) {
-        const auto chance = static_cast<double>(chances[i]);
+        const auto chance = static_cast<double>(first_chances_[i]);
         const ActivationEvidence& e = whole.evidence.manifold[i];
         result.variance += e.second_moment / samples * (1.0 / chance - 1.0);
         result.work -= e.cost / samples * (1.0 - chance);
@@ -347,12 +361,10 @@ Session::Probe Session::thinned(const Probe& whole) {
 // V / N + V' / P in a part. (The least sum would be decided by the noisiest part alone, and leave to
 // others what a few more light paths take away.) Work is counted, not timed, so that the same render
 // comes out everywhere.
-uint64_t Session::light_paths_that_pay(const LightPilot& pilot) const {
+uint64_t Session::light_paths_that_pay(const LightPilot& pilot, const Probe& camera) const {
     constexpr double kLeast = 1.0 / 64, kMost = 8.0, kStep = 1.125;  // for each pixel
     const auto& crop = world_.scene->camera.crop;
     const auto pixels = static_cast<double>(uint64_t{crop[2]} * crop[3]);
-    constexpr uint32_t kPixels = 2048, kRare = 1024;
-    const Probe camera = thinned(probe(kPixels, kRare));
     // Of a pixel, by one light path for each.
     const double of_light = spread(filter_) * CoarsePicture::kCells / (pixels * pixels);
     const auto error = [&](double paths) {  // logarithm of that mean
@@ -504,7 +516,7 @@ bool Session::render_pixels(uint32_t tile, uint32_t pass, std::vector<PixelSums>
                             RenderStats& stats) {
     const uint32_t first = pass_begin(pass), count = pass_begin(pass + 1) - first;
     const Film::TileBounds b = film_.bounds(tile);
-    PassState state{activation_for(evidence_[tile], pixels), sheets_, {}};
+    PassState state{activation_for(evidence_[tile], pixels, first_chances_), sheets_, {}};
     const bool may_glint = !world_.glints.fields.empty();
     const double variance = may_glint ? variance_of(pixels).value_or(0.0) : 0.0;
     const auto& crop = world_.scene->camera.crop;

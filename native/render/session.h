@@ -57,9 +57,11 @@ struct TileEvidence {
 };
 // The chances of manifold estimates for which variance times cost of the tile is least, as
 // efficiency-optimised Russian roulette has it [Rath22].
-// `variance`: of one sample; else it is that of the tile's pixels, if they have samples enough.
+// `variance`: of one sample; else it is that of the tile's pixels. Until they have samples enough, the
+// chances are as `before`.
 Activation activation_for(const TileEvidence& evidence, double variance);
-Activation activation_for(const TileEvidence& evidence, std::span<const PixelSums> pixels);
+Activation activation_for(const TileEvidence& evidence, std::span<const PixelSums> pixels,
+                          const Activation& before);
 
 class Session {
 public:
@@ -88,19 +90,21 @@ private:
     void learn_light_paths();
     void find_highlights();
     void weigh_noise();
+    void weigh_estimates();
     void count_splats();
     // Variance (mean of the channels) and counted work of one sample of the picture, from two in each
     // of some pixels, `most` at most. Of `rare` of them the one whose bright sample would tell all is
-    // left out, but from the variances of the picture's parts, which are 0 where no pixel lies.
+    // left out, but from the variances of the picture's parts, which are 0 where no pixel lies. What
+    // the manifold does for it is counted.
     struct Probe {
         double variance, work;
         double glint_work;  // of one estimate of glints; 0 if there was none
         TileEvidence evidence;
         std::array<double, CoarsePicture::kCells> variances;
     };
-    Probe probe(uint32_t most, uint32_t rare) const;
-    static Probe thinned(const Probe& whole);
-    uint64_t light_paths_that_pay(const LightPilot& pilot) const;
+    Probe probe(uint32_t most, uint32_t rare);
+    Probe thinned(const Probe& whole) const;
+    uint64_t light_paths_that_pay(const LightPilot& pilot, const Probe& camera) const;
     bool render_job(uint64_t job, RenderStats& stats);
     bool render_tile(uint32_t pass, uint32_t tile, RenderStats& stats);
     bool render_splats(uint32_t pass, uint32_t part, RenderStats& stats);
@@ -123,6 +127,7 @@ private:
     const uint32_t pass_count_;
     std::vector<std::atomic<uint32_t>> tile_passes_;  // passes that each tile has had
     std::vector<TileEvidence> evidence_;              // of each tile, from those passes
+    Activation first_chances_ = kAlways;              // of tiles whose samples tell nothing yet
     // Of each pass, beside its tiles. Splats are added to the film in the order of these, too.
     uint32_t splat_jobs_ = 0;
     uint64_t light_paths_ = 0, highlight_estimates_ = 0,

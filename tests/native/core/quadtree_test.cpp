@@ -20,7 +20,7 @@ std::vector<WeightedPoint> uneven_points() {
         points.push_back({{0.2f + 0.02f * u.x, 0.7f + 0.02f * u.y}, 1.0f});
         points.push_back({{u.x, 0.4f}, 0.5f + u.y});
     }
-    for (int i = 0; i < 20; ++i) points.push_back({{0.9f, 0.1f}, 50.0f});
+    for (int i = 0; i < 40; ++i) points.push_back({{0.9f, 0.1f}, 25.0f});
     return points;
 }
 
@@ -108,6 +108,21 @@ TEST(QuadtreeDensity, FollowsTheWeights) {
     // Between them there is the floor, and nothing else.
     EXPECT_NEAR(density.pdf({0.6f, 0.8f}), kFloor, 1e-6f);
     EXPECT_GT(density.pdf({0.21f, 0.71f}), 100.0f);
+}
+
+// Points of uneven weights, evenly spread: what an estimate's second moment grows by if its samples
+// follow what was learned of them and not the even density that is best.
+TEST(QuadtreeDensity, DoesNotFollowTheNoiseOfWeights) {
+    test::Uniforms uniforms(10);
+    std::vector<WeightedPoint> points;
+    for (int i = 0; i < 20000; ++i) {
+        const Vec2 u = uniforms.two();
+        points.push_back({u, 1.0f / (0.01f + uniforms.two().x)});
+    }
+    const QuadtreeDensity density(points, kFloor);
+    test::MeanEstimate moment;
+    for (int i = 0; i < 100000; ++i) moment.add(1.0 / double(density.pdf(uniforms.two())));
+    EXPECT_LT(moment.mean(), 1.25);
 }
 
 TEST(QuadtreeDensity, IsUniformWithoutWeight) {

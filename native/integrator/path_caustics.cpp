@@ -21,8 +21,8 @@ template <class Estimate>
 Spectrum PathTracer::estimate(const Surface& surface, const CameraApproach& approach, size_t i,
                               float u, const Estimate& radiance) {
     const float activation = pass.activation[i];
-    const float chance =
-        activation * static_cast<float>(chance_of_walks(settings.manifold, approach.film_per_area));
+    const float chance = activation * static_cast<float>(chance_of_walks(
+                                          techniques_of(world, settings), approach.film_per_area));
     const bool draws = u < chance;
     const bool is_led = chance > 0.0f && i < kReceiverDepths && !pass.sheets.all.empty();
     if (!draws && !is_led) return Spectrum(0.0f);

@@ -60,6 +60,8 @@ struct LightTracing {
     // over the light that they carry.
     double effort = 1.0;
     double manifold_share = 1.0;  // of that light
+    // Of receivers to which they may come, so many have the manifold's walks.
+    double walks = 1.0;
 };
 
 // All on which ownership depends besides the path.
@@ -170,12 +172,10 @@ CausticPath camera_path(const Camera& camera, const Vec3& x, const Vec3& w);
 bool manifold_owns(const Techniques& techniques, const CausticPath& path);
 bool light_tracing_owns(const Techniques& techniques, const CausticPath& path);
 
-// The chance that a receiver has the manifold's estimate by walks at all, beside that of the pass: where
-// light paths find nearly all that walks do, few need to be asked.
-inline double chance_of_walks(const ManifoldSettings& manifold, float film_per_area) {
-    constexpr double kBesideLightPaths = 1.0 / 16;
-    const bool shares = manifold.finder == ChainFinder::walks && film_per_area > 0.0f;
-    return shares ? kBesideLightPaths : 1.0;
+// The chance that a receiver has the manifold's estimate by walks at all, beside that of the pass.
+inline double chance_of_walks(const Techniques& techniques, float film_per_area) {
+    const bool shares = techniques.manifold.finder == ChainFinder::walks && film_per_area > 0.0f;
+    return shares ? techniques.light_tracing.walks : 1.0;
 }
 
 // The balance heuristic takes estimates of equal density for equally good. The manifold's have this
@@ -192,7 +192,7 @@ inline double manifold_worth(const Techniques& techniques, const CausticPath& pa
     if (path.is_rough()) return path.count == 1 ? 1.0 / 2 : 1.0 / 32;
     switch (techniques.manifold.finder) {
         case ChainFinder::walks:
-            return chance_of_walks(techniques.manifold, path.film_per_area) *
+            return chance_of_walks(techniques, path.film_per_area) *
                    (path.count == 1 ? 1.0 / 32 : 1.0 / 128);
         case ChainFinder::sheets:
             return 1.0 / (8 * (path.film_per_area > 0.0f ? techniques.light_tracing.effort : 1.0));

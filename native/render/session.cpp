@@ -57,6 +57,12 @@ std::optional<double> variance_of(std::span<const PixelSums> pixels) {
     return sum / (3.0 * static_cast<double>(pixels.size()));
 }
 
+// What has not been met must not come too rarely: a tile hears late of what chains bring that are
+// found once in a while, and then it comes as a single bright sample.
+constexpr double kLeastChance = 1.0 / 4;
+// Where light paths bring what is not found, it may come more rarely.
+constexpr double kLeastWalks = 1.0 / 16;
+
 // Work is counted in rays and iterations of Newton's method, and in parts of slope fields, of which so
 // many are looked at in the time of a ray. To choose a light takes a few rays' time.
 constexpr double kNodesOfRay = 8.0, kRaysOfGlint = 3.0;
@@ -138,10 +144,7 @@ void TileEvidence::add(const RenderStats& stats) {
     for (size_t i = 0; i < kEstimates; ++i) manifold[i].add(stats.path.evidence[i]);
 }
 
-Activation activation_for(const TileEvidence& evidence, double variance) {
-    // What has not been met must not come too rarely: a tile hears late of what chains bring that are
-    // found once in a while, and then it comes as a single bright sample.
-    constexpr double kLeastChance = 1.0 / 4;
+Activation activation_for(const TileEvidence& evidence, double variance, double least, double most) {
     // Of the variance that a tile shows, what is left for all but the manifold at least.
     constexpr double kLeastRest = 0.05;
 
@@ -156,7 +159,7 @@ Activation activation_for(const TileEvidence& evidence, double variance) {
         const ActivationEvidence& e = evidence.manifold[i];
         if (e.cost == 0.0) continue;
         const double best = std::sqrt(e.second_moment / e.cost * rest_cost / rest);
-        chances[i] = static_cast<float>(std::clamp(best, kLeastChance, 1.0));
+        chances[i] = static_cast<float>(std::clamp(best, least, most));
     }
     return chances;
 }
@@ -165,7 +168,7 @@ Activation activation_for(const TileEvidence& evidence, std::span<const PixelSum
                           const Activation& before) {
     if (evidence.samples < kLeastSamples * pixels.size()) return before;
     const std::optional<double> variance = variance_of(pixels);
-    return variance ? activation_for(evidence, *variance) : before;
+    return variance ? activation_for(evidence, *variance, kLeastChance, 1.0) : before;
 }
 
 void Session::work(bool first) {
@@ -267,13 +270,31 @@ void Session::find_highlights() {
 }
 
 void Session::weigh_estimates() {
-    constexpr uint32_t kPixels = 2048, kRare = 1024;
-    const bool may_draw = settings_.integrator.manifold.enabled &&
-                          !(world_.casters.empty() && world_.rough_chain_casters.empty());
+    constexpr uint32_t kPixels = 2048, kRare = 128;
+    const ManifoldSettings& manifold = settings_.integrator.manifold;
+    const bool may_draw =
+        manifold.enabled && !(world_.casters.empty() && world_.rough_chain_casters.empty());
     if (!light_pilot_ && !may_draw) return;
+    double& walks = settings_.integrator.light_tracing.walks;
+    const bool walks_share = light_pilot_ && manifold.finder == ChainFinder::walks;
+    if (walks_share) walks = kLeastWalks;
     const Probe camera = probe(kPixels, kRare);
-    first_chances_ = activation_for(camera.evidence, camera.variance);
-    if (light_pilot_) light_paths_ = light_paths_that_pay(*light_pilot_, thinned(camera));
+    first_chances_ = activation_for(camera.evidence, camera.variance, kLeastChance, 1.0);
+    if (light_pilot_)
+        light_paths_ =
+            light_paths_that_pay(*light_pilot_, with_chances(camera, kAlways, first_chances_));
+    if (walks_share) walks = walks_that_pay(camera);
+}
+
+// Where light paths come that is all receivers which the camera sees directly, and few others. The
+// fewer have walks, the more the weights leave to light paths: too many cost time, too few make bright
+// pixels where light paths come rarely, which is worse.
+double Session::walks_that_pay(const Probe& least_walks) {
+    constexpr double kMore = 4.0;  // than variance and cost ask for
+    const double best =
+        static_cast<double>(activation_for(least_walks.evidence, least_walks.variance, 0.0,
+                                           static_cast<double>(kInfinity))[receiver_depth(0)]);
+    return std::clamp(kMore * best * kLeastWalks, kLeastWalks, 1.0);
 }
 
 void Session::count_splats() {
@@ -294,8 +315,11 @@ Session::Probe Session::probe(uint32_t most, uint32_t rare) {
 
     const auto& [x0, y0, width, height] = world_.scene->camera.crop;
     const uint64_t pixels = uint64_t{width} * height;
+    // Every receiver has walks, whose worth is known the better, but they count as rarely as they come.
     PassState always;
     always.sheets = sheets_;
+    always.activation[receiver_depth(0)] /=
+        static_cast<float>(settings_.integrator.light_tracing.walks);
     const auto count = static_cast<uint32_t>(std::clamp<uint64_t>(pixels / 16, kFewest, most));
     std::vector<double> squares(count);  // of differences, mean of the channels
     std::vector<RenderStats> stats(count);
@@ -338,18 +362,19 @@ Session::Probe Session::probe(uint32_t most, uint32_t rare) {
     probe.evidence.add(all);
     for (size_t i = 0; i < CoarsePicture::kCells; ++i)
         if (counts[i] > 0.0) probe.variances[i] = sums[i] / counts[i];
-    return probe;
+    return with_chances(probe, always.activation, kAlways);
 }
 
-// As if its manifold estimates came by the chances that tiles will give them.
-Session::Probe Session::thinned(const Probe& whole) const {
+// As if manifold estimates came by other chances.
+Session::Probe Session::with_chances(const Probe& whole, const Activation& from,
+                                     const Activation& to) {
     Probe result = whole;
     const auto samples = static_cast<double>(whole.evidence.samples);
     for (size_t i = 0; i < kEstimates; ++i) {
-        const auto chance = static_cast<double>(first_chances_[i]);
+        const auto before = static_cast<double>(from[i]), after = static_cast<double>(to[i]);
         const ActivationEvidence& e = whole.evidence.manifold[i];
-        result.variance += e.second_moment / samples * (1.0 / chance - 1.0);
-        result.work -= e.cost / samples * (1.0 - chance);
+        result.variance += e.second_moment / samples * (1.0 / after - 1.0 / before);
+        result.work -= e.cost / samples * (before - after);
     }
     if (whole.variance > 0.0)
         for (double& variance : result.variances) variance *= result.variance / whole.variance;

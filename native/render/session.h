@@ -56,10 +56,10 @@ struct TileEvidence {
     void add(const RenderStats& stats);
 };
 // The chances of manifold estimates for which variance times cost of the tile is least, as
-// efficiency-optimised Russian roulette has it [Rath22].
+// efficiency-optimised Russian roulette has it [Rath22], between `least` and `most`.
 // `variance`: of one sample; else it is that of the tile's pixels. Until they have samples enough, the
 // chances are as `before`.
-Activation activation_for(const TileEvidence& evidence, double variance);
+Activation activation_for(const TileEvidence& evidence, double variance, double least, double most);
 Activation activation_for(const TileEvidence& evidence, std::span<const PixelSums> pixels,
                           const Activation& before);
 
@@ -103,8 +103,9 @@ private:
         std::array<double, CoarsePicture::kCells> variances;
     };
     Probe probe(uint32_t most, uint32_t rare);
-    Probe thinned(const Probe& whole) const;
+    static Probe with_chances(const Probe& whole, const Activation& from, const Activation& to);
     uint64_t light_paths_that_pay(const LightPilot& pilot, const Probe& camera) const;
+    static double walks_that_pay(const Probe& least_walks);
     bool render_job(uint64_t job, RenderStats& stats);
     bool render_tile(uint32_t pass, uint32_t tile, RenderStats& stats);
     bool render_splats(uint32_t pass, uint32_t part, RenderStats& stats);

@@ -21,6 +21,7 @@ inline constexpr Vec3 kEye(0.0f, -3.0f, 2.0f);
 inline constexpr Vec2 kLens(0.5f);
 inline constexpr double kPaths = 0.03;  // of light: so few that all techniques have a share
 inline constexpr double kEffort = 3.0;  // sheets take to find what light paths find
+inline constexpr double kWalks = 0.25;  // of the receivers to which light paths come have walks
 
 inline constexpr BounceLimits kLimits{16, 3, 16, 16, 16};
 
@@ -67,7 +68,7 @@ public:
         settings_.manifold.two_stage = false;
         settings_.manifold.finder = finder;
         settings_.manifold.weight_trials = 1;  // else sums of weights are one on average alone
-        settings_.light_tracing = {&guide_, kPaths, 1.0, kEffort};
+        settings_.light_tracing = {&guide_, kPaths, 1.0, kEffort, 1.0, kWalks};
         if (finder != ChainFinder::sheets) return;
         constexpr uint32_t kSeed = 5;
         sheets_ = build_sheets(*world_.scene, world_.lights, world_.casters, settings_.manifold,

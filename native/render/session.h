@@ -55,6 +55,9 @@ struct TileEvidence {
     std::array<ActivationEvidence, kEstimates> manifold;
     void add(const RenderStats& stats);
 };
+// What has not been met must not come too rarely: a tile hears late of what chains bring that are
+// found once in a while, and then it comes as a single bright sample.
+inline constexpr double kLeastChance = 1.0 / 4;
 // The chances of manifold estimates for which variance times cost of the tile is least, as
 // efficiency-optimised Russian roulette has it [Rath22], between `least` and `most`.
 // `variance`: of one sample; else it is that of the tile's pixels. Until they have samples enough, the
@@ -84,7 +87,7 @@ private:
     void work(bool first);
     void run_jobs();
     void fail();
-    // Before the first pass, in this order.
+    // Before the first pass, in this order: session_plan.cpp.
     void prepare_flakes();
     void prepare_sheets();
     void learn_light_paths();

@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a session learns and decides before its first pass.
+#include "render/session.h"
+
+#include "core/parallel.h"
+
+#include <numeric>
+
+namespace spc {
+
+namespace {
+
+// Light paths, estimates of highlights and searches for them in a job.
+constexpr uint64_t kSplatJob = 1024;
+
+// Where light paths bring what is not found, it may come more rarely.
+constexpr double kLeastWalks = 1.0 / 16;
+
+// Sum of the squares of the shares that pixels have of one splat, on average.
+double spread(const PixelFilter& filter) {
+    constexpr int kSteps = 64;
+    const float step = filter.reach() / kSteps;
+    double sum = 0.0;
+    for (int i = -kSteps; i < kSteps; ++i) {
+        const auto weight =
+            static_cast<double>(filter.weight((static_cast<float>(i) + 0.5f) * step));
+        sum += weight * weight * static_cast<double>(step);
+    }
+    return sum * sum;
+}
+
+// Work is counted in rays and iterations of Newton's method, and in parts of slope fields, of which so
+// many are looked at in the time of a ray. To choose a light takes a few rays' time.
+constexpr double kNodesOfRay = 8.0, kRaysOfGlint = 3.0;
+
+double glint_work(const GlintStats& stats) {
+    return static_cast<double>(stats.nodes + stats.points) / kNodesOfRay +
+           kRaysOfGlint * static_cast<double>(stats.estimates);
+}
+
+}  // namespace
+
+void Session::prepare_flakes() {
+    GlintSettings& glints = settings_.integrator.glints;
+    RenderStats stats;
+    stats.glint_bytes = world_.glints.memory_bytes();
+    if (glints.method == GlintMethod::yan) {
+        for (const SlopeField& field : world_.glints.fields) {
+            if (must_stop()) return;
+            stats.glint_bytes += flakes_.emplace_back(field, active_workers_).memory_bytes();
+        }
+        glints.flakes = &flakes_;
+    }
+    const std::lock_guard lock(mutex_);
+    stats_.add(stats);
+}
+
+void Session::prepare_sheets() {
+    constexpr double kPixelsOfTile = 64.0, kSamplesOfTile = 4096.0, kSecondsOfTile = 0.04;
+    constexpr double kLeastTiles = 64.0, kMostTiles = 2048.0;
+    const ManifoldSettings& manifold = settings_.integrator.manifold;
+    if (manifold.finder != ChainFinder::sheets) return;
+    // As large as leaves their making a small part of the work.
+    const auto& crop = world_.scene->camera.crop;
+    const auto pixels = static_cast<double>(uint64_t{crop[2]} * crop[3]);
+    double tiles = std::min(pixels / kPixelsOfTile, pixels * settings_.samples / kSamplesOfTile);
+    if (settings_.time_limit > 0.0f) {
+        const double seconds = static_cast<double>(settings_.time_limit) * active_workers_;
+        tiles = std::min(tiles, seconds / kSecondsOfTile);
+    }
+    tiles = std::clamp(tiles, kLeastTiles, kMostTiles);
+    sheet_pool_ = build_sheets(*world_.scene, world_.lights, world_.casters, manifold,
+                               settings_.seed, static_cast<uint32_t>(tiles), active_workers_);
+    sheets_.all = sheet_pool_;
+    RenderStats stats;
+    for (const auto& sheet : sheet_pool_) stats.path.manifold.rays += sheet->rays();
+    const std::lock_guard lock(mutex_);
+    stats_.add(stats);
+}
+
+void Session::learn_light_paths() {
+    if (!settings_.light_tracing) return;
+    RenderStats stats;
+    light_pilot_ = learn_emission(world_, settings_.integrator, sheets_, filter_.reach(),
+                                  settings_.seed, active_workers_, cancelled_, stats.light);
+    const auto& crop = world_.scene->camera.crop;
+    if (light_pilot_)
+        settings_.integrator.light_tracing = {
+            &light_pilot_->guide, static_cast<double>(uint64_t{crop[2]} * crop[3]),
+            light_pilot_->goes_on, light_pilot_->effort, light_pilot_->manifold_share};
+    const std::lock_guard lock(mutex_);
+    stats_.add(stats);
+}
+
+// Beside sheets alone: the other ways to find chains are as others have them.
+void Session::find_highlights() {
+    constexpr double kSamplesOfWalk = 32.0, kSecondsOfWalk = 4e-4, kLeastWalks = 1024.0,
+                     kMostOfPixel = 4.0;
+    if (sheets_.all.empty()) return;
+    // As many as are a small part of the work.
+    const auto& crop = world_.scene->camera.crop;
+    const auto pixels = static_cast<double>(uint64_t{crop[2]} * crop[3]);
+    double walks = pixels * std::min(kMostOfPixel, settings_.samples / kSamplesOfWalk);
+    if (settings_.time_limit > 0.0f)
+        walks = std::min(
+            walks, static_cast<double>(settings_.time_limit) * active_workers_ / kSecondsOfWalk);
+    RenderStats stats;
+    highlights_ = learn_highlights(world_, settings_.integrator,
+                                   static_cast<uint32_t>(std::max(walks, kLeastWalks)),
+                                   settings_.seed, active_workers_, cancelled_, stats.path);
+    settings_.integrator.highlights = highlights_.get();
+    const std::lock_guard lock(mutex_);
+    stats_.add(stats);
+}
+
+// A chain that adds v, looked for with the chance v / s, adds s v to the variance and v / s shots to
+// the cost. With a, the sum of all v of a sample, variance V + s a and cost C + c a / s have the least
+// product where s = sqrt(V c / C).
+void Session::weigh_noise() {
+    // Few: until the chains are weighed, all of them are looked for.
+    constexpr uint32_t kPixels = 512, kRare = 128;
+    constexpr double kShotOverSample = 0.5;
+    if (sheets_.all.empty() && world_.glints.fields.empty()) return;
+    const Probe one = probe(kPixels, kRare);
+    variance_ = one.variance;
+    if (one.glint_work > 0.0) work_by_glint_ = one.work / one.glint_work;
+    sheets_.sure = static_cast<float>(std::sqrt(kShotOverSample * variance_));
+}
+
+void Session::weigh_estimates() {
+    constexpr uint32_t kPixels = 2048, kRare = 128;
+    const ManifoldSettings& manifold = settings_.integrator.manifold;
+    const bool may_draw =
+        manifold.enabled && !(world_.casters.empty() && world_.rough_chain_casters.empty());
+    if (!light_pilot_ && !may_draw) return;
+    double& walks = settings_.integrator.light_tracing.walks;
+    const bool walks_share = light_pilot_ && manifold.finder == ChainFinder::walks;
+    if (walks_share) walks = kLeastWalks;
+    const Probe camera = probe(kPixels, kRare);
+    first_chances_ = activation_for(camera.evidence, camera.variance, kLeastChance, 1.0);
+    if (light_pilot_)
+        light_paths_ =
+            light_paths_that_pay(*light_pilot_, with_chances(camera, kAlways, first_chances_));
+    if (walks_share) walks = walks_that_pay(camera);
+}
+
+// Where light paths come that is all receivers which the camera sees directly, and few others. The
+// fewer have walks, the more the weights leave to light paths: too many cost time, too few make bright
+// pixels where light paths come rarely, which is worse.
+double Session::walks_that_pay(const Probe& least_walks) {
+    constexpr double kMore = 4.0;  // than variance and cost ask for
+    const double best =
+        static_cast<double>(activation_for(least_walks.evidence, least_walks.variance, 0.0,
+                                           static_cast<double>(kInfinity))[receiver_depth(0)]);
+    return std::clamp(kMore * best * kLeastWalks, kLeastWalks, 1.0);
+}
+
+void Session::count_splats() {
+    if (highlights_) {
+        highlight_estimates_ = static_cast<uint64_t>(highlights_->estimates);
+        highlight_searches_ =
+            highlight_searches(world_.scene->camera, *highlights_, filter_.reach());
+    }
+    const uint64_t splats = light_paths_ + highlight_estimates_ + highlight_searches_;
+    if (splats == 0) return;
+    splat_jobs_ =
+        static_cast<uint32_t>(std::clamp<uint64_t>(splats / kSplatJob, 1, film_.tile_count()));
+    settings_.integrator.light_tracing.paths = static_cast<double>(light_paths_);
+}
+
+Session::Probe Session::probe(uint32_t most, uint32_t rare) {
+    constexpr uint32_t kFewest = 256;
+
+    const auto& [x0, y0, width, height] = world_.scene->camera.crop;
+    const uint64_t pixels = uint64_t{width} * height;
+    // Every receiver has walks, whose worth is known the better, but they count as rarely as they come.
+    PassState always;
+    always.sheets = sheets_;
+    always.activation[receiver_depth(0)] /=
+        static_cast<float>(settings_.integrator.light_tracing.walks);
+    const auto count = static_cast<uint32_t>(std::clamp<uint64_t>(pixels / 16, kFewest, most));
+    std::vector<double> squares(count);  // of differences, mean of the channels
+    std::vector<RenderStats> stats(count);
+    parallel_for(active_workers_, count, [&](uint32_t i) {
+        if (must_stop()) return;
+        const auto pixel = static_cast<uint32_t>(pixels * i / count);
+        const auto take = [&](uint32_t index) {
+            return take_sample(x0 + pixel % width, y0 + pixel / width, index, always, stats[i]).radiance;
+        };
+        const Spectrum difference = take(~i) - take(~i ^ (1u << 30));
+        squares[i] = static_cast<double>(dot(difference, difference) * (1.0f / 3.0f));
+    });
+    CoarsePicture sums(world_.scene->camera.crop), counts = sums;
+    for (uint32_t i = 0; i < count; ++i) {
+        const auto pixel = static_cast<uint32_t>(pixels * i / count);
+        const Vec2 film(static_cast<float>(x0 + pixel % width) + 0.5f,
+                        static_cast<float>(y0 + pixel / width) + 0.5f);
+        sums.add(film, 0.5 * squares[i]);
+        counts.add(film, 1.0);
+    }
+    std::sort(squares.begin(), squares.end());
+    squares.resize(squares.size() - (squares.size() + rare - 1) / rare);
+    RenderStats all;
+    for (const RenderStats& one : stats) all.add(one);
+    {
+        const std::lock_guard lock(mutex_);
+        stats_.path.manifold.add(all.path.manifold);
+    }
+    const double samples = 2.0 * static_cast<double>(count);
+    Probe probe{
+        std::accumulate(squares.begin(), squares.end(), 0.0) / samples,
+        (static_cast<double>(all.path.rays + all.path.manifold.rays + all.path.manifold.iterations) +
+         glint_work(all.path.glints)) /
+            samples,
+        all.path.glints.estimates > 0
+            ? glint_work(all.path.glints) / static_cast<double>(all.path.glints.estimates)
+            : 0.0,
+        {},
+        {}};
+    probe.evidence.add(all);
+    for (size_t i = 0; i < CoarsePicture::kCells; ++i)
+        if (counts[i] > 0.0) probe.variances[i] = sums[i] / counts[i];
+    return with_chances(probe, always.activation, kAlways);
+}
+
+// As if manifold estimates came by other chances.
+Session::Probe Session::with_chances(const Probe& whole, const Activation& from,
+                                     const Activation& to) {
+    Probe result = whole;
+    const auto samples = static_cast<double>(whole.evidence.samples);
+    for (size_t i = 0; i < kEstimates; ++i) {
+        const auto before = static_cast<double>(from[i]), after = static_cast<double>(to[i]);
+        const ActivationEvidence& e = whole.evidence.manifold[i];
+        result.variance += e.second_moment / samples * (1.0 / after - 1.0 / before);
+        result.work -= e.cost / samples * (before - after);
+    }
+    if (whole.variance > 0.0)
+        for (double& variance : result.variances) variance *= result.variance / whole.variance;
+    return result;
+}
+
+// For each sample of the picture: so many that in the same time the variances of the picture's parts
+// have the least geometric mean. N light paths and P camera paths cost N C + P C', and have the variance
+// V / N + V' / P in a part. (The least sum would be decided by the noisiest part alone, and leave to
+// others what a few more light paths take away.) Work is counted, not timed, so that the same render
+// comes out everywhere.
+uint64_t Session::light_paths_that_pay(const LightPilot& pilot, const Probe& camera) const {
+    constexpr double kLeast = 1.0 / 64, kMost = 8.0, kStep = 1.125;  // for each pixel
+    const auto& crop = world_.scene->camera.crop;
+    const auto pixels = static_cast<double>(uint64_t{crop[2]} * crop[3]);
+    // Of a pixel, by one light path for each.
+    const double of_light = spread(filter_) * CoarsePicture::kCells / (pixels * pixels);
+    const auto error = [&](double paths) {  // logarithm of that mean
+        double sum = 0.0;
+        for (size_t i = 0; i < CoarsePicture::kCells; ++i) {
+            const double variance = camera.variances[i] + pilot.squares[i] * of_light / paths;
+            if (variance > 0.0) sum += std::log(variance * (camera.work + paths * pilot.rays));
+        }
+        return sum;
+    };
+    double best = kLeast;
+    for (double paths = kLeast; paths <= kMost; paths *= kStep)
+        if (error(paths) < error(best)) best = paths;
+    return static_cast<uint64_t>(std::ceil(pixels * best));
+}
+
+}  // namespace spc

@@ -78,6 +78,7 @@ std::optional<LightHistory::Arrival> LightHistory::arrive(const Scene& scene, co
     back.rough_caster = scene.instances[surface.hit.instance].rough_caster;
     back.through_caster = through_caster || passed_caster;
     back.film_per_area = 1.0f;
+    if (scene.material_of(surface.hit).may_glint()) back.leave_of_glints = 1.0f;
     const Spectrum along = chain_throughput(scene, back, end);
     return Arrival{back, at.f_cos * along};
 }
@@ -85,6 +86,7 @@ std::optional<LightHistory::Arrival> LightHistory::arrive(const Scene& scene, co
 void LightHistory::append_smooth(const Surface& surface, const Arrival& arrival, float pdf) {
     path = arrival.path;
     ++path.approach.scatterings;
+    if (path.approach.scatterings == 1) path.leave_of_glints *= pdf;
     path.film_per_area *= std::abs(dot(surface.ng, surface.wo)) / pdf;
     throughput = arrival.throughput;
     last = surface.p;

@@ -53,7 +53,7 @@ struct PathHistory {
     void set_direction(const Scene& scene, const Vec3& wi) {
         if (stage != Stage::scattered) return;
         caustic.pdf_omega = eval(surface.closures, surface.ng, surface.wo, wi).pdf_omega;
-        caustic.film_per_area = film_per_area(scene, approach, surface.hit, surface.wo, wi);
+        set_film_per_area(scene, approach, surface.hit, surface.wo, wi, caustic);
         pdf_direct = caustic.pdf_omega;
     }
     void set_next(const Scene& scene, const Vec3& p) {

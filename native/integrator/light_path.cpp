@@ -131,7 +131,7 @@ private:
             history_.arrive(scene_, end_.end, visibility_, from_camera);
         if (!arrival) return false;
         history_.append_smooth(from_camera, *arrival, next.pdf_omega);
-        return light_tracing_owns(techniques_of(world_, settings_), history_.path);
+        return light_tracing_may_own(techniques_of(world_, settings_), history_.path);
     }
 
     // Whether but a share of the paths comes so far: LightTracing::goes_on.
@@ -164,12 +164,23 @@ private:
         const double carried =
             static_cast<double>(luminance(value)) * densities->sum() / densities->light_tracing;
         if (effort_ != nullptr && densities->manifold > 0.0) weigh_effort(path, carried);
+        if (path.leave_of_glints > 0.0f) weigh_glints(path, *densities, carried);
         stats_.carried += carried;
         stats_.carried_for_manifold += carried * densities->manifold / densities->sum();
         ++stats_.splats;
         const double square = static_cast<double>(dot(value, value) * (1.0f / 3.0f));
         (is_thinned() ? stats_.squares_behind : stats_.squares) += square;
         splats_.push_back({view->film, value});
+    }
+
+    // Light paths that leave glints with a density of 1/sr, as a footprint may have it on average, are
+    // there as dense as next event estimation.
+    void weigh_glints(const CausticPath& path, const CausticDensities& densities, double carried) {
+        if (!(densities.direct > 0.0)) return;
+        stats_.carried_by_glints += carried;
+        stats_.beside_glints += carried * densities.light_tracing *
+                                static_cast<double>(path.film_per_area) /
+                                (densities.direct * settings_.light_tracing.paths);
     }
 
     void weigh_effort(const CausticPath& path, double carried) {
@@ -294,6 +305,8 @@ void measure(const LightPathStats& counted, const CoarsePicture& moments, LightP
     result.goes_on = best < 1.0 ? std::max(best, kLeastGoingOn) : 1.0;
     if (counted.carried > 0.0)
         result.manifold_share = counted.carried_for_manifold / counted.carried;
+    if (counted.carried_by_glints > 0.0)
+        result.beside_glints = counted.beside_glints / counted.carried_by_glints;
     const auto paths = static_cast<double>(counted.paths);
     result.squares = moments;
     result.squares.scale(paths);
@@ -317,12 +330,16 @@ std::unique_ptr<const LightPilot> learn_emission(
         return nullptr;
     auto result = std::make_unique<LightPilot>(
         aim_at_casters(*world.scene, world.lights, world.casters, Squares::of_beams), 1.0,
-        CoarsePicture(world.scene->camera.crop), 0.0, 1.0, 1.0);
+        CoarsePicture(world.scene->camera.crop), 0.0, 1.0, 1.0,
+        std::numeric_limits<double>::infinity());
     uint64_t first = 0;
     Effort effort;
     for (const uint32_t paths : kGenerations) {
-        settings.light_tracing = {&result->guide, static_cast<double>(paths), result->goes_on,
-                                  result->effort};
+        settings.light_tracing = {.guide = &result->guide,
+                                  .paths = static_cast<double>(paths),
+                                  .goes_on = result->goes_on,
+                                  .effort = result->effort,
+                                  .beside_glints = result->beside_glints};
         LightPathStats counted;
         CoarsePicture moments(world.scene->camera.crop);
         std::vector<EmissionSample> learned =

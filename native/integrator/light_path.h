@@ -21,6 +21,10 @@ struct LightPathStats {
     uint64_t rays_behind = 0;
     // Luminance that the splats' paths carry, whoever shares it, and the manifold's share of that.
     double carried = 0.0, carried_for_manifold = 0.0;
+    // Of what glints throw on: that luminance, and it times LightTracing::beside_glints as this light
+    // by itself would have it.
+    double carried_by_glints = 0.0, beside_glints = 0.0;
+
     void add(const LightPathStats& other) {
         paths += other.paths;
         splats += other.splats;
@@ -31,6 +35,8 @@ struct LightPathStats {
         rays_behind += other.rays_behind;
         carried += other.carried;
         carried_for_manifold += other.carried_for_manifold;
+        carried_by_glints += other.carried_by_glints;
+        beside_glints += other.beside_glints;
     }
 };
 
@@ -46,7 +52,7 @@ struct LightPilot {
     double goes_on;         // as LightTracing has it, for the least variance of the work
     CoarsePicture squares;  // second moment of what one path would add to the picture by itself
     double rays;            // of one path
-    double effort, manifold_share;  // as LightTracing has them
+    double effort, manifold_share, beside_glints;  // as LightTracing has them
 };
 // Sends light paths to learn where those begin that add to the picture, and which of their chains
 // `sheets` lead to, if there are any. Does not depend on `threads`. Null where no light reaches the

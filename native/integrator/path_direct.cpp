@@ -53,6 +53,7 @@ bool PathTracer::throws_on(const Surface& surface, const CameraApproach& approac
     path.rough_caster = true;
     path.approach = approach.bounces;
     path.film_per_area = approach.film_per_area;
+    if (scene().material_of(surface.hit).may_glint()) path.leave_of_glints = 1.0f;
     return light_tracing_owns(techniques_of(world, settings), path);
 }
 

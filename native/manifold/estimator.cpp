@@ -407,7 +407,7 @@ CausticPath caustic_path(const Scene& scene, const Receiver& receiver, const Clo
     path.pdf_omega = at_x.pdf_omega;
     path.receiver = true;
     path.approach = receiver.approach.bounces;
-    path.film_per_area = film_per_area(scene, receiver.approach, receiver.hit, receiver.wo, wi);
+    set_film_per_area(scene, receiver.approach, receiver.hit, receiver.wo, wi, path);
     path.folds = receiver.folds;
     path.before = receiver.before;
     return path;

@@ -125,6 +125,13 @@ double direct_density(const CausticPath& path, double before, const Vec3& last, 
     return static_cast<double>(path.pdf_omega) * before * pdf * geometry * squared;
 }
 
+// Whether path tracing, which has the mean over a footprint, comes from the camera to glints at x so
+// densely that light paths, which meet one point of their map at a time, would only add noise.
+bool left_to_glints(const LightTracing& light_tracing, const CausticPath& path) {
+    return path.count == 0 && static_cast<double>(path.film_per_area * path.leave_of_glints) >
+                                  light_tracing.beside_glints * light_tracing.paths;
+}
+
 }  // namespace
 
 CausticPath camera_path(const Camera& camera, const Vec3& x, const Vec3& w) {
@@ -150,14 +157,16 @@ LightEnd light_end(const LightPoint& y, const Vec3& away) {
             y.pdf};
 }
 
-float film_per_area(const Scene& scene, const CameraApproach& approach, const SurfaceHit& hit,
-                    const Vec3& wo, const Vec3& wi) {
-    if (approach.bounces.scatterings == 0 || approach.film_per_area == 0.0f)
-        return approach.film_per_area;
+void set_film_per_area(const Scene& scene, const CameraApproach& approach, const SurfaceHit& hit,
+                       const Vec3& wo, const Vec3& wi, CausticPath& path) {
+    path.film_per_area = approach.film_per_area;
+    path.leave_of_glints = 0.0f;
+    if (approach.bounces.scatterings == 0 || approach.film_per_area == 0.0f) return;
     Surface from_light;
     evaluate_surface(scene, hit, wi, from_light);
     const float pdf = eval(from_light.closures, from_light.ng, wi, wo).pdf_omega;
-    return pdf > 0.0f ? approach.film_per_area / pdf : 0.0f;
+    path.film_per_area = pdf > 0.0f ? approach.film_per_area / pdf : 0.0f;
+    if (scene.material_of(hit).may_glint()) path.leave_of_glints = pdf;
 }
 
 uint32_t most_scatterings(const BounceLimits& limits) {
@@ -179,6 +188,11 @@ bool manifold_owns(const Techniques& techniques, const CausticPath& path) {
 }
 
 bool light_tracing_owns(const Techniques& techniques, const CausticPath& path) {
+    return light_tracing_may_own(techniques, path) &&
+           !left_to_glints(techniques.light_tracing, path);
+}
+
+bool light_tracing_may_own(const Techniques& techniques, const CausticPath& path) {
     // Switched-off caustics leave diffuse rays not all that light paths meet.
     // The manifold's limits hold for all that light tracing owns.
     const auto [n, reflections, refractions] = path.approach;

@@ -62,6 +62,9 @@ struct LightTracing {
     double manifold_share = 1.0;  // of that light
     // Of receivers to which they may come, so many have the manifold's walks.
     double walks = 1.0;
+    // CameraApproach::film_per_area, for each light path, from which on they leave to path tracing what
+    // glints throw on, of which that has the mean over a footprint.
+    double beside_glints = std::numeric_limits<double>::infinity();
 };
 
 // All on which ownership depends besides the path.
@@ -133,6 +136,9 @@ struct CausticPath {
     // and Turns::density of the casters on the way.
     // 0 if the camera's path came any other way.
     float film_per_area = 0.0f;
+    // Where x may glint and the camera sees it by way of others: with what density a light path leaves
+    // x as this one does, 1/sr. Times film_per_area that is CameraApproach::film_per_area. Else 0.
+    float leave_of_glints = 0.0f;
     const FoldDirections* folds = nullptr;  // of which x draws one; null: it does not
     uint32_t count = 0;
     std::array<CausticVertex, kLongestChain> vertices;  // from the receiver on; `count` are valid
@@ -157,10 +163,10 @@ struct LightEnd {
 };
 LightEnd light_end(const LightPoint& y, const Vec3& away);
 
-// CausticPath::film_per_area for light that arrives at a surface along `wi` (from the surface) and
-// leaves it for the camera's path along `wo`.
-float film_per_area(const Scene& scene, const CameraApproach& approach, const SurfaceHit& hit,
-                    const Vec3& wo, const Vec3& wi);
+// CausticPath::film_per_area and leave_of_glints for light that arrives at the surface x along `wi`
+// (from the surface) and leaves it for the camera's path along `wo`.
+void set_film_per_area(const Scene& scene, const CameraApproach& approach, const SurfaceHit& hit,
+                       const Vec3& wo, const Vec3& wi, CausticPath& path);
 
 // So often may the camera's path scatter before a receiver of light tracing's, at most.
 uint32_t most_scatterings(const BounceLimits& limits);
@@ -171,6 +177,8 @@ CausticPath camera_path(const Camera& camera, const Vec3& x, const Vec3& w);
 // What a technique other than path tracing can find. Whatever neither owns is path tracing's alone.
 bool manifold_owns(const Techniques& techniques, const CausticPath& path);
 bool light_tracing_owns(const Techniques& techniques, const CausticPath& path);
+// As far as a path is known that has not come to the camera yet.
+bool light_tracing_may_own(const Techniques& techniques, const CausticPath& path);
 
 // The chance that a receiver has the manifold's estimate by walks at all, beside that of the pass.
 inline double chance_of_walks(const Techniques& techniques, float film_per_area) {

@@ -86,8 +86,12 @@ void Session::learn_light_paths() {
     const auto& crop = world_.scene->camera.crop;
     if (light_pilot_)
         settings_.integrator.light_tracing = {
-            &light_pilot_->guide, static_cast<double>(uint64_t{crop[2]} * crop[3]),
-            light_pilot_->goes_on, light_pilot_->effort, light_pilot_->manifold_share};
+            .guide = &light_pilot_->guide,
+            .paths = static_cast<double>(uint64_t{crop[2]} * crop[3]),
+            .goes_on = light_pilot_->goes_on,
+            .effort = light_pilot_->effort,
+            .manifold_share = light_pilot_->manifold_share,
+            .beside_glints = light_pilot_->beside_glints};
     const std::lock_guard lock(mutex_);
     stats_.add(stats);
 }

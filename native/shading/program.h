@@ -110,6 +110,7 @@ struct Material {
     // Where chains with rough vertices may turn.
     const SpecularInterface& interface() const { return specular.exists() ? specular : rough; }
     SlopeMap slopes;
+    bool may_glint() const { return slopes.image != kNone; }
     std::vector<std::string> warnings;  // what falls back, naming material and node
 };
 

@@ -34,6 +34,13 @@ bool choose_upper(float& u, float first) {
 
 }  // namespace
 
+// Over that of the whole cell.
+float QuadtreeDensity::density_in_quarter(const Node& node, bool right, bool above) {
+    const float column = right ? 1.0f - node.left : node.left;
+    const float below = node.below[right ? 1 : 0];
+    return 4.0f * column * (above ? 1.0f - below : below);
+}
+
 QuadtreeDensity::QuadtreeDensity(std::span<WeightedPoint> points, float floor, float finest) {
     const double sum = total(points);
     if (!(sum > 0.0)) return;
@@ -72,18 +79,18 @@ void QuadtreeDensity::refine(uint32_t node, std::span<WeightedPoint> points, con
 }
 
 QuadtreeDensity::Sample QuadtreeDensity::sample(Vec2 u) const {
+    if (!choose_upper(u.x, floor_)) return {u, pdf(u)};
     Vec2 corner(0.0f);
-    float size = 1.0f;
-    const bool guided = choose_upper(u.x, floor_);
-    for (uint32_t node = 0; guided && nodes_[node].children != 0;) {
+    float size = 1.0f, density = 1.0f;
+    for (uint32_t node = 0; nodes_[node].children != 0;) {
         const bool right = choose_upper(u.x, nodes_[node].left);
         const bool above = choose_upper(u.y, nodes_[node].below[right ? 1 : 0]);
+        density *= density_in_quarter(nodes_[node], right, above);
         size *= 0.5f;
         corner += Vec2(right ? size : 0.0f, above ? size : 0.0f);
         node = nodes_[node].children + (right ? 1 : 0) + (above ? 2 : 0);
     }
-    const Vec2 p = corner + u * size;
-    return {p, pdf(p)};
+    return {corner + u * size, floor_ + (1.0f - floor_) * density};
 }
 
 float QuadtreeDensity::pdf(Vec2 p) const { return floor_ + (1.0f - floor_) * tree_pdf(p); }
@@ -94,9 +101,7 @@ float QuadtreeDensity::tree_pdf(Vec2 p) const {
         p *= 2.0f;
         const bool right = p.x >= 1.0f, above = p.y >= 1.0f;
         p -= Vec2(right ? 1.0f : 0.0f, above ? 1.0f : 0.0f);
-        const float column = right ? 1.0f - nodes_[node].left : nodes_[node].left;
-        const float below = nodes_[node].below[right ? 1 : 0];
-        density *= 4.0f * column * (above ? 1.0f - below : below);
+        density *= density_in_quarter(nodes_[node], right, above);
         node = nodes_[node].children + (right ? 1 : 0) + (above ? 2 : 0);
     }
     return density;

@@ -42,6 +42,7 @@ private:
     void refine(uint32_t node, std::span<WeightedPoint> points, const Vec2& corner, float size,
                 const Limits& limits);
     float tree_pdf(Vec2 p) const;
+    static float density_in_quarter(const Node& node, bool right, bool above);
 
     std::vector<Node> nodes_{Node{}};
     float floor_ = 1.0f;

@@ -80,8 +80,9 @@ private:
         if ((instance.visibility & kVisibleScattered) == 0)
             return true;  // nothing but the camera sees it
         const bool may_throw_on = history_.chain_length() == 0 && instance.rough_caster;
-        const bool may_scatter = (may_end || may_throw_on) && history_.path.approach.scatterings <
-                                                                  most_scatterings(settings_.limits);
+        const bool may_scatter =
+            (may_end || may_throw_on) && !ends_at_receiver() &&
+            history_.path.approach.scatterings < most_scatterings(settings_.limits);
         if (!may_scatter && !instance.caster && !scene_.any_transparency) return false;
 
         Surface surface;
@@ -117,9 +118,6 @@ private:
         if (first) rays_before_ = stats_.rays;
         if (first && history_.count == 0)
             end_.pdf_direct = pdf_direct(world_.lights, scene_, surface.p, y_);
-        if (first && history_.count > 0 &&
-            here[Domain::light_goes_on].one() >= settings_.light_tracing.goes_on)
-            return false;
         throughput_ *= next.weight;
         const float q = std::min(1.0f, max_component(throughput_));
         if (here[Domain::roulette].one() >= q) return false;
@@ -132,6 +130,13 @@ private:
         if (!arrival) return false;
         history_.append_smooth(from_camera, *arrival, next.pdf_omega);
         return light_tracing_may_own(techniques_of(world_, settings_), history_.path);
+    }
+
+    // Whether the path, having come to its receiver, is none of those that go on there.
+    bool ends_at_receiver() const {
+        return !history_.has_scattered() && history_.count > 0 &&
+               sampler_.vertex(segment_)[Domain::light_goes_on].one() >=
+                   settings_.light_tracing.goes_on;
     }
 
     // Whether but a share of the paths comes so far: LightTracing::goes_on.

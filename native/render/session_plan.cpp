@@ -32,6 +32,8 @@ double spread(const PixelFilter& filter) {
 // Work is counted in rays and iterations of Newton's method, and in parts of slope fields, of which so
 // many are looked at in the time of a ray. To choose a light takes a few rays' time.
 constexpr double kNodesOfRay = 8.0, kRaysOfGlint = 3.0;
+// With what is done for each, a light path's ray takes the time of so many of other work.
+constexpr double kWorkOfLightRay = 2.0;
 
 double glint_work(const GlintStats& stats) {
     return static_cast<double>(stats.nodes + stats.points) / kNodesOfRay +
@@ -254,11 +256,12 @@ uint64_t Session::light_paths_that_pay(const LightPilot& pilot, const Probe& cam
     const auto pixels = static_cast<double>(uint64_t{crop[2]} * crop[3]);
     // Of a pixel, by one light path for each.
     const double of_light = spread(filter_) * CoarsePicture::kCells / (pixels * pixels);
+    const double work = kWorkOfLightRay * pilot.rays;
     const auto error = [&](double paths) {  // logarithm of that mean
         double sum = 0.0;
         for (size_t i = 0; i < CoarsePicture::kCells; ++i) {
             const double variance = camera.variances[i] + pilot.squares[i] * of_light / paths;
-            if (variance > 0.0) sum += std::log(variance * (camera.work + paths * pilot.rays));
+            if (variance > 0.0) sum += std::log(variance * (camera.work + paths * work));
         }
         return sum;
     };

@@ -48,6 +48,19 @@ def test_merged_parts_have_the_moments_of_all_samples(tmp_path):
     np.testing.assert_allclose(direct, 0.5 * np.mean(parts_means, axis=0))
 
 
+def test_many_parts_tell_their_variance_by_themselves(tmp_path):
+    # The samples of a part, one in each half of the range, say little of the error of its mean.
+    rng = np.random.default_rng(4)
+    counts = (8, 10, 12) * 60
+    for seed, count in enumerate(counts, reference.FIRST_SEED):
+        halves = (rng.random((count, *SHAPE)) + np.arange(count)[:, None, None, None] % 2) / 2.0
+        add_part(tmp_path, seed, halves, halves[0])
+    _, variance, _, _, count = reference.Parts(tmp_path).merged()
+    assert count == sum(counts)
+    of_a_sample = 1.0 / 48.0  # within its half; a quarter of that over the whole range
+    np.testing.assert_allclose(variance.mean(), of_a_sample / count, rtol=0.05)
+
+
 def test_added_parts_have_the_moments_of_all_samples(tmp_path):
     samples = np.random.default_rng(3).random((3000, *SHAPE))
     caustics = 0.5 * samples

@@ -242,22 +242,29 @@ Sampler light_sampler(uint32_t seed, uint64_t index) {
     return sampler_beside_pixels(seed, 0x6c69676874ull, index);
 }
 
-// Paths of the pilot on each of several guides, each of which learns from the one before. Enough to
-// show where the light comes from, few beside a render of a second.
-constexpr std::array<uint32_t, 3> kGenerations{1u << 14, 1u << 14, 1u << 15};
+// Shares of the pilot's paths on each of several guides, each of which learns from the one before.
+constexpr std::array<double, 3> kGenerations{0.25, 0.25, 0.5};
 constexpr uint32_t kPilotChunk = 1u << 11;
-// Of the pilot's paths so few tell how well sheets lead to their chains: each searches for its own.
-constexpr uint32_t kAskEvery = 32;
+// Of all of the pilot's paths so many tell how well sheets lead to their chains: each searches for its
+// own, which is slow.
+constexpr uint32_t kAsked = 1u << 11;
 // One lucky path must not draw all others to it.
 constexpr float kLargestWeight = 32.0f;  // times the mean
 
-// The paths from number `first` on.
+// Some of the pilot's paths: from number `first` on, so many chunks.
+struct Generation {
+    uint64_t first;
+    uint32_t chunks, ask_every;
+
+    uint64_t count() const { return uint64_t{chunks} * kPilotChunk; }
+};
+
 std::vector<EmissionSample> pilot(const RenderScene& world, const IntegratorSettings& settings,
-                                  const LightSheets& sheets, float margin, uint32_t seed,
-                                  uint64_t first, uint32_t paths, uint32_t threads,
+                                  const LightSheets& sheets, float margin,
+                                  const Generation& generation, uint32_t seed, uint32_t threads,
                                   const std::atomic<bool>& cancelled, LightPathStats& stats,
                                   CoarsePicture& moments, Effort& effort) {
-    const uint32_t chunks = paths / kPilotChunk;
+    const uint32_t chunks = generation.chunks;
     std::vector<std::vector<EmissionSample>> found(chunks);
     std::vector<LightPathStats> counted(chunks);
     std::vector<CoarsePicture> of_chunks(chunks, moments);
@@ -265,11 +272,11 @@ std::vector<EmissionSample> pilot(const RenderScene& world, const IntegratorSett
     parallel_for(threads, chunks, [&](uint32_t c) {
         std::vector<Splat> splats;
         for (uint32_t i = 0; i < kPilotChunk && !cancelled.load(); ++i) {
-            const uint64_t index = first + uint64_t{c} * kPilotChunk + i;
+            const uint64_t index = generation.first + uint64_t{c} * kPilotChunk + i;
             splats.clear();
             const Sampler sampler = light_sampler(~seed, index);
             LightTracer path(world, settings, margin, sampler, splats, counted[c]);
-            if (i % kAskEvery == 0 && !sheets.all.empty()) path.ask(sheets, efforts[c]);
+            if (i % generation.ask_every == 0 && !sheets.all.empty()) path.ask(sheets, efforts[c]);
             std::optional<EmissionSample> sample = path.trace();
             if (!sample) continue;
             for (const Splat& splat : splats) {
@@ -327,9 +334,12 @@ void trace_light_path(const RenderScene& world, const IntegratorSettings& settin
     LightTracer(world, settings, margin, sampler, splats, stats).trace();
 }
 
-std::unique_ptr<const LightPilot> learn_emission(
-    const RenderScene& world, IntegratorSettings settings, const LightSheets& sheets, float margin,
-    uint32_t seed, uint32_t threads, const std::atomic<bool>& cancelled, LightPathStats& stats) {
+std::unique_ptr<const LightPilot> learn_emission(const RenderScene& world,
+                                                 IntegratorSettings settings,
+                                                 const LightSheets& sheets, float margin,
+                                                 uint32_t paths, uint32_t seed, uint32_t threads,
+                                                 const std::atomic<bool>& cancelled,
+                                                 LightPathStats& stats) {
     if (world.casters.aims().empty() || world.lights.caustic_selection.empty() ||
         !world.scene->same_for_scattered_rays)
         return nullptr;
@@ -337,20 +347,21 @@ std::unique_ptr<const LightPilot> learn_emission(
         aim_at_casters(*world.scene, world.lights, world.casters, Squares::of_beams), 1.0,
         CoarsePicture(world.scene->camera.crop), 0.0, 1.0, 1.0,
         std::numeric_limits<double>::infinity());
-    uint64_t first = 0;
+    Generation generation{0, 0, std::max(1u, paths / kAsked)};
     Effort effort;
-    for (const uint32_t paths : kGenerations) {
+    for (const double share : kGenerations) {
+        generation.chunks = static_cast<uint32_t>(std::ceil(share * paths / kPilotChunk));
         settings.light_tracing = {.guide = &result->guide,
-                                  .paths = static_cast<double>(paths),
+                                  .paths = static_cast<double>(generation.count()),
                                   .goes_on = result->goes_on,
                                   .effort = result->effort,
                                   .beside_glints = result->beside_glints};
         LightPathStats counted;
         CoarsePicture moments(world.scene->camera.crop);
         std::vector<EmissionSample> learned =
-            pilot(world, settings, sheets, margin, seed, first, paths, threads, cancelled, counted,
+            pilot(world, settings, sheets, margin, generation, seed, threads, cancelled, counted,
                   moments, effort);
-        first += paths;
+        generation.first += generation.count();
         stats.add(counted);
         if (learned.empty() || cancelled.load()) return nullptr;
         measure(counted, moments, *result);

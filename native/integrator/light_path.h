@@ -54,11 +54,16 @@ struct LightPilot {
     double rays;            // of one path
     double effort, manifold_share, beside_glints;  // as LightTracing has them
 };
-// Sends light paths to learn where those begin that add to the picture, and which of their chains
-// `sheets` lead to, if there are any. Does not depend on `threads`. Null where no light reaches the
-// camera that way, or `cancelled` was set meanwhile.
-std::unique_ptr<const LightPilot> learn_emission(
-    const RenderScene& world, IntegratorSettings settings, const LightSheets& sheets, float margin,
-    uint32_t seed, uint32_t threads, const std::atomic<bool>& cancelled, LightPathStats& stats);
+// Enough to show where the light comes from, few beside a render of a second.
+constexpr uint32_t kLeastPilotPaths = 1u << 16;
+// Sends so many light paths to learn where those begin that add to the picture, and which of their
+// chains `sheets` lead to, if there are any. Does not depend on `threads`. Null where no light reaches
+// the camera that way, or `cancelled` was set meanwhile.
+std::unique_ptr<const LightPilot> learn_emission(const RenderScene& world,
+                                                 IntegratorSettings settings,
+                                                 const LightSheets& sheets, float margin,
+                                                 uint32_t paths, uint32_t seed, uint32_t threads,
+                                                 const std::atomic<bool>& cancelled,
+                                                 LightPathStats& stats);
 
 }  // namespace spc

@@ -60,8 +60,9 @@ struct LightTracing {
     // over the light that they carry.
     double effort = 1.0;
     double manifold_share = 1.0;  // of that light
-    // Of receivers to which they may come, so many have the manifold's walks.
-    double walks = 1.0;
+    // Of receivers to which they may come, so many have the manifold's walks, which are worth so much
+    // of what they are elsewhere.
+    double walks = 1.0, worth_of_walks = 1.0;
     // CameraApproach::film_per_area, for each light path, from which on they leave to path tracing what
     // glints throw on, of which that has the mean over a footprint.
     double beside_glints = std::numeric_limits<double>::infinity();
@@ -193,15 +194,17 @@ inline double chance_of_walks(const Techniques& techniques, float film_per_area)
 // but what they take from light paths of the chains that they miss is left to path tracing. So it is
 // with the leads of highlights. Chains with rough vertices are left to chance alone, the more so with
 // several: in the focus of a ball of rough glass one is met again after a thousand trials, and path
-// tracing is dense. Walks that few receivers have are worth as much less. How much light sheets miss,
-// and how hard it is to find, is measured where light paths may have it instead.
+// tracing is dense. What walks are worth beside light paths, and how much light sheets miss there, and
+// how hard that is to find, is measured; light paths find chains of several interactions as easily.
 inline double manifold_worth(const Techniques& techniques, const CausticPath& path) {
     if (path.from_camera) return 1.0;
     if (path.is_rough()) return path.count == 1 ? 1.0 / 2 : 1.0 / 32;
     switch (techniques.manifold.finder) {
         case ChainFinder::walks:
-            return chance_of_walks(techniques, path.film_per_area) *
-                   (path.count == 1 ? 1.0 / 32 : 1.0 / 128);
+            if (path.film_per_area > 0.0f)
+                return techniques.light_tracing.worth_of_walks *
+                       (path.count == 1 ? 1.0 / 32 : 1.0 / 512);
+            return path.count == 1 ? 1.0 / 32 : 1.0 / 128;
         case ChainFinder::sheets:
             return 1.0 / (8 * (path.film_per_area > 0.0f ? techniques.light_tracing.effort : 1.0));
         case ChainFinder::mnee: return techniques.light_tracing.guide != nullptr ? 1.0 / 32 : 1.0;

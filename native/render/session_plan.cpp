@@ -15,6 +15,9 @@ constexpr uint64_t kSplatJob = 1024;
 
 // Where light paths bring what is not found, it may come more rarely.
 constexpr double kLeastWalks = 1.0 / 16;
+// Walks are worth as much less as few receivers have them, and below a quarter of these less than
+// that: light paths are dense there. Elsewhere walks keep the rare light path from being a bright pixel.
+constexpr double kUnlessRare = 4.0;
 
 // Sum of the squares of the shares that pixels have of one splat, on average.
 double spread(const PixelFilter& filter) {
@@ -81,19 +84,27 @@ void Session::prepare_sheets() {
 }
 
 void Session::learn_light_paths() {
+    constexpr double kSamplesOfPath = 16.0, kSecondsOfPath = 1.25e-4, kMostPaths = 0x1p19;
     if (!settings_.light_tracing) return;
+    // As many as are a small part of the work.
+    const auto& crop = world_.scene->camera.crop;
+    const auto pixels = static_cast<double>(uint64_t{crop[2]} * crop[3]);
+    double paths = pixels * settings_.samples / kSamplesOfPath;
+    if (settings_.time_limit > 0.0f)
+        paths = std::min(
+            paths, static_cast<double>(settings_.time_limit) * active_workers_ / kSecondsOfPath);
+    paths = std::clamp(paths, double{kLeastPilotPaths}, kMostPaths);
     RenderStats stats;
     light_pilot_ = learn_emission(world_, settings_.integrator, sheets_, filter_.reach(),
-                                  settings_.seed, active_workers_, cancelled_, stats.light);
-    const auto& crop = world_.scene->camera.crop;
+                                  static_cast<uint32_t>(paths), settings_.seed, active_workers_,
+                                  cancelled_, stats.light);
     if (light_pilot_)
-        settings_.integrator.light_tracing = {
-            .guide = &light_pilot_->guide,
-            .paths = static_cast<double>(uint64_t{crop[2]} * crop[3]),
-            .goes_on = light_pilot_->goes_on,
-            .effort = light_pilot_->effort,
-            .manifold_share = light_pilot_->manifold_share,
-            .beside_glints = light_pilot_->beside_glints};
+        settings_.integrator.light_tracing = {.guide = &light_pilot_->guide,
+                                              .paths = pixels,
+                                              .goes_on = light_pilot_->goes_on,
+                                              .effort = light_pilot_->effort,
+                                              .manifold_share = light_pilot_->manifold_share,
+                                              .beside_glints = light_pilot_->beside_glints};
     const std::lock_guard lock(mutex_);
     stats_.add(stats);
 }
@@ -139,15 +150,18 @@ void Session::weigh_estimates() {
     const bool may_draw =
         manifold.enabled && !(world_.casters.empty() && world_.rough_chain_casters.empty());
     if (!light_pilot_ && !may_draw) return;
-    double& walks = settings_.integrator.light_tracing.walks;
+    LightTracing& paths = settings_.integrator.light_tracing;
     const bool walks_share = light_pilot_ && manifold.finder == ChainFinder::walks;
-    if (walks_share) walks = kLeastWalks;
+    if (walks_share) paths.walks = paths.worth_of_walks = kLeastWalks;
     const Probe camera = probe(kPixels, kRare);
     first_chances_ = activation_for(camera.evidence, camera.variance, kLeastChance, 1.0);
     if (light_pilot_)
         light_paths_ =
             light_paths_that_pay(*light_pilot_, with_chances(camera, kAlways, first_chances_));
-    if (walks_share) walks = walks_that_pay(camera);
+    if (walks_share) {
+        paths.walks = walks_that_pay(camera);
+        paths.worth_of_walks = paths.walks * std::min(1.0, kUnlessRare * paths.walks);
+    }
 }
 
 // Where light paths come that is all receivers which the camera sees directly, and few others. The

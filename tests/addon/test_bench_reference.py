@@ -74,12 +74,27 @@ def test_added_parts_have_the_moments_of_all_samples(tmp_path):
     assert parts.next_seed() == 500004  # a seed of the stored ones would repeat their noise
     add_part(tmp_path, parts.next_seed(), samples[2000:], caustics[2000:].mean(axis=0))
     merged = reference.Parts(tmp_path).merged()
-    mean, variance, manifold, _, count = reference.joined(stored, merged)
+    mean, variance, manifold, direct, count = reference.joined(stored, merged)
     assert count == len(samples)
     # Weights come from variances of 12 pixels, which know their own to a percent.
     np.testing.assert_allclose(mean, samples.mean(axis=0), rtol=1e-3)
-    np.testing.assert_allclose(manifold, caustics.mean(axis=0), rtol=1e-3)
     np.testing.assert_allclose(variance, samples.var(axis=0, ddof=1) / len(samples), rtol=0.05)
+    np.testing.assert_array_equal(manifold, stored.caustics)
+    assert not direct.any()
+
+
+def test_added_parts_count_where_caustics_are_seen_directly_by_their_variance_there():
+    shape, ones = (40, 30, 3), np.ones((40, 30, 3))
+    direct = np.arange(40)[:, None] + np.zeros((1, 30)) < 8
+    variance = np.where(direct[..., None], 1.0, 100.0) * ones
+    stored = _reference.Reference(0.0 * ones, ones, {"samples": "8"}, ones, direct)
+    mean, joint, _, found, _ = reference.joined(stored, (ones, variance, ones, ones, 8))
+    assert mean.shape == shape
+    np.testing.assert_allclose(mean[direct], 1.0 / 2.0)
+    np.testing.assert_allclose(joint[direct], 1.0 / 2.0)
+    np.testing.assert_allclose(mean[~direct], 1.0 / 101.0)
+    np.testing.assert_allclose(joint[~direct], 100.0 / 101.0)
+    np.testing.assert_array_equal(found, direct)
 
 
 def test_parts_are_added_to_the_same_picture_alone(tmp_path):

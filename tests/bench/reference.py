@@ -6,7 +6,8 @@ in parts, each with a seed of its own: another run of the same scene and method 
 they have so many seconds of rendering together. The reference is the mean of all; its variance,
 that of rounding to half floats included, is estimated from how they differ, of fewer than four
 from their samples. With --add they join the reference that is stored, whichever program and method
-rendered that.
+rendered that: light tracing (LT) is the cheapest where the camera sees caustics directly, and
+counts for next to nothing elsewhere.
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ LEAST_PARTS = 4  # that tell their variance
 FIRST_SEED = 500_000  # far from those of what is measured
 OVERHEAD = 5.0  # s of a child beside rendering
 PATH_TRACED = ("cornell",)  # where path tracing converges; elsewhere the manifold and light paths
-METHODS = ("PT", "SMS_UNBIASED", "SHEETS")
+METHODS = ("PT", "LT", "SMS_UNBIASED", "SHEETS")
 SCRIPT = "_reference_job.py"
 SCRIPTS = (_children.HERE / SCRIPT, ROOT / "tests" / "images" / "_render.py")  # what renders a part
 
@@ -112,18 +113,23 @@ def stored_reference(path: Path, digest: str, size: tuple[int, int]) -> Referenc
 
 
 def joined(stored: Reference, merged: tuple) -> tuple:
-    """As `Parts.merged`, with a stored reference.
+    """As `Parts.merged`, with a stored reference, whose masks stay as they are.
 
-    Each counts by the inverse of its variance, of which there is one for the whole picture: by a
-    pixel's own it would count the more the fewer bright samples it has met there.
+    Each counts by the inverse of its variance, of which there is one where the camera sees caustics
+    directly and one elsewhere, so that light tracing may help the first alone: by a pixel's own it
+    would count the more the fewer bright samples it has met there.
     """
-    mean, variance, caustics, direct, count = merged
-    old, new = 1.0 / _metrics.trimmed_mean(stored.variance), 1.0 / _metrics.trimmed_mean(variance)
-    old, new = old / (old + new), new / (old + new)
+    mean, variance, _, _, count = merged
+    share = np.empty((*mean.shape[:2], 1))  # the new one's
+    direct = stored.direct if stored.direct is not None else np.zeros(mean.shape[:2], bool)
+    for region in (direct, ~direct):
+        if region.any():
+            old = _metrics.trimmed_mean(stored.variance[region])
+            share[region] = old / (old + _metrics.trimmed_mean(variance[region]))
     return (
-        old * stored.mean + new * mean,
-        old**2 * stored.variance + new**2 * variance,
-        old * stored.caustics + new * caustics,
+        (1.0 - share) * stored.mean + share * mean,
+        (1.0 - share) ** 2 * stored.variance + share**2 * variance,
+        stored.caustics,
         direct,
         stored.samples + count,
     )
@@ -132,13 +138,15 @@ def joined(stored: Reference, merged: tuple) -> tuple:
 def write(path: Path, about: dict[str, str], parts: Parts, stored: Reference | None) -> None:
     """The EXR, and a line on how good it is."""
     merged, seeds, seconds = parts.merged(), [r["seed"] for r in parts.reports], parts.seconds
+    seen_directly = _metrics.caustics_mask(merged[0], merged[3])
     if stored is not None:
         merged = joined(stored, merged)
+        seen_directly = merged[3]
         seeds = [*seeds_of(stored), *seeds]
         seconds += float(stored.about["seconds"])
         methods = [*stored.about["method"].split(), about["method"]]
         about = about | {"method": " ".join(dict.fromkeys(methods))}
-    mean, variance, caustics, direct, samples = merged
+    mean, variance, caustics, _, samples = merged
     about = about | {
         "samples": str(samples),
         "seeds": " ".join(map(str, seeds)),
@@ -146,7 +154,6 @@ def write(path: Path, about: dict[str, str], parts: Parts, stored: Reference | N
         "date": time.strftime("%Y-%m-%d"),
     }
     path.parent.mkdir(parents=True, exist_ok=True)
-    seen_directly = _metrics.caustics_mask(mean, direct)
     _reference.write(path, mean, variance, about, caustics, seen_directly)
     stored = _reference.read(path)
     relative = np.sqrt(stored.variance.mean() / (stored.mean**2).mean())

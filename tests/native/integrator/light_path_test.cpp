@@ -326,7 +326,7 @@ double effort_beside_sheets(const std::function<void(SceneMaker&)>& add_caster, 
     LightPathStats stats;
     const std::atomic<bool> cancelled{false};
     const std::unique_ptr<const LightPilot> pilot =
-        learn_emission(world, settings, {pool}, 0.0f, kSeed, 1, cancelled, stats);
+        learn_emission(world, settings, {pool}, 0.0f, kLeastPilotPaths, kSeed, 1, cancelled, stats);
     return pilot ? pilot->effort : 0.0;
 }
 

@@ -64,7 +64,8 @@ inline Picture render(const RenderScene& world, IntegratorSettings settings, con
         settings.light_tracing.paths = kPixels;
         LightPathStats stats;
         const std::atomic<bool> cancelled{false};
-        pilot = learn_emission(world, settings, state.sheets, 0.0f, seed, 1, cancelled, stats);
+        pilot = learn_emission(world, settings, state.sheets, 0.0f, kLeastPilotPaths, seed, 1,
+                               cancelled, stats);
         EXPECT_TRUE(pilot) << "no light path finds the picture";
         settings.light_tracing.guide = &pilot->guide;
         settings.light_tracing.effort = pilot->effort;

@@ -66,6 +66,7 @@ public:
         mean_ += delta / static_cast<double>(count_);
         sum_squares_ += delta * (x - mean_);
     }
+    size_t count() const { return static_cast<size_t>(count_); }
     double mean() const { return mean_; }
     double standard_error() const {
         const double n = static_cast<double>(count_);
@@ -202,12 +203,29 @@ inline ::testing::AssertionResult same_mean(const MeanEstimate& a, const MeanEst
            << " standard deviations, p = " << p;
 }
 
-// Whether a mean differs from what it should be by chance only: two-sided z-test.
+// Chance that Student's t of so many degrees of freedom is beyond +-t, [Abramowitz64, 26.7.3 and
+// 26.7.4].
+inline double students_p(double t, size_t degrees) {
+    constexpr size_t kNormal = 1000;  // from here on it is one
+    if (degrees >= kNormal) return std::erfc(std::abs(t) / std::numbers::sqrt2);
+    const double theta = std::atan(std::abs(t) / std::sqrt(double(degrees)));
+    const double cosine = std::cos(theta);
+    const bool odd = degrees % 2 == 1;
+    double term = odd ? cosine : 1, sum = 0;
+    for (size_t n = odd ? 3 : 2; n <= degrees; n += 2) {
+        sum += term;
+        term *= cosine * cosine * double(n - 1) / double(n);
+    }
+    sum *= std::sin(theta);
+    return 1 - (odd ? (theta + sum) * 2 / std::numbers::pi : sum);
+}
+
+// Whether a mean differs from what it should be by chance only: two-sided t-test.
 inline ::testing::AssertionResult is_mean(const MeanEstimate& estimate, double expected,
                                           double significance, double numerical_error = 0) {
     const double excess = std::max(std::abs(estimate.mean() - expected) - numerical_error, 0.0);
     const double p =
-        excess == 0 ? 1.0 : std::erfc(excess / estimate.standard_error() / std::numbers::sqrt2);
+        excess == 0 ? 1.0 : students_p(excess / estimate.standard_error(), estimate.count() - 1);
     if (p >= significance) return ::testing::AssertionSuccess();
     return ::testing::AssertionFailure()
            << "mean " << estimate.mean() << " +- " << estimate.standard_error() << ", expected "

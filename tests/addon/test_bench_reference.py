@@ -97,6 +97,22 @@ def test_added_parts_count_where_caustics_are_seen_directly_by_their_variance_th
     np.testing.assert_array_equal(found, direct)
 
 
+def test_a_window_takes_the_place_of_stored_pixels():
+    zeros, ones = np.zeros(SHAPE), np.ones((2, 1, 3))
+    stored = _reference.Reference(zeros, zeros, {"samples": "8"}, zeros, zeros[..., 0] > 1.0)
+    mean, variance, caustics, direct, samples = reference.replaced(
+        stored, (ones, 2.0 * ones, ones, ones, 99), (3, 1, 1, 2)
+    )
+    inside = np.zeros(SHAPE)
+    inside[1:3, 3:4] = 1.0
+    np.testing.assert_array_equal(mean, inside)
+    np.testing.assert_array_equal(variance, 2.0 * inside)
+    assert (samples, caustics is stored.caustics, direct is stored.direct) == (8, True, True)
+    assert not stored.mean.any()
+    with pytest.raises(DevError, match="not within 4x3"):
+        reference.window_edges((3, 1, 1, 3), (4, 3))
+
+
 def test_parts_are_added_to_the_same_picture_alone(tmp_path):
     path, zeros = tmp_path / "a.exr", np.zeros(SHAPE)
     height, width, _ = SHAPE

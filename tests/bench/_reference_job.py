@@ -2,9 +2,10 @@
 """Runs in a child process, in today's Blender with the addon: one part of a reference.
 
 The last argument is a JSON file, the job: `scene` (path), `size`, `method` (Specula's), `threads`,
-`seconds` (about how long to sample), `seed`, `image` (.npz to write: mean, variance of the mean,
+`seconds` (about how long to sample), `seed`, `window` (left, bottom, width, height of the pixels to
+render, or null for all), `image` (.npz to write: mean, variance of the mean,
 caustics, and `direct`, the share of light paths, which have no caustics in mirrors or behind glass;
-all (H, W, 3) float64, bottom row first) and `result` (the JSON file to write).
+all (H, W, 3) float64 of those pixels, bottom row first) and `result` (the JSON file to write).
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from specula.export.log import ExportLog
 from specula.export.scene import export_scene
 from specula.export.settings import export_settings
 from specula.upload import upload
+from tests.bench._image_job import set_border
 from tests.images._render import prepare, render
 
 PROBE_SAMPLES = 4  # from which the rate of the rest is taken
@@ -32,6 +34,10 @@ NAME = "reference"
 def main(job: dict) -> None:
     scene = prepare(job)
     scene.render.engine = "SPECULA"  # some of what is exported depends on the engine
+    size = job["size"]
+    if job["window"]:
+        left, bottom, *size = job["window"]
+        set_border(scene.render, left, bottom, left + size[0], bottom + size[1])
     log = ExportLog()
     exported = export_scene(bpy.context.evaluated_depsgraph_get(), log)
     settings = dataclasses.replace(
@@ -45,7 +51,7 @@ def main(job: dict) -> None:
 
     def rendered(native_scene, samples: int, **changes) -> dict:
         changed = dataclasses.replace(settings, samples=samples, **changes)
-        return render(native_scene, job["size"], NAME, changed, {})
+        return render(native_scene, size, NAME, changed, {})
 
     with upload(exported) as native_scene:
         native_scene.commit(job["threads"])

@@ -7,7 +7,8 @@ they have so many seconds of rendering together. The reference is the mean of al
 that of rounding to half floats included, is estimated from how they differ, of fewer than four
 from their samples. With --add they join the reference that is stored, whichever program and method
 rendered that: light tracing (LT) is the cheapest where the camera sees caustics directly, and
-counts for next to nothing elsewhere.
+counts for next to nothing elsewhere. With --window they are of some pixels alone, in which they take
+the place of the stored ones: for those few whose light is hardly ever found.
 """
 
 from __future__ import annotations
@@ -38,6 +39,9 @@ PATH_TRACED = ("cornell",)  # where path tracing converges; elsewhere the manifo
 METHODS = ("PT", "LT", "SMS_UNBIASED", "SHEETS")
 SCRIPT = "_reference_job.py"
 SCRIPTS = (_children.HERE / SCRIPT, ROOT / "tests" / "images" / "_render.py")  # what renders a part
+
+
+Window = tuple[int, int, int, int]  # left, bottom, width, height
 
 
 class Parts:
@@ -135,12 +139,35 @@ def joined(stored: Reference, merged: tuple) -> tuple:
     )
 
 
-def write(path: Path, about: dict[str, str], parts: Parts, stored: Reference | None) -> None:
+def replaced(stored: Reference, merged: tuple, window: Window) -> tuple:
+    """As `Parts.merged`, of a stored reference with other pixels in a window.
+
+    They are chosen by how the stored ones look, which would weigh them: none of those is kept.
+    """
+    left, bottom, width, height = window
+    pixels = np.s_[bottom : bottom + height, left : left + width]
+    mean, variance = stored.mean.copy(), stored.variance.copy()
+    mean[pixels], variance[pixels] = merged[:2]
+    return mean, variance, stored.caustics, stored.direct, stored.samples
+
+
+def write(
+    path: Path,
+    about: dict[str, str],
+    parts: Parts,
+    stored: Reference | None,
+    window: Window | None = None,
+) -> None:
     """The EXR, and a line on how good it is."""
     merged, seeds, seconds = parts.merged(), [r["seed"] for r in parts.reports], parts.seconds
     seen_directly = _metrics.caustics_mask(merged[0], merged[3])
     if stored is not None:
-        merged = joined(stored, merged)
+        if window:
+            text = "{},{},{}x{}: {}".format(*window, merged[4])
+            about = about | {"windows": "; ".join(filter(None, [stored.about.get("windows"), text]))}
+            merged = replaced(stored, merged, window)
+        else:
+            merged = joined(stored, merged)
         seen_directly = merged[3]
         seeds = [*seeds_of(stored), *seeds]
         seconds += float(stored.about["seconds"])
@@ -179,6 +206,15 @@ def image_size(text: str, blend: Path) -> tuple[int, int]:
     return max(1, round(width * scale)), max(1, round(height * scale))
 
 
+def window_edges(window: Window, size: tuple[int, int]) -> tuple[int, int, int, int]:
+    """Left, bottom, right and top of a window within the picture."""
+    left, bottom, width, height = window
+    right, top = left + width, bottom + height
+    if not (0 <= left < right <= size[0] and 0 <= bottom < top <= size[1]):
+        raise DevError(f"--window {window}: not within {size[0]}x{size[1]} pixels")
+    return left, bottom, right, top
+
+
 def arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         prog="./dev bench reference",
@@ -191,10 +227,19 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--size", default="", metavar="WxH", help="pixels (long side 256)")
     parser.add_argument("--threads", type=int, default=len(os.sched_getaffinity(0)))
     parser.add_argument("--add", action="store_true", help="to the stored one")
+    parser.add_argument(
+        "--window",
+        type=int,
+        nargs=4,
+        metavar=("LEFT", "BOTTOM", "WIDTH", "HEIGHT"),
+        help="with --add: pixels that take the stored ones' place",
+    )
     parser.add_argument("--out", type=Path, metavar="EXR", help="(tests/bench/references)")
     args = parser.parse_args()
     if args.seconds <= 0.0:
         parser.error("--seconds must be positive")
+    if args.window and not args.add:
+        parser.error("--window needs --add")
     return args
 
 
@@ -218,10 +263,13 @@ def main() -> int:
     first_seed = max(seeds_of(stored)) + 1 if stored else FIRST_SEED
     program = _store.specula_digest(SCRIPTS)[:8]  # a wrong estimator must not leave its parts
     name = f"{blend.stem}-{method.lower()}-{size[0]}x{size[1]}-{digest[:12]}-{program}"
+    if args.window:
+        left, bottom, right, top = window_edges(args.window, size)
+        name += f"-{left}-{bottom}-{right}-{top}"
     folder = FOLDER / f"{name}-{first_seed}"
     folder.mkdir(exist_ok=True)
     parts = Parts(folder, first_seed)
-    job = {"size": size, "method": method, "threads": args.threads}
+    job = {"size": size, "method": method, "threads": args.threads, "window": args.window}
     todo = args.seconds - parts.seconds
     progress = Progress("reference", [todo * (1.0 + OVERHEAD / PART_SECONDS)])
     while (left := args.seconds - parts.seconds) > 0.05 * PART_SECONDS or not parts.reports:
@@ -232,7 +280,7 @@ def main() -> int:
         render_part(blend, job | {"seconds": min(PART_SECONDS, seconds)}, parts)
         progress.advance((parts.seconds - before) * (1.0 + OVERHEAD / PART_SECONDS))
     progress.clear()
-    write(path, about, parts, stored)
+    write(path, about, parts, stored, args.window)
     return 0
 
 

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import math
 import os
 import sys
 
@@ -26,7 +27,7 @@ from specula.upload import upload
 from tests.bench._image_job import set_border
 from tests.images._render import prepare, render
 
-PROBE_SAMPLES = 4  # from which the rate of the rest is taken
+PROBE_SAMPLES = 4  # from which the rate of the rest is taken; of a window as many as take that long
 DIRECT_SAMPLES = 64
 NAME = "reference"
 
@@ -55,8 +56,9 @@ def main(job: dict) -> None:
 
     with upload(exported) as native_scene:
         native_scene.commit(job["threads"])
-        probe = json.loads(rendered(native_scene, PROBE_SAMPLES)[f"{NAME}/stats"])
-        samples = max(2, round(PROBE_SAMPLES * job["seconds"] / probe["seconds"]))
+        probe_samples = PROBE_SAMPLES * math.prod(job["size"]) // math.prod(size)
+        probe = json.loads(rendered(native_scene, probe_samples)[f"{NAME}/stats"])
+        samples = max(2, round(probe_samples * job["seconds"] / probe["seconds"]))
         arrays = rendered(native_scene, samples)
         of_light_paths = rendered(native_scene, DIRECT_SAMPLES, method=Method.LT)
         arrays[f"{NAME}/direct"] = of_light_paths[f"{NAME}/caustics"]

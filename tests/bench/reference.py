@@ -7,8 +7,9 @@ they have so many seconds of rendering together. The reference is the mean of al
 that of rounding to half floats included, is estimated from how they differ, of fewer than four
 from their samples. With --add they join the reference that is stored, whichever program and method
 rendered that: light tracing (LT) is the cheapest where the camera sees caustics directly, and
-counts for next to nothing elsewhere. With --window they are of some pixels alone, in which they take
-the place of the stored ones: for those few whose light is hardly ever found.
+counts for next to nothing elsewhere. With --window they are of some pixels alone, in which they
+take the place of the stored ones: for those few whose light is hardly ever found. Such parts come
+last, since what is added to the whole picture counts in them too.
 """
 
 from __future__ import annotations
@@ -162,12 +163,14 @@ def write(
     merged, seeds, seconds = parts.merged(), [r["seed"] for r in parts.reports], parts.seconds
     seen_directly = _metrics.caustics_mask(merged[0], merged[3])
     if stored is not None:
+        windows = [stored.about["windows"]] if "windows" in stored.about else []
         if window:
-            text = "{},{},{}x{}: {}".format(*window, merged[4])
-            about = about | {"windows": "; ".join(filter(None, [stored.about.get("windows"), text]))}
+            windows.append("{},{},{}x{}: {}".format(*window, merged[4]))
             merged = replaced(stored, merged, window)
         else:
             merged = joined(stored, merged)
+        if windows:
+            about = about | {"windows": "; ".join(windows)}
         seen_directly = merged[3]
         seeds = [*seeds_of(stored), *seeds]
         seconds += float(stored.about["seconds"])

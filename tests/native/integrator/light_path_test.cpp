@@ -330,6 +330,21 @@ double effort_beside_sheets(const std::function<void(SceneMaker&)>& add_caster, 
     return pilot ? pilot->effort : 0.0;
 }
 
+TEST(LightPaths, LearnFromAsManyAsTheyAreTold) {
+    SceneMaker maker;
+    set_camera(maker);
+    add_floor(maker);
+    add_ball(maker, mirror());
+    add_bulb(maker);
+    const RenderScene world = maker.finish();
+    const std::atomic<bool> cancelled{false};
+    for (const uint32_t paths : {kLeastPilotPaths, 2 * kLeastPilotPaths}) {
+        LightPathStats stats;
+        EXPECT_TRUE(learn_emission(world, few_bounces(), {}, 0.0f, paths, 3, 1, cancelled, stats));
+        EXPECT_EQ(stats.paths, paths);
+    }
+}
+
 TEST(LightPathsSlow, KnowWhatItTakesToFindWhatSheetsMiss) {
     const auto mirror_ball = [](SceneMaker& m) { add_ball(m, mirror()); };
     const auto hammered_ball = [](SceneMaker& m) {

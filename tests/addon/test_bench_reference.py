@@ -88,6 +88,8 @@ def test_added_parts_count_where_caustics_are_seen_directly_by_their_variance_th
     direct = np.arange(40)[:, None] + np.zeros((1, 30)) < 8
     variance = np.where(direct[..., None], 1.0, 100.0) * ones
     stored = _reference.Reference(0.0 * ones, ones, {"samples": "8"}, ones, direct)
+    with pytest.raises(DevError, match=r"2\.00 times"):
+        reference.joined(stored, (2.0 * ones, variance, ones, ones, 8))
     mean, joint, _, found, _ = reference.joined(stored, (ones, variance, ones, ones, 8))
     assert mean.shape == shape
     np.testing.assert_allclose(mean[direct], 1.0 / 2.0)

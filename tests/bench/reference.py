@@ -34,12 +34,19 @@ FOLDER = BUILD / "bench" / "references"
 LONG_SIDE = 256  # pixels
 PART_SECONDS = 60.0  # of rendering that an interrupt can lose
 LEAST_PARTS = 4  # that tell their variance
+# What counts for more than this share must be no farther from the stored one than so many times the
+# variance of both.
+LEAST_SHARE, MOST_APART = 0.05, 1.4
 FIRST_SEED = 500_000  # far from those of what is measured
 OVERHEAD = 5.0  # s of a child beside rendering
 PATH_TRACED = ("cornell",)  # where path tracing converges; elsewhere the manifold and light paths
 METHODS = ("PT", "LT", "SMS_UNBIASED", "SHEETS")
 SCRIPT = "_reference_job.py"
-SCRIPTS = (_children.HERE / SCRIPT, ROOT / "tests" / "images" / "_render.py")  # what renders a part
+SCRIPTS = (  # what renders a part
+    _children.HERE / SCRIPT,
+    _children.HERE / "_image_job.py",
+    ROOT / "tests" / "images" / "_render.py",
+)
 
 
 Window = tuple[int, int, int, int]  # left, bottom, width, height
@@ -128,9 +135,17 @@ def joined(stored: Reference, merged: tuple) -> tuple:
     share = np.empty((*mean.shape[:2], 1))  # the new one's
     direct = stored.direct if stored.direct is not None else np.zeros(mean.shape[:2], bool)
     for region in (direct, ~direct):
-        if region.any():
-            old = _metrics.trimmed_mean(stored.variance[region])
-            share[region] = old / (old + _metrics.trimmed_mean(variance[region]))
+        if not region.any():
+            continue
+        old = _metrics.trimmed_mean(stored.variance[region])
+        new = _metrics.trimmed_mean(variance[region])
+        share[region] = old / (old + new)
+        apart = _metrics.trimmed_mean(((mean - stored.mean) ** 2)[region]) / (old + new)
+        if old / (old + new) > LEAST_SHARE and apart > MOST_APART:
+            raise DevError(
+                f"squares of the differences from the stored one are {apart:.2f} times what both "
+                "errors tell: one of them misses rare light"
+            )
     return (
         (1.0 - share) * stored.mean + share * mean,
         (1.0 - share) ** 2 * stored.variance + share**2 * variance,

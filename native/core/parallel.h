@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A loop whose rounds run side by side.
+// A loop whose rounds run side by side, and what must be done in order nevertheless.
 #pragma once
 
 #include <algorithm>
 #include <atomic>
 #include <cstdint>
 #include <exception>
+#include <functional>
+#include <map>
 #include <mutex>
 #include <thread>
 #include <vector>
@@ -37,5 +39,23 @@ void parallel_for(uint32_t threads, uint32_t count, const Act& act) {
     }
     if (failure) std::rethrow_exception(failure);
 }
+
+// Calls functions one at a time in the order of their numbers, from 0 on. Nobody waits: who comes
+// early leaves its own to whoever has the one before.
+class InOrder {
+public:
+    void call(uint64_t number, std::function<void()> function) {
+        const std::lock_guard lock(mutex_);
+        early_.emplace(number, std::move(function));
+        for (auto next = early_.begin(); next != early_.end() && next->first == called_;
+             next = early_.erase(next), ++called_)
+            next->second();
+    }
+
+private:
+    std::mutex mutex_;
+    std::map<uint64_t, std::function<void()>> early_;
+    uint64_t called_ = 0;
+};
 
 }  // namespace spc

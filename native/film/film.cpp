@@ -128,13 +128,17 @@ void Film::add_splats(SplatSource source, std::span<const Splat> splats, const P
         return std::array{static_cast<int64_t>(std::max(first, 0.0f)),
                           static_cast<int64_t>(std::min(last, static_cast<float>(size) - 1.0f))};
     };
+    std::vector<float> row;  // the weights of each column
     for (const Splat& splat : splats) {
         const auto [x0, x1] = pixels_near(splat.film.x, width_);
         const auto [y0, y1] = pixels_near(splat.film.y, height_);
+        row.clear();
+        for (int64_t x = x0; x <= x1; ++x)
+            row.push_back(filter.weight(splat.film.x - static_cast<float>(x) - 0.5f));
         for (int64_t y = y0; y <= y1; ++y) {
             const float wy = filter.weight(splat.film.y - static_cast<float>(y) - 0.5f);
             for (int64_t x = x0; x <= x1; ++x) {
-                const float w = wy * filter.weight(splat.film.x - static_cast<float>(x) - 0.5f);
+                const float w = wy * row[static_cast<size_t>(x - x0)];
                 SplatSums& sums =
                     layer.pixels[static_cast<size_t>(y) * width_ + static_cast<size_t>(x)];
                 for (int c = 0; c < 3; ++c) {

@@ -36,9 +36,14 @@ bool LightHistory::append_delta(const Surface& surface, const ClosureSample& sam
         return false;
     through_caster = through_caster || (count > 0 && passed_caster);
     passed_caster = false;
+    const float probability =
+        delta_lobe(surface.closures, surface.ng, surface.wo, sample.wi, sample.refracted)
+            .probability;
     vertices[count++] = {
         surface.p,
-        {surface.hit, sample.refracted ? Interaction::refraction : Interaction::reflection, 0.0f}};
+        {.hit = surface.hit,
+         .interaction = sample.refracted ? Interaction::refraction : Interaction::reflection,
+         .probability_from_light = probability}};
     return true;
 }
 

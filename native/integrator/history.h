@@ -140,7 +140,7 @@ struct PathHistory {
 struct LightHistory {
     struct Vertex {
         Vec3 p;
-        CausticVertex vertex;  // its probability is trace_back()'s
+        CausticVertex vertex;  // its other probability is chain_throughput()'s
     };
     // Casters since the light or the last scattering; `count` are valid.
     std::array<Vertex, kLongestChain> vertices;

@@ -54,6 +54,7 @@ public:
             emit(*settings_.light_tracing.guide, y_, sampler_[Domain::light_direction].two());
         away_ = emitted.direction;
         end_ = light_end(y_, away_);
+        end_.pdf_emitted = emitted.pdf;
         radiance_ = radiance_at(world_.lights, scene_, y_, away_);
         if (is_black(radiance_)) return std::nullopt;
         ray_ = {leave_light(scene_, y_, emitted.origin, away_), away_, 0.0f, kInfinity};

@@ -72,22 +72,21 @@ std::optional<ConstraintValue> angle_difference(Interaction interaction, float e
                                                 const CasterPatch& vertex) {
     const std::optional<DirectionDual> s = scattered(interaction, eta, wi, vertex);
     if (!s) return std::nullopt;
-    // Longitude and latitude in a frame whose equator passes through wo: no pole near a solution,
-    // nothing to wrap.
+    // Stereographic, 2 tan(angle / 2) along the plane across wo: no pole near a solution, nothing to
+    // wrap.
     const Frame frame = Frame::around(wo.w);
-    const float a = dot(s->w, frame.z), b = dot(s->w, frame.x),
-                c = std::clamp(dot(s->w, frame.y), -1.0f, 1.0f);
-    const float equatorial = std::max(a * a + b * b, 1e-12f),
-                inv_cos_latitude = 1.0f / std::sqrt(equatorial);
+    const float cosine = dot(s->w, wo.w), scale = 2.0f / std::max(1.0f + cosine, 1e-6f);
+    const Vec2 c(scale * dot(s->w, frame.x), scale * dot(s->w, frame.y));
+    // The frame follows wo without spin: dx = -(x . dwo) wo.
     const auto derivative = [&](const Vec3& ds, const Vec3& dwo) {
-        const float da = dot(ds, frame.z), db = dot(ds, frame.x), dc = dot(ds, frame.y);
-        return Vec2((a * db - b * da) / equatorial - dot(dwo, frame.x),
-                    dc * inv_cos_latitude - dot(dwo, frame.y));
+        const float closer = 0.5f * (dot(ds, wo.w) + dot(s->w, dwo));
+        return Vec2(scale * (dot(ds, frame.x) - dot(dwo, frame.x) * cosine - c.x * closer),
+                    scale * (dot(ds, frame.y) - dot(dwo, frame.y) * cosine - c.y * closer));
     };
     // Near the critical angle the refracted direction magnifies every error by 1 / cos_t.
     const float magnified =
         interaction == Interaction::refraction ? 1.0f / std::abs(dot(s->w, vertex.n)) : 1.0f;
-    return ConstraintValue{Vec2(std::atan2(b, a), std::asin(c)), derivative(s->dw_du, wo.dw_du),
+    return ConstraintValue{c, derivative(s->dw_du, wo.dw_du),
                            derivative(s->dw_dv, wo.dw_dv), magnified};
 }
 

@@ -255,8 +255,9 @@ private:
                                ? camera_path(*receiver_.camera, receiver_.p, wi)
                                : caustic_path(scene_, receiver_, at_x, wi);
         for (uint32_t i = 0; i < chain.count; ++i)
-            path.append({chain.hits[i], chain.vertices[i].interaction, 0.0f,
-                         scene_.material_of(chain.hits[i]).interface().is_rough()});
+            path.append({.hit = chain.hits[i],
+                         .interaction = chain.vertices[i].interaction,
+                         .rough = scene_.material_of(chain.hits[i]).interface().is_rough()});
         if (path.is_rough() != among_facets) return std::nullopt;
         result.throughput = chain_throughput(scene_, path, end_of(y_));
         if (is_black(result.throughput) || !manifold_owns(techniques_, path)) return std::nullopt;

@@ -77,6 +77,10 @@ double probability_from_light(const Scene& scene, const CausticPath& path,
     double product = 1.0;
     Surface surface;
     for (size_t i = 0; i < chain.size(); ++i) {
+        if (path.vertices[i].probability_from_light > 0.0f) {
+            product *= static_cast<double>(path.vertices[i].probability_from_light);
+            continue;
+        }
         const Vec3 p = chain[i].patch.p;
         float unused;
         const Vec3 to_light =
@@ -344,8 +348,10 @@ std::optional<CausticDensities> caustic_densities(const Techniques& techniques,
         const Vec3 wi = chain.empty() ? end.end.from(path.x, unused)
                                       : normalize(chain.front().patch.p - path.x);
         const Vec3 last = chain.empty() ? path.x : chain.back().patch.p;
-        const float emitted =
-            emission_pdf(*techniques.light_tracing.guide, end.light, end.end, last);
+        const float emitted = end.pdf_emitted
+                                  ? *end.pdf_emitted
+                                  : emission_pdf(*techniques.light_tracing.guide, end.light,
+                                                 end.end, last);
         const double cos_x = std::abs(static_cast<double>(dot(path.sides.ng, wi)));
         const LightTracing& paths = techniques.light_tracing;
         // All of those that a rough caster scatters go on.
@@ -369,7 +375,7 @@ std::optional<CausticVertex> rough_vertex(const Techniques& techniques, const Su
     const Interaction interaction =
         dot(ng, wi) > 0.0f ? Interaction::reflection : Interaction::refraction;
     if (!interface.is_rough() || !has_interaction(interface, interaction)) return std::nullopt;
-    return CausticVertex{hit, interaction, 0.0f, true};
+    return CausticVertex{.hit = hit, .interaction = interaction, .rough = true};
 }
 
 float rough_chain_share(const Techniques& techniques, CausticPath path, const LightEnd& end) {

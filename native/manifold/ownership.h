@@ -87,6 +87,8 @@ struct CausticVertex {
     // Of a delta lobe for a path from the receiver, as delta_lobe() states it; at a rough vertex
     // ClosureEval::pdf_omega, 1/sr.
     float probability = 0.0f;
+    // Of a delta lobe for a path from the light, likewise, where that is known already; else 0.
+    float probability_from_light = 0.0f;
     bool rough = false;
     float facet_pdf = 0.0f;  // of a rough vertex, see there
 };
@@ -161,6 +163,8 @@ struct LightEnd {
     // Where the last vertex is rough, or there is none: of next event estimation there, or at x, as
     // DirectSample::density has it.
     float pdf_direct = 0.0f;
+    // emission_pdf() towards the last vertex, or x, where that is known already.
+    std::optional<float> pdf_emitted{};
 };
 LightEnd light_end(const LightPoint& y, const Vec3& away);
 

@@ -251,32 +251,28 @@ bool Session::render_splats(uint32_t pass, uint32_t part, RenderStats& stats) {
     };
     const IntegratorSettings& integrator = settings_.integrator;
     const float margin = filter_.reach();
-    const auto light = estimate_part(light_paths_, [&](uint64_t i, std::vector<Splat>& splats) {
+    auto light = estimate_part(light_paths_, [&](uint64_t i, std::vector<Splat>& splats) {
         trace_light_path(world_, integrator, margin, settings_.seed, i, splats, stats.light);
     });
-    const auto highlights =
+    auto highlights =
         estimate_part(highlight_estimates_, [&](uint64_t i, std::vector<Splat>& splats) {
             estimate_highlights(world_, integrator, margin, settings_.seed, i, splats, stats.path);
         });
-    const auto missed =
+    auto missed =
         estimate_part(highlight_searches_, [&](uint64_t i, std::vector<Splat>& splats) {
             search_highlights(world_, integrator, margin, settings_.seed, i, splats, stats.path);
         });
     if (!light || !highlights || !missed) return false;
-    while (splat_jobs_done_.load() != uint64_t{pass} * splat_jobs_ + part) {
-        if (stop()) return false;
-        std::this_thread::yield();
-    }
-    if (light_paths_ > 0)
-        film_.add_splats(SplatSource::light_paths, light->splats, filter_, light->count,
-                         static_cast<double>(light_paths_));
-    if (highlight_estimates_ > 0)
-        film_.add_splats(SplatSource::highlights, highlights->splats, filter_, highlights->count,
-                         static_cast<double>(highlight_estimates_));
-    if (highlight_searches_ > 0)
-        film_.add_splats(SplatSource::missed_highlights, missed->splats, filter_, missed->count,
-                         static_cast<double>(highlight_searches_));
-    ++splat_jobs_done_;
+    const auto add = [this](SplatSource source, const Part& of, uint64_t per_picture) {
+        if (per_picture > 0)
+            film_.add_splats(source, of.splats, filter_, of.count, static_cast<double>(per_picture));
+    };
+    splats_in_order_.call(uint64_t{pass} * splat_jobs_ + part, [=, this, light = *std::move(light), highlights = *std::move(highlights),
+                           missed = *std::move(missed)] {
+        add(SplatSource::light_paths, light, light_paths_);
+        add(SplatSource::highlights, highlights, highlight_estimates_);
+        add(SplatSource::missed_highlights, missed, highlight_searches_);
+    });
     return true;
 }
 

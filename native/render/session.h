@@ -3,6 +3,7 @@
 // done, the time is up, or somebody cancels.
 #pragma once
 
+#include "core/parallel.h"
 #include "film/film.h"
 #include "film/filter.h"
 #include "integrator/highlights.h"
@@ -136,7 +137,7 @@ private:
     uint32_t splat_jobs_ = 0;
     uint64_t light_paths_ = 0, highlight_estimates_ = 0,
              highlight_searches_ = 0;  // for each sample of the picture
-    std::atomic<uint64_t> splat_jobs_done_{0};
+    InOrder splats_in_order_;
     std::unique_ptr<const LightPilot> light_pilot_;
     std::unique_ptr<const Highlights> highlights_;
     SheetPool sheet_pool_;

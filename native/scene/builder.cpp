@@ -62,14 +62,21 @@ void drop_degenerate_triangles(Mesh& mesh) {
     }
 }
 
+// Drops them where they are those of the faces: flat meshes are evaluated faster.
 void normalize_corner_normals(Mesh& mesh) {
+    constexpr float kRounding = 1e-6f;
+    bool flat = true;
     for (size_t t = 0; t < mesh.triangles.size() && !mesh.normals.empty(); ++t) {
         const auto& [a, b, c] = mesh.triangles[t];
         const Vec3 face = normalize(
             cross(mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a]));
-        for (size_t k = 0; k < 3; ++k)
-            mesh.normals[3 * t + k] = safe_normalize(mesh.normals[3 * t + k], face);
+        for (size_t k = 0; k < 3; ++k) {
+            Vec3& normal = mesh.normals[3 * t + k];
+            normal = safe_normalize(normal, face);
+            flat = flat && length(normal - face) <= kRounding;
+        }
     }
+    if (flat) mesh.normals.clear();
 }
 
 Transform checked_inverse(const Transform& transform, const std::string& name) {

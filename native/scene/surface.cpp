@@ -2,6 +2,7 @@
 #include "scene/surface.h"
 
 #include "core/error.h"
+#include "core/room.h"
 
 namespace spc {
 
@@ -69,9 +70,9 @@ float position_error(const Instance& instance, const std::array<Vec3, 3>& corner
 template <class T>
 struct PointAt {
     ShadingPoint<T> point;
-    std::array<Vector3<T>, kMaxUvLayers> tangents;
-    std::array<float, kMaxUvLayers> signs;
-    std::array<std::array<T, 2>, kMaxUvLayers> uvs;
+    Room<Vector3<T>, kMaxUvLayers> tangents;
+    Room<float, kMaxUvLayers> signs;
+    Room<std::array<T, 2>, kMaxUvLayers> uvs;
 };
 
 // Fills in what `reads` asks for; ng, wo and backfacing are the caller's.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The interpreter: value instructions over T, then closures from their results.
+#include "core/room.h"
 #include "shading/normal_map.h"
 #include "shading/program.h"
 
@@ -15,16 +16,15 @@ void run_image(const Instruction& i, const Registers<T>& r, std::span<const Imag
     r.store(static_cast<Operand>(i.out + 3), c.a);
 }
 
-// Registers without their initialisation: every one is written before it is read.
 template <class T>
 class RegisterFile {
 public:
     explicit RegisterFile(const Program& program)
-        : registers{reinterpret_cast<T*>(storage_), program.constants.data()} {}
+        : registers{room_.data(), program.constants.data()} {}
     const Registers<T> registers;
 
 private:
-    alignas(T) std::byte storage_[sizeof(T) * kMaxRegisters];
+    Room<T, kMaxRegisters> room_;
 };
 
 template <class T>

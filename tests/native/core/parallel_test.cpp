@@ -33,5 +33,28 @@ TEST(ParallelFor, ThrowsWhatARoundThrowsAndEndsEarly) {
     }
 }
 
+TEST(InOrder, CallsInOrderWhoeverComesFirst) {
+    InOrder in_order;
+    std::vector<int> called;
+    for (const int i : {2, 1, 4}) in_order.call(i, [&called, i] { called.push_back(i); });
+    EXPECT_TRUE(called.empty());
+    in_order.call(0, [&called] { called.push_back(0); });
+    EXPECT_EQ(called, (std::vector{0, 1, 2}));
+    in_order.call(3, [&called] { called.push_back(3); });
+    EXPECT_EQ(called, (std::vector{0, 1, 2, 3, 4}));
+}
+
+TEST(InOrder, IsSafeOnSeveralThreads) {
+    constexpr uint32_t kCount = 10000;
+    InOrder in_order;
+    std::vector<uint32_t> called;
+    parallel_for(4, kCount, [&](uint32_t i) {
+        const uint32_t number = i ^ 7;
+        in_order.call(number, [&called, number] { called.push_back(number); });
+    });
+    ASSERT_EQ(called.size(), kCount);
+    for (uint32_t i = 0; i < kCount; ++i) EXPECT_EQ(called[i], i);
+}
+
 }  // namespace
 }  // namespace spc

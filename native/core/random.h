@@ -99,11 +99,12 @@ public:
                 index_};
     }
 
-    float one() const { return two().x; }
+    float one() const { return first(shuffled(key_), mix_bits(key_)); }
     Vec2 two() const { return draw(key_); }
     Vec3 three() const {
-        const Vec2 a = draw(key_), b = draw(key_ ^ 0xa0761d6478bd642full);
-        return {b.x, a.x, a.y};
+        const uint64_t other = key_ ^ 0xa0761d6478bd642full;
+        const Vec2 a = draw(key_);
+        return {first(shuffled(other), mix_bits(other)), a.x, a.y};
     }
     // Seed of a stream without end, for trials: differs between samples.
     uint64_t stream_seed() const { return mix_bits(key_ + index_); }
@@ -111,14 +112,19 @@ public:
 private:
     Sampler(uint64_t key, uint32_t index) : key_(key), index_(index) {}
 
+    uint32_t shuffled(uint64_t key) const {
+        return reverse_bits(scramble_reversed(reverse_bits(index_), static_cast<uint32_t>(key)));
+    }
+    static float first(uint32_t shuffled, uint64_t more) {
+        return to_unit_float(reverse_bits(scramble_reversed(shuffled, static_cast<uint32_t>(more))));
+    }
+    static float second(uint32_t shuffled, uint64_t more) {
+        return first(pascal_reversed(shuffled), more >> 32);
+    }
     Vec2 draw(uint64_t key) const {
+        const uint32_t index = shuffled(key);
         const uint64_t more = mix_bits(key);
-        const uint32_t shuffled =
-            reverse_bits(scramble_reversed(reverse_bits(index_), static_cast<uint32_t>(key)));
-        return {
-            to_unit_float(reverse_bits(scramble_reversed(shuffled, static_cast<uint32_t>(more)))),
-            to_unit_float(reverse_bits(
-                scramble_reversed(pascal_reversed(shuffled), static_cast<uint32_t>(more >> 32))))};
+        return {first(index, more), second(index, more)};
     }
 
     uint64_t key_;

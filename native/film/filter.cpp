@@ -40,18 +40,21 @@ PixelFilter::PixelFilter(FilterKind kind, float width) {
         variance += mass * at * at;
     }
     variance_ = static_cast<float>(variance);
+    for (size_t k = 0, cell = 0; k < kCells; ++k) {
+        while (cumulative_[cell + 1] <= static_cast<double>(k) / kCells) ++cell;
+        first_cell_.push_back(static_cast<uint16_t>(cell));
+    }
 }
 
 // By search instead of a table of the inverse: that would be coarse in the tails, where it is
-// steep.
+// steep. A table says where the search begins, a cell or two before its end but in the tails.
 float PixelFilter::invert(float u) const {
-    const auto above =
-        std::upper_bound(cumulative_.begin() + 1, cumulative_.end() - 1, static_cast<double>(u));
-    const double from = *(above - 1), to = *above;
-    const double cell = static_cast<double>(above - 1 - cumulative_.begin()) +
-                        (static_cast<double>(u) - from) / (to - from);
-    return static_cast<float>(reach_ *
-                              (2.0 * cell / static_cast<double>(cumulative_.size() - 1) - 1.0));
+    const auto wanted = static_cast<double>(u);
+    size_t cell = first_cell_[static_cast<size_t>(u * static_cast<float>(first_cell_.size()))];
+    while (cell + 1 < density_.size() && cumulative_[cell + 1] <= wanted) ++cell;
+    const double from = cumulative_[cell], to = cumulative_[cell + 1];
+    const double at = static_cast<double>(cell) + (wanted - from) / (to - from);
+    return static_cast<float>(reach_ * (2.0 * at / static_cast<double>(density_.size()) - 1.0));
 }
 
 }  // namespace spc

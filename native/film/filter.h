@@ -32,8 +32,9 @@ public:
 private:
     float invert(float u) const;
     double reach_;
-    std::vector<double> cumulative_;  // of the density, at equal steps
-    std::vector<float> density_;      // between those, 1/pixel
+    std::vector<double> cumulative_;    // of the density, at equal steps
+    std::vector<float> density_;        // between those, 1/pixel
+    std::vector<uint16_t> first_cell_;  // where u = k / size falls, of each k
     float cells_per_pixel_;
     float variance_;
 };

@@ -37,8 +37,7 @@ bool LightHistory::append_delta(const Surface& surface, const ClosureSample& sam
     through_caster = through_caster || (count > 0 && passed_caster);
     passed_caster = false;
     const float probability =
-        delta_lobe(surface.closures, surface.ng, surface.wo, sample.wi, sample.refracted)
-            .probability;
+        delta_lobe(surface.closures, surface.ng, surface.wo, sample.wi, sample.refracted).probability;
     vertices[count++] = {
         surface.p,
         {.hit = surface.hit,

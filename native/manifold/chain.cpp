@@ -86,8 +86,8 @@ std::optional<ConstraintValue> angle_difference(Interaction interaction, float e
     // Near the critical angle the refracted direction magnifies every error by 1 / cos_t.
     const float magnified =
         interaction == Interaction::refraction ? 1.0f / std::abs(dot(s->w, vertex.n)) : 1.0f;
-    return ConstraintValue{c, derivative(s->dw_du, wo.dw_du),
-                           derivative(s->dw_dv, wo.dw_dv), magnified};
+    return ConstraintValue{c, derivative(s->dw_du, wo.dw_du), derivative(s->dw_dv, wo.dw_dv),
+                           magnified};
 }
 
 }  // namespace

@@ -348,10 +348,9 @@ std::optional<CausticDensities> caustic_densities(const Techniques& techniques,
         const Vec3 wi = chain.empty() ? end.end.from(path.x, unused)
                                       : normalize(chain.front().patch.p - path.x);
         const Vec3 last = chain.empty() ? path.x : chain.back().patch.p;
-        const float emitted = end.pdf_emitted
-                                  ? *end.pdf_emitted
-                                  : emission_pdf(*techniques.light_tracing.guide, end.light,
-                                                 end.end, last);
+        const float emitted = end.pdf_emitted ? *end.pdf_emitted
+                                              : emission_pdf(*techniques.light_tracing.guide,
+                                                             end.light, end.end, last);
         const double cos_x = std::abs(static_cast<double>(dot(path.sides.ng, wi)));
         const LightTracing& paths = techniques.light_tracing;
         // All of those that a rough caster scatters go on.

@@ -258,21 +258,21 @@ bool Session::render_splats(uint32_t pass, uint32_t part, RenderStats& stats) {
         estimate_part(highlight_estimates_, [&](uint64_t i, std::vector<Splat>& splats) {
             estimate_highlights(world_, integrator, margin, settings_.seed, i, splats, stats.path);
         });
-    auto missed =
-        estimate_part(highlight_searches_, [&](uint64_t i, std::vector<Splat>& splats) {
-            search_highlights(world_, integrator, margin, settings_.seed, i, splats, stats.path);
-        });
+    auto missed = estimate_part(highlight_searches_, [&](uint64_t i, std::vector<Splat>& splats) {
+        search_highlights(world_, integrator, margin, settings_.seed, i, splats, stats.path);
+    });
     if (!light || !highlights || !missed) return false;
     const auto add = [this](SplatSource source, const Part& of, uint64_t per_picture) {
         if (per_picture > 0)
             film_.add_splats(source, of.splats, filter_, of.count, static_cast<double>(per_picture));
     };
-    splats_in_order_.call(uint64_t{pass} * splat_jobs_ + part, [=, this, light = *std::move(light), highlights = *std::move(highlights),
+    splats_in_order_.call(uint64_t{pass} * splat_jobs_ + part,
+                          [=, this, light = *std::move(light), highlights = *std::move(highlights),
                            missed = *std::move(missed)] {
-        add(SplatSource::light_paths, light, light_paths_);
-        add(SplatSource::highlights, highlights, highlight_estimates_);
-        add(SplatSource::missed_highlights, missed, highlight_searches_);
-    });
+                              add(SplatSource::light_paths, light, light_paths_);
+                              add(SplatSource::highlights, highlights, highlight_estimates_);
+                              add(SplatSource::missed_highlights, missed, highlight_searches_);
+                          });
     return true;
 }
 

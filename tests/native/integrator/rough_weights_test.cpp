@@ -112,7 +112,8 @@ private:
         visit.rough = !next.delta;
         const Interaction turn =
             dot(at.ng, next.wi) > 0.0f ? Interaction::reflection : Interaction::refraction;
-        if (!path.visits.empty()) path.vertices.push_back({.hit = at.hit, .interaction = turn, .rough = visit.rough});
+        if (!path.visits.empty())
+            path.vertices.push_back({.hit = at.hit, .interaction = turn, .rough = visit.rough});
         path.visits.push_back(visit);
         if (next.delta) {
             history.append_delta(at.hit, next, world_.casters);

@@ -245,6 +245,9 @@ Sampler light_sampler(uint32_t seed, uint64_t index) {
 
 // Shares of the pilot's paths on each of several guides, each of which learns from the one before.
 constexpr std::array<double, 3> kGenerations{0.25, 0.25, 0.5};
+// Where fewer come through to the camera it sees little of the caustics directly, and few light paths
+// will be shot: the second guide is good enough for those.
+constexpr double kFewComeThrough = 1.0 / 32;
 constexpr uint32_t kPilotChunk = 1u << 11;
 // Of all of the pilot's paths so many tell how well sheets lead to their chains: each searches for its
 // own, which is slow.
@@ -350,8 +353,10 @@ std::unique_ptr<const LightPilot> learn_emission(const RenderScene& world,
         std::numeric_limits<double>::infinity());
     Generation generation{0, 0, std::max(1u, paths / kAsked)};
     Effort effort;
-    for (const double share : kGenerations) {
-        generation.chunks = static_cast<uint32_t>(std::ceil(share * paths / kPilotChunk));
+    double come_through = 1.0;  // share of the generation before
+    for (size_t i = 0; i < kGenerations.size(); ++i) {
+        if (i > 1 && come_through < kFewComeThrough) break;
+        generation.chunks = static_cast<uint32_t>(std::ceil(kGenerations[i] * paths / kPilotChunk));
         settings.light_tracing = {.guide = &result->guide,
                                   .paths = static_cast<double>(generation.count()),
                                   .goes_on = result->goes_on,
@@ -363,6 +368,7 @@ std::unique_ptr<const LightPilot> learn_emission(const RenderScene& world,
             pilot(world, settings, sheets, margin, generation, seed, threads, cancelled, counted,
                   moments, effort);
         generation.first += generation.count();
+        come_through = static_cast<double>(learned.size()) / static_cast<double>(generation.count());
         stats.add(counted);
         if (learned.empty() || cancelled.load()) return nullptr;
         measure(counted, moments, *result);

@@ -330,19 +330,28 @@ double effort_beside_sheets(const std::function<void(SceneMaker&)>& add_caster, 
     return pilot ? pilot->effort : 0.0;
 }
 
-TEST(LightPaths, LearnFromAsManyAsTheyAreTold) {
+// That light paths learn from beside a ball, told to take `paths`.
+uint64_t learned_from(const Graph& ball, uint32_t paths) {
     SceneMaker maker;
     set_camera(maker);
     add_floor(maker);
-    add_ball(maker, mirror());
+    add_ball(maker, ball);
     add_bulb(maker);
     const RenderScene world = maker.finish();
     const std::atomic<bool> cancelled{false};
-    for (const uint32_t paths : {kLeastPilotPaths, 2 * kLeastPilotPaths}) {
-        LightPathStats stats;
-        EXPECT_TRUE(learn_emission(world, few_bounces(), {}, 0.0f, paths, 3, 1, cancelled, stats));
-        EXPECT_EQ(stats.paths, paths);
-    }
+    LightPathStats stats;
+    EXPECT_TRUE(learn_emission(world, few_bounces(), {}, 0.0f, paths, 3, 1, cancelled, stats));
+    return stats.paths;
+}
+
+TEST(LightPaths, LearnFromAsManyAsTheyAreTold) {
+    for (const uint32_t paths : {kLeastPilotPaths, 2 * kLeastPilotPaths})
+        EXPECT_EQ(learned_from(mirror(), paths), paths);
+}
+
+TEST(LightPaths, LearnFromHalfWhereFewComeThrough) {
+    const Graph hardly_there = combined(transparent(1.0f), mirror(), 1.0f / 64);
+    EXPECT_EQ(learned_from(hardly_there, kLeastPilotPaths), kLeastPilotPaths / 2);
 }
 
 TEST(LightPathsSlow, KnowWhatItTakesToFindWhatSheetsMiss) {

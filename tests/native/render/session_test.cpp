@@ -235,6 +235,19 @@ TEST(SessionWithLightPaths, CancelReturnsSoonFromThePilot) {
     }
 }
 
+TEST(SessionWithLightPaths, PilotGrowsWithTheRender) {
+    constexpr uint64_t kLargestPilot = 1u << 19;
+    const RenderScene world = scene_of(true);
+    const uint64_t of_short_render = render(world, settings_with(2)).stats.light.paths;
+    EXPECT_GE(of_short_render, kLeastPilotPaths);
+    EXPECT_LT(of_short_render, kLargestPilot / 2);
+    Session session(world, settings_with(1u << 20, 2));
+    uint64_t paths = 0;  // none of them is counted before the pilot's end
+    while (paths == 0 && session.wait(1ms).state == RenderState::running)
+        paths = session.stats().light.paths;
+    EXPECT_GE(paths, kLargestPilot);
+}
+
 // Means of one square of the picture over many seeds.
 constexpr uint32_t kPart = 10, kParts = kSide / kPart;
 std::vector<test::MeanEstimate> parts_of(const RenderScene& world, RenderSettings settings,

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// Arrays on the stack in places that are too hot to fill them with zeros first.
 #pragma once
 
 #include <cstddef>

@@ -54,6 +54,13 @@ TEST(Sampler, ThreeHoldsANetAndAStratifiedNumber) {
     for (const int count : interval_counts(firsts, m, 0)) ASSERT_EQ(count, 1);
 }
 
+TEST(Sampler, OneIsTheFirstOfTwo) {
+    for (uint32_t i = 0; i < 1000; ++i) {
+        const Sampler sampler(i, 7 * i, 3 * i);
+        EXPECT_EQ(sampler.one(), sampler.two().x);
+    }
+}
+
 TEST(Sampler, NumbersLieInTheHalfOpenUnitInterval) {
     for (uint32_t i = 0; i < 200000; ++i) {
         const Sampler s(i * 7919u, i * 104729u, i * 2654435761u);

@@ -68,8 +68,9 @@ TEST(Builder, EveryTriangleThatStaysHasANormal) {
             mesh.positions = {
                 {0, 0, 0}, {size, 0, 0}, {0.3f * size, flatness * size, 0.1f * flatness * size}};
             mesh.triangles = {{0, 1, 2}};
-            mesh.normals.assign(3, Vec3(0.0f));
+            mesh.normals = {Vec3(0.0f), Vec3(0.0f), Vec3(1, 0, 0)};  // the last is none of the face's
             const Mesh& added = maker.builder.mesh(maker.builder.add_mesh(mesh));
+            EXPECT_EQ(added.normals.size(), 3 * added.triangles.size());
             for (const Vec3& n : added.normals) {
                 EXPECT_TRUE(is_finite(n));
                 EXPECT_NEAR(length(n), 1.0f, 1e-4f) << "size " << size << ", flatness " << flatness;
@@ -83,6 +84,19 @@ TEST(Builder, EveryTriangleThatStaysHasANormal) {
     }
     EXPECT_GT(kept, 39);
     EXPECT_GT(dropped, 10);
+}
+
+TEST(Builder, CornerNormalsOfFacesSayNothing) {
+    const auto kept = [](const Vec3& of_one_corner) {
+        test::SceneMaker maker;
+        Mesh mesh = test::square(1.0f);
+        mesh.normals.assign(3 * mesh.triangles.size(), Vec3(0, 0, 2.0f));
+        mesh.normals.back() = of_one_corner;
+        return maker.builder.mesh(maker.builder.add_mesh(mesh)).normals.size();
+    };
+    EXPECT_EQ(kept(Vec3(0, 0, 1)), 0u);
+    EXPECT_EQ(kept(Vec3(0.0f)), 0u);  // takes its face's
+    for (const Vec3& other : {Vec3(1e-5f, 0, 1), Vec3(0, 0, -1)}) EXPECT_EQ(kept(other), 6u);
 }
 
 TEST(Freeze, SlotsWithoutMaterialDrawNothing) {

@@ -48,8 +48,8 @@ class Statistics:
         ]
         if render["walks"]:
             rows.append(("Walks", self._walks()))
-        if render["sheet_leads"]:
-            rows.append(("Light sheets", self._sheets()))
+        if render["leads"]:
+            rows.append(("Leads", self._leads()))
         if render["light_paths"]:
             rows.append(("Light paths", self._light_paths()))
         if render["glint_estimates"]:
@@ -66,11 +66,12 @@ class Statistics:
             f"{_per(render['iterations'], render['walks']):.1f} iterations each"
         )
 
-    def _sheets(self) -> str:
+    def _leads(self) -> str:
+        """What light sheets and highlights know beforehand."""
         render = self.render_stats
         return (
-            f"{_per(render['sheet_leads'], render['estimates']):.2g} leads and "
-            f"{_per(render['sheet_chains'], render['estimates']):.2g} chains an estimate, "
+            f"{_per(render['leads'], render['estimates']):.2g}, to "
+            f"{_per(render['led_chains'], render['estimates']):.2g} chains an estimate, "
             f"{_per(render['missed_energy'], render['manifold_energy']):.3%} of the light found "
             "beside them"
         )

@@ -110,6 +110,7 @@ public:
     void highlights(std::vector<Highlight>& out) {
         FoundChains found;
         shoot_leads(techniques_, start(), y_, found, stats_);
+        stats_.roots += found.size();
         for (const FoundChain& one : found) {
             const Spectrum value = contribution(one.solution.chain);
             if (!is_black(value)) out.push_back({one.solution.chain.vertices[0].patch.p, value});

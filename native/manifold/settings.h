@@ -75,7 +75,7 @@ struct ManifoldStats {
     uint64_t max_trials = 0;
     TrialHistogram trial_histogram{};  // of trial_estimates
     uint64_t capped = 0;
-    uint64_t leads = 0;          // chains that sheets told to look for
+    uint64_t leads = 0;          // chains that sheets or highlights told to look for
     uint64_t roots = 0;          // different ones that were there
     uint64_t missed = 0;         // found by walks beside them
     double missed_energy = 0.0;  // luminance that those gave to their estimates

@@ -109,11 +109,12 @@ void Session::learn_light_paths() {
     stats_.add(stats);
 }
 
-// Beside sheets alone: the other ways to find chains are as others have them.
+// Beside sheets or light paths: walks alone are as others have them.
 void Session::find_highlights() {
     constexpr double kSamplesOfWalk = 32.0, kSecondsOfWalk = 4e-4, kLeastWalks = 1024.0,
                      kMostOfPixel = 4.0;
-    if (sheets_.all.empty()) return;
+    const bool walks_alone = sheets_.all.empty() && !settings_.light_tracing;
+    if (!settings_.integrator.manifold.enabled || walks_alone) return;
     // As many as are a small part of the work.
     const auto& crop = world_.scene->camera.crop;
     const auto pixels = static_cast<double>(uint64_t{crop[2]} * crop[3]);

@@ -347,7 +347,8 @@ typedef enum spc_method {
     SPC_METHOD_MNEE_BIASED = 6
 } spc_method;
 
-/* Light paths beside the manifold's methods, as many as pay. AUTO: as ON, for now. */
+/* Light paths beside the manifold's methods, as many as pay, and chains to the lights that the camera
+ * sees in casters, which SPC_METHOD_SHEETS always has. AUTO: as ON, for now. */
 typedef enum spc_light_tracing {
     SPC_LIGHT_TRACING_AUTO = 0,
     SPC_LIGHT_TRACING_ON = 1,
@@ -450,9 +451,9 @@ typedef struct spc_render_stats {
     uint64_t nan_samples;   /* samples and splats dropped for not being finite */
     uint64_t light_paths;   /* from lights; those that learned where to start included */
     uint64_t splats;        /* that light paths added to the picture */
-    /* Of SPC_METHOD_SHEETS: chains that sheets told to look for, different ones that were there, and
-     * others that walks found beside them, with the luminance that these gave. */
-    uint64_t sheet_leads, sheet_chains, missed_chains;
+    /* Of light sheets and highlights: chains that were known to be worth looking for, different ones
+     * that were there, and others that walks found beside them, with the luminance that these gave. */
+    uint64_t leads, led_chains, missed_chains;
     double missed_energy;
     uint64_t glint_estimates; /* of the light of one direction, over a footprint */
     uint64_t glint_nodes;     /* parts of maps that they looked at, or slopes on walks */

@@ -38,14 +38,15 @@ void blind(Highlights& highlights) {
 
 // The whole picture without what lights show by themselves.
 Picture render_highlights(const RenderScene& world, By by, uint32_t rounds, uint32_t seed,
-                          const BounceLimits& limits = {16, 0, 16, 16, 16}, uint32_t walks = kWalks) {
+                          const BounceLimits& limits = {16, 0, 16, 16, 16}, uint32_t walks = kWalks,
+                          ChainFinder finder = ChainFinder::sheets) {
     IntegratorSettings settings;
     settings.limits = limits;
     PathStats stats;
     std::optional<Highlights> highlights;
     if (by != By::rays) {
         settings.manifold = unbiased_manifold();
-        settings.manifold.finder = ChainFinder::sheets;
+        settings.manifold.finder = finder;
         const std::atomic<bool> cancelled{false};
         const std::unique_ptr<const Highlights> learned =
             learn_highlights(world, settings, walks, seed, 1, cancelled, stats);
@@ -115,11 +116,14 @@ TEST(Highlights, OfASphereInAMirrorAreInClosedForm) {
         std::pow(double(kWidth) / (2.0 * double(kHalfView)), 2) / std::pow(cosine, 3);
     const double expected = radiance * solid_angle * pixels_per_sr;
 
-    const Picture picture = render_highlights(world, By::leads, 500, 3);
-    const double error = picture.mean[4].standard_error();
-    EXPECT_LT(error, 0.005 * expected);
-    EXPECT_NEAR(picture.mean[4].mean(), expected, 4.0 * error);
-    EXPECT_GT(picture.splats.mean(), 0.99 * picture.mean[4].mean());
+    for (const ChainFinder finder : {ChainFinder::sheets, ChainFinder::walks, ChainFinder::mnee}) {
+        const Picture picture =
+            render_highlights(world, By::leads, 500, 3, {16, 0, 16, 16, 16}, kWalks, finder);
+        const double error = picture.mean[4].standard_error();
+        EXPECT_LT(error, 0.005 * expected);
+        EXPECT_NEAR(picture.mean[4].mean(), expected, 4.0 * error);
+        EXPECT_GT(picture.splats.mean(), 0.99 * picture.mean[4].mean());
+    }
 }
 
 // Between two mirrors, seen down a row of pictures: the one behind n reflections, the floor's first,

@@ -188,29 +188,43 @@ TEST(SessionWithLightPaths, ThreadsDoNotShow) {
     }
 }
 
-// With sheets, beside light paths and alone.
+// Through glass and in the mirror the lamp is a fraction of a pixel.
+RenderSettings settings_with_highlights(ChainFinder finder, bool light_paths, uint32_t threads = 1) {
+    RenderSettings settings = settings_with(12, threads);
+    settings.integrator.manifold.finder = finder;
+    settings.light_tracing = light_paths;
+    return settings;
+}
+
 TEST(SessionWithHighlights, ThreadsDoNotShow) {
     const RenderScene world = scene_of(true);
-    for (const bool light_paths : {true, false}) {
-        const auto settings = [&](uint32_t threads) {
-            RenderSettings result = settings_with(12, threads);
-            result.integrator.manifold.finder = ChainFinder::sheets;
-            result.light_tracing = light_paths;
-            return result;
-        };
-        const Rendered one = render(world, settings(1));
+    for (const auto& [finder, light_paths] : {std::pair(ChainFinder::sheets, true),
+                                              {ChainFinder::sheets, false},
+                                              {ChainFinder::walks, true}}) {
+        const Rendered one = render(world, settings_with_highlights(finder, light_paths));
+        EXPECT_GT(one.stats.path.manifold.leads, 0u);
         for (const uint32_t threads : {2u, 5u}) {
-            const Rendered many = render(world, settings(threads));
+            const Rendered many =
+                render(world, settings_with_highlights(finder, light_paths, threads));
             EXPECT_EQ(many.combined, one.combined) << threads;
             EXPECT_EQ(many.caustics, one.caustics) << threads;
             EXPECT_EQ(many.variance, one.variance) << threads;
             EXPECT_EQ(many.stats.path.manifold.walks, one.stats.path.manifold.walks) << threads;
         }
-        // Through glass and in the mirror the lamp is a fraction of a pixel.
-        PathStats counted;
-        const std::atomic<bool> cancelled{false};
-        EXPECT_TRUE(learn_highlights(world, settings(1).integrator, 4096, 0, 1, cancelled, counted));
     }
+}
+
+// Of walks, which shoot no other leads.
+TEST(SessionWithHighlights, AreBesideLightPathsAndNotBesideWalksAlone) {
+    const RenderScene world = scene_of(true);
+    const auto leads_of = [&](const RenderSettings& settings) {
+        return render(world, settings).stats.path.manifold.leads;
+    };
+    EXPECT_GT(leads_of(settings_with_highlights(ChainFinder::walks, true)), 0u);
+    EXPECT_EQ(leads_of(settings_with_highlights(ChainFinder::walks, false)), 0u);
+    RenderSettings light_paths_alone = settings_with_highlights(ChainFinder::walks, true);
+    light_paths_alone.integrator.manifold.enabled = false;
+    EXPECT_EQ(leads_of(light_paths_alone), 0u);
 }
 
 TEST(SessionWithLightPaths, NeedsCastersAndLight) {

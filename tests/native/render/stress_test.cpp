@@ -76,7 +76,8 @@ struct Method {
     ChainFinder finder = ChainFinder::walks;
 };
 constexpr Method kPathTracing{false, false}, kLightPaths{false, true}, kWalks{true, false},
-    kWalksAndLight{true, true}, kSheetsAndLight{true, true, ChainFinder::sheets};
+    kWalksAndLight{true, true}, kSheets{true, false, ChainFinder::sheets},
+    kSheetsAndLight{true, true, ChainFinder::sheets};
 
 RenderSettings settings_for(const BounceLimits& limits, const Method& method, uint32_t samples,
                             uint32_t seed) {
@@ -146,47 +147,47 @@ constexpr double kBrighter = 2.0, kMoreWork = 1.2;  // maxima of heavy tails are
 constexpr double kMoreWorkOfSheets = 2.0;           // they are built beforehand, and tell more
 constexpr double kLessEfficient = 1.15;             // variance x work, with its noise
 
-// Of a scene whose casters have this visibility.
-using Build = std::function<void(SceneMaker&, uint32_t casters)>;
-
-// Of a scene.
 struct Expected {
     bool useful = true;                    // light paths are
     uint32_t samples_of_means = kSamples;  // fewer do not know of the tail of walks
 };
 
-void expect_no_harm(const RenderScene& world, const Method& method, const Expected& expected) {
-    const bool sheets = method.finder == ChainFinder::sheets;
-    const std::string what = sheets ? "sheets and light tracing" : "light tracing";
-    const double work = work_of(world, method) / work_of(world, kWalks);
+void expect_no_harm(const RenderScene& world, const Method& without, const Method& with,
+                    const Expected& expected) {
+    const bool more_sheets = with.finder != without.finder;
+    const std::string what = more_sheets ? "sheets and light tracing" : "light tracing";
+    const double work = work_of(world, with) / work_of(world, without);
     std::cout << what << ": work x " << work << std::endl;
-    ASSERT_LE(work, sheets ? kMoreWorkOfSheets : kMoreWork) << what;
-    expect_same(pictures_of(world, kShortChains, method, expected.samples_of_means),
-                pictures_of(world, kShortChains, kWalks, expected.samples_of_means), "with " + what);
-    const Pictures without = pictures_of(world, kAll, kWalks),
-                   with = pictures_of(world, kAll, method);
-    EXPECT_EQ(with.splats > 0, expected.useful || sheets) << what;
-    const double variance = with.trimmed_variance() / without.trimmed_variance();
-    std::cout << what << ": " << with.splats << " splats, maximum x "
-              << with.brightest / without.brightest << ", trimmed variance x " << variance
+    ASSERT_LE(work, more_sheets ? kMoreWorkOfSheets : kMoreWork) << what;
+    expect_same(pictures_of(world, kShortChains, with, expected.samples_of_means),
+                pictures_of(world, kShortChains, without, expected.samples_of_means),
+                "with " + what);
+    const Pictures before = pictures_of(world, kAll, without),
+                   after = pictures_of(world, kAll, with);
+    EXPECT_EQ(after.splats > 0, expected.useful) << what;
+    const double variance = after.trimmed_variance() / before.trimmed_variance();
+    std::cout << what << ": " << after.splats << " splats, maximum x "
+              << after.brightest / before.brightest << ", trimmed variance x " << variance
               << std::endl;
-    EXPECT_LE(with.brightest, kBrighter * without.brightest) << what;
+    EXPECT_LE(after.brightest, kBrighter * before.brightest) << what;
     EXPECT_LE(variance * work, kLessEfficient) << what;
 }
 
-// Sheets come with the lamps that the camera sees in casters, which others hardly ever find: beside
-// them casters hide from it.
-void expect_no_harm(const Build& build, const Expected& expected = {}) {
-    SceneMaker seen, hidden;
-    build(seen, kVisibleAll);
-    build(hidden, kVisibleAll & ~uint32_t{kVisibleCamera});
-    expect_no_harm(seen.finish(), kWalksAndLight, expected);
-    expect_no_harm(hidden.finish(), kSheetsAndLight, expected);
+// Beside light paths and sheets lamps are found that the camera sees in casters, which walks alone
+// hardly ever meet: here casters hide from it.
+constexpr uint32_t kHidden = kVisibleAll & ~uint32_t{kVisibleCamera};
+
+void expect_no_harm(const std::function<void(SceneMaker&)>& build, const Expected& expected = {}) {
+    SceneMaker maker;
+    build(maker);
+    const RenderScene world = maker.finish();
+    expect_no_harm(world, kWalks, kWalksAndLight, expected);
+    expect_no_harm(world, kWalks, kSheetsAndLight, expected);
 }
 
 TEST(LightTracingStressSlow, CloseUpOfAWideCaustic) {
     expect_no_harm(
-        [](SceneMaker& m, uint32_t casters) {
+        [](SceneMaker& m) {
             m.builder.add_image(test::plane_normals(256, 0.1, 0.03, 3));
             const Mesh panel =
                 test::with_uvs(test::grid(
@@ -196,14 +197,14 @@ TEST(LightTracingStressSlow, CloseUpOfAWideCaustic) {
             m.builder.set_camera(looking_down({0.0f, -1.0f, 1.0f}, 0.03f));
             add_floor(m);
             add_caster(m, panel, test::normal_mapped(test::mirror(), Vec2(2.0f, 1.0f)),
-                       test::rotation_x(1.4f, {0.0f, 1.5f, 0.0f}), casters);
+                       test::rotation_x(1.4f, {0.0f, 1.5f, 0.0f}), kHidden);
             add_bulb(m, {0.3f, -2.5f, 2.0f}, 0.03f, 100.0f);
         },
         {.samples_of_means = 8 * kSamples});
 }
 
 TEST(LightTracingStressSlow, AThousandSmallCasters) {
-    const Build build = [](SceneMaker& m, uint32_t casters) {
+    const auto build = [](SceneMaker& m) {
         m.builder.set_camera(looking_down({0.0f, -3.0f, 3.0f}, 0.3f));
         add_floor(m);
         Pcg pcg(11);
@@ -216,7 +217,7 @@ TEST(LightTracingStressSlow, AThousandSmallCasters) {
             instance.object_to_world = test::translation(
                 {3.0f * pcg.one() - 1.5f, 3.0f * pcg.one() - 1.5f, 0.05f + 0.3f * pcg.one()});
             instance.materials = {mirror};
-            instance.visibility = casters;
+            instance.visibility = kHidden;
             instance.role = CausticsRole::caster;
             m.builder.add_instance(instance);
         }
@@ -227,19 +228,19 @@ TEST(LightTracingStressSlow, AThousandSmallCasters) {
 
 TEST(LightTracingStressSlow, ALightFarOutside) {
     expect_no_harm(
-        [](SceneMaker& m, uint32_t casters) {
+        [](SceneMaker& m) {
             m.builder.set_camera(looking_down({0.0f, -3.0f, 2.0f}, 0.3f));
             add_floor(m);
-            add_panel(m, casters);
+            add_panel(m, kHidden);
             add_caster(m, test::sphere(24, 0.3), test::glass(1.5f),
-                       test::translation({0.2f, 0.0f, 0.5f}), casters);
+                       test::translation({0.2f, 0.0f, 0.5f}), kHidden);
             add_bulb(m, {0.0f, -3e3f, 4e3f}, 2.0f, 4e8f);
         },
         {.samples_of_means = 4 * kSamples});
 }
 
 TEST(LightTracingStressSlow, ACasterThatFillsTheView) {
-    const auto build = [](SceneMaker& m, uint32_t casters, float height) {
+    const auto build = [](SceneMaker& m, float height, uint32_t casters) {
         m.builder.set_camera(looking_down({0.0f, -0.75f * height, height}, 0.3f));
         add_floor(m);
         m.builder.add_image(test::plane_normals(256, 0.1, 0.03, 3));
@@ -252,10 +253,11 @@ TEST(LightTracingStressSlow, ACasterThatFillsTheView) {
                    test::translation({0.0f, 0.0f, 0.5f}), casters);
         add_bulb(m, {0.5f, 0.8f, 2.5f}, 0.05f, 100.0f);
     };
-    // From above all is seen through it, from below lit through it.
-    expect_no_harm([build](SceneMaker& m, uint32_t casters) { build(m, casters, 2.0f); },
-                   {.useful = false});
-    expect_no_harm([build](SceneMaker& m, uint32_t casters) { build(m, casters, 0.4f); });
+    // From above all is seen through it, lamps too, which sheets always find; from below lit through it.
+    SceneMaker above;
+    build(above, 2.0f, kVisibleAll);
+    expect_no_harm(above.finish(), kSheets, kSheetsAndLight, {.useful = false});
+    expect_no_harm([build](SceneMaker& m) { build(m, 0.4f, kHidden); });
 }
 
 // ---- seams: path tracing finds a lamp of this size so often that so many seeds know of its tail

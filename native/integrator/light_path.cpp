@@ -244,9 +244,9 @@ Sampler light_sampler(uint32_t seed, uint64_t index) {
 }
 
 // Shares of the pilot's paths on each of several guides, each of which learns from the one before.
-constexpr std::array<double, 3> kGenerations{0.25, 0.25, 0.5};
+constexpr std::array<double, 4> kGenerations{0.125, 0.125, 0.25, 0.5};
 // Where fewer come through to the camera it sees little of the caustics directly, and few light paths
-// will be shot: what was learned from the first half is good enough for those.
+// will be shot: what the first two learned is good enough for those.
 constexpr double kFewComeThrough = 1.0 / 32;
 constexpr uint32_t kPilotChunk = 1u << 11;
 // Of all of the pilot's paths so many tell how well sheets lead to their chains: each searches for its

@@ -56,9 +56,10 @@ struct LightPilot {
 };
 // Enough to show where the light comes from, few beside a render of a second.
 constexpr uint32_t kLeastPilotPaths = 1u << 16;
-// Sends so many light paths, half of them where few come through to the camera, to learn where those
-// begin that add to the picture, and which of their chains `sheets` lead to, if there are any. Does not
-// depend on `threads`. Null where no light reaches the camera that way, or `cancelled` was set meanwhile.
+// Sends so many light paths, a quarter or half of them where few come through to the camera, to learn
+// where those begin that add to the picture, and which of their chains `sheets` lead to, if there are
+// any. Does not depend on `threads`. Null where no light reaches the camera that way, or `cancelled` was
+// set meanwhile.
 std::unique_ptr<const LightPilot> learn_emission(const RenderScene& world,
                                                  IntegratorSettings settings,
                                                  const LightSheets& sheets, float margin,

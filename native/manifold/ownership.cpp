@@ -23,8 +23,9 @@ bool looks_for(const ManifoldSettings& settings, const CausticPath& path) {
     if (!settings.family.empty() && !std::equal(vertices.begin(), vertices.end(),
                                                 settings.family.begin(), settings.family.end(), same))
         return false;
-    // Along straight lines through glass; of reflections for single ones.
-    return settings.finder != ChainFinder::mnee || vertices.size() == 1 ||
+    // By fixed starts along straight lines through glass, and for single reflections; from the camera by
+    // leads and random searches, whatever is done elsewhere.
+    return path.from_camera || settings.finder != ChainFinder::mnee || vertices.size() == 1 ||
            std::all_of(vertices.begin(), vertices.end(), [](const CausticVertex& vertex) {
                return vertex.interaction == Interaction::refraction;
            });

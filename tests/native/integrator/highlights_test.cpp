@@ -178,13 +178,15 @@ struct Case {
     RenderScene world;
     uint32_t rounds = 4000;
     BounceLimits limits{16, 0, 16, 16, 16};
+    ChainFinder finder = ChainFinder::sheets;
 };
 
 // Path tracing has to find the lamps often enough for a comparison: some pixels wide.
 void expect_agreement(std::vector<Case> cases, By by = By::leads) {
     for (Case& one : cases) {
         const Picture expected = render_highlights(one.world, By::rays, one.rounds, 11, one.limits),
-                      actual = render_highlights(one.world, by, one.rounds / 16, 12, one.limits);
+                      actual = render_highlights(one.world, by, one.rounds / 16, 12, one.limits,
+                                                 kWalks, one.finder);
         for (size_t i = 0; i < actual.mean.size(); ++i) {
             // Of less than some ten hits nothing follows for a part.
             const MeanEstimate& traced = expected.mean[i];
@@ -248,6 +250,17 @@ TEST(HighlightsSlow, AgreeWithPathTracingForEveryCaster) {
                       rotation_x(std::numbers::pi_v<float> / 4), CausticsRole::caster);
         },
         0.05f));
+    expect_agreement(std::move(cases));
+}
+
+// What the manifold does elsewhere is not to show in their weights.
+TEST(HighlightsSlow, AgreeWithPathTracingBesideEveryFinder) {
+    std::vector<Case> cases;
+    for (const ChainFinder finder : {ChainFinder::walks, ChainFinder::mnee})
+        for (const auto& add_ball : {add_mirror_ball, add_glass_ball}) {
+            cases.push_back(with_bulb("a ball", add_ball, 0.1f));
+            cases.back().finder = finder;
+        }
     expect_agreement(std::move(cases));
 }
 

@@ -70,10 +70,10 @@ class Statistics:
         """What light sheets and highlights know beforehand."""
         render = self.render_stats
         return (
-            f"{_per(render['leads'], render['estimates']):.2g}, to "
-            f"{_per(render['led_chains'], render['estimates']):.2g} chains an estimate, "
-            f"{_per(render['missed_energy'], render['manifold_energy']):.3%} of the light found "
-            "beside them"
+            f"{_per(render['leads'], render['estimates']):.2g} an estimate, to "
+            f"{_per(render['led_chains'], render['estimates']):.2g} chains; without them "
+            f"{_per(render['missed_energy'], render['manifold_energy']):.3%} of the manifold's "
+            "light was found"
         )
 
     def _light_paths(self) -> str:

@@ -61,6 +61,14 @@ def test_lines_on_walks_are_there_if_there_were_walks():
     assert {"Trials", "Possible loss"}.isdisjoint(labels)
 
 
+def test_the_line_on_leads_is_there_if_there_were_any():
+    counts = {"estimates": 200, "walks": 3, "missed_energy": 0.5, "manifold_energy": 20.0}
+    assert "Leads" not in dict(statistics(**counts).rows())
+    leads = dict(statistics(**counts, leads=300, led_chains=50).rows())["Leads"]
+    text = "1.5 an estimate, to 0.25 chains; without them 2.500% of the manifold's light was found"
+    assert leads == text
+
+
 def test_the_line_on_light_paths_is_there_if_there_were_any():
     assert "Light paths" not in dict(statistics(walks=3).rows())
     rows = dict(statistics(light_paths=4096, splats=1).rows())

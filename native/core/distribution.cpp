@@ -16,15 +16,19 @@ constexpr double kLeastShare = 0x1p-23;
 // rounding cannot move it into the next cell.
 constexpr float kEdge = 2.5e-7f;
 
-float position_in_cell(uint32_t cell, float offset, uint32_t count) {
+float inside_cell(float offset, uint32_t count) {
     const float edge = kEdge * static_cast<float>(count);
-    const float inside = std::min(std::max(offset, edge), 1.0f - edge);
-    return std::min((static_cast<float>(cell) + inside) / static_cast<float>(count), kBelowOne);
+    return std::min(std::max(offset, edge), 1.0f - edge);
 }
 
-uint32_t cell_of(float position, uint32_t count) {
-    const float scaled = std::max(position, 0.0f) * static_cast<float>(count);
-    return std::min(static_cast<uint32_t>(scaled), count - 1);
+float mix(float a, float b, float t) { return a + (b - a) * t; }
+
+// Inverse of the cumulative of a density that is linear from `a` to `b` over [0, 1).
+float sample_linear(float u, float a, float b) {
+    const float sum = a + b;
+    if (!(sum > 0.0f) || !(u > 0.0f)) return u;
+    const float start = a / sum, end = b / sum;
+    return u / (start + std::sqrt(mix(start * start, end * end, u)));
 }
 
 }  // namespace
@@ -75,34 +79,86 @@ DiscreteDistribution::Sample DiscreteDistribution::sample(float u) const {
             std::min((u - cumulative_[low]) / probability, kBelowOne)};
 }
 
-Distribution2D::Distribution2D(std::span<const float> values, uint32_t width, uint32_t height)
-    : width_(width), height_(height) {
-    SPC_ASSERT(values.size() == static_cast<size_t>(width) * height);
-    std::vector<float> row_means(height);
-    rows_.reserve(height);
-    for (uint32_t y = 0; y < height; ++y) {
-        rows_.emplace_back(values.subspan(static_cast<size_t>(y) * width, width));
-        row_means[y] = static_cast<float>(rows_[y].total() / width);
+Distribution2D::Distribution2D(std::vector<float> values, uint32_t width, uint32_t height)
+    : width_(width),
+      height_(height),
+      values_(std::make_shared<const std::vector<float>>(std::move(values))) {
+    SPC_ASSERT(values_->size() == static_cast<size_t>(width) * height);
+    build([](uint32_t, uint32_t) { return true; });
+}
+
+Distribution2D Distribution2D::part(const Keep& keep) const {
+    Distribution2D result;
+    result.width_ = width_;
+    result.height_ = height_;
+    result.values_ = values_;
+    if (!empty()) result.build(keep);
+    return result;
+}
+
+void Distribution2D::build(const Keep& keep) {
+    std::vector<float> cells(width_), row_means(height_ + 1);
+    rows_.reserve(height_ + 1);
+    for (uint32_t y = 0; y <= height_; ++y) {
+        const auto kept = [&](uint32_t x) {
+            return (y > 0 && keep(x, y - 1)) || (y < height_ && keep(x, y));
+        };
+        for (uint32_t x = 0; x < width_; ++x)
+            cells[x] = kept(x) || kept((x + 1) % width_) ? corners(x, y).mean() : 0.0f;
+        rows_.emplace_back(cells);
+        row_means[y] = static_cast<float>(rows_[y].total() / width_) * row_extent(y);
     }
     marginal_ = DiscreteDistribution(row_means);
-    mean_ = marginal_.total() / height;
+    mean_ = marginal_.total();
     if (marginal_.empty()) rows_.clear();
+}
+
+Distribution2D::Corners Distribution2D::corners(uint32_t x, uint32_t y) const {
+    const uint32_t next = x + 1 < width_ ? x + 1 : 0;
+    const auto row = [&](uint32_t of) { return values_->data() + static_cast<size_t>(of) * width_; };
+    Corners c{};
+    if (y > 0) c.v00 = row(y - 1)[x], c.v10 = row(y - 1)[next];
+    if (y < height_) c.v01 = row(y)[x], c.v11 = row(y)[next];
+    return c;
+}
+
+float Distribution2D::row_start(uint32_t y) const {
+    return y > 0 ? (static_cast<float>(y) - 0.5f) / static_cast<float>(height_) : 0.0f;
+}
+
+float Distribution2D::row_extent(uint32_t y) const {
+    return (y > 0 && y < height_ ? 1.0f : 0.5f) / static_cast<float>(height_);
 }
 
 Distribution2D::Sample Distribution2D::sample(const Vec2& u) const {
     const DiscreteDistribution::Sample y = marginal_.sample(u.y);
     const DiscreteDistribution::Sample x = rows_[y.index].sample(u.x);
-    const float cells = static_cast<float>(width_) * static_cast<float>(height_);
-    return {{position_in_cell(x.index, x.remapped, width_),
-             position_in_cell(y.index, y.remapped, height_)},
-            x.probability * y.probability * cells};
+    const Corners c = corners(x.index, y.index);
+    const float up = inside_cell(sample_linear(y.remapped, c.v00 + c.v10, c.v01 + c.v11), height_);
+    const float right = inside_cell(
+        sample_linear(x.remapped, mix(c.v00, c.v01, up), mix(c.v10, c.v11, up)), width_);
+    const float across = (static_cast<float>(x.index) + 0.5f + right) / static_cast<float>(width_);
+    const Vec2 position(std::min(across < 1.0f ? across : across - 1.0f, kBelowOne),
+                        std::min(row_start(y.index) + row_extent(y.index) * up, kBelowOne));
+    return {position, pdf(position)};
 }
 
 float Distribution2D::pdf(const Vec2& position) const {
-    const uint32_t y = cell_of(position.y, height_);
+    const float columns = static_cast<float>(width_);
+    const float shifted = position.x * columns - 0.5f;
+    const float across = shifted < 0.0f ? shifted + columns : shifted;
+    const uint32_t x = std::min(static_cast<uint32_t>(across), width_ - 1);
+    const float rows = std::max(position.y, 0.0f) * static_cast<float>(height_) + 0.5f;
+    const uint32_t y = std::min(static_cast<uint32_t>(rows), height_);
     if (rows_[y].empty()) return 0.0f;
-    const float cells = static_cast<float>(width_) * static_cast<float>(height_);
-    return rows_[y].probability(cell_of(position.x, width_)) * marginal_.probability(y) * cells;
+    const Corners c = corners(x, y);
+    const float mean = c.mean();
+    if (!(mean > 0.0f)) return 0.0f;
+    const float right = std::min(across - static_cast<float>(x), 1.0f);
+    const float up = std::min((position.y - row_start(y)) / row_extent(y), 1.0f);
+    const float value = mix(mix(c.v00, c.v10, right), mix(c.v01, c.v11, right), up);
+    return rows_[y].probability(x) * marginal_.probability(y) * columns / row_extent(y) *
+           (value / mean);
 }
 
 }  // namespace spc

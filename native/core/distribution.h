@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Tabulated densities: discrete ones by a cumulative table with bisection (monotone in u, so that
 // stratified samples stay stratified, as the alias method would not leave them), and piecewise
-// constant ones in two dimensions.
+// bilinear ones in two dimensions.
 #pragma once
 
 #include "math/vec.h"
 
+#include <functional>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -34,13 +36,21 @@ private:
     double total_ = 0.0;
 };
 
-// Piecewise constant density over [0, 1)^2, values[y * width + x].
+// Piecewise bilinear density over [0, 1)^2: between values at the centres of width x height texels,
+// periodic in x, falling to zero at y = 0 and y = 1. So what is interpolated like that itself, an
+// image, is sampled exactly in proportion.
 class Distribution2D {
 public:
     Distribution2D() = default;
-    Distribution2D(std::span<const float> values, uint32_t width, uint32_t height);
+    // values[y * width + x] finite and >= 0. All zero gives an empty distribution.
+    Distribution2D(std::vector<float> values, uint32_t width, uint32_t height);
+
+    // The same in the cells between centres of which `keep` picks one, scaled; zero elsewhere.
+    using Keep = std::function<bool(uint32_t x, uint32_t y)>;
+    Distribution2D part(const Keep& keep) const;
 
     bool empty() const { return rows_.empty(); }
+    // Of the values over the square, before scaling to a density.
     double mean() const { return mean_; }
     struct Sample {
         Vec2 position;  // in [0, 1)^2
@@ -50,9 +60,20 @@ public:
     float pdf(const Vec2& position) const;
 
 private:
+    // The cell (x, y) lies between columns x and x + 1 of centres, and rows y - 1 and y.
+    struct Corners {
+        float v00, v10, v01, v11;
+        float mean() const { return 0.25f * (v00 + v10 + v01 + v11); }
+    };
+    Corners corners(uint32_t x, uint32_t y) const;
+    float row_start(uint32_t y) const;
+    float row_extent(uint32_t y) const;
+    void build(const Keep& keep);
+
     uint32_t width_ = 0, height_ = 0;
+    std::shared_ptr<const std::vector<float>> values_;
     DiscreteDistribution marginal_;
-    std::vector<DiscreteDistribution> rows_;
+    std::vector<DiscreteDistribution> rows_;  // of cells, height + 1
     double mean_ = 0.0;
 };
 

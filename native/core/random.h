@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Random numbers keyed by what they are for. A Sampler is a value: (seed, pixel, purpose) hashed to
-// a key, and the absolute sample index. Each purpose draws from its own Owen-scrambled (0,
-// 2)-sequence with a shuffled index [Burley20], so every draw is stratified over the samples of a
-// pixel and independent of every other draw.
+// a key, and the absolute sample index. Each purpose draws from its own Owen-scrambled Sobol sequence
+// with a shuffled index [Burley20], so every draw is stratified over the samples of a pixel, in all
+// its dimensions together, and independent of every other draw.
 #pragma once
 
 #include "math/vec.h"
 
+#include <array>
 #include <bit>
 
 namespace spc {
@@ -69,6 +70,28 @@ inline uint32_t pascal_reversed(uint32_t x) {
     return x;
 }
 
+// For each byte of an index what its bits add, modulo 2, to the third dimension of Sobol's sequence
+// [JoeKuo08], bits reversed.
+struct ThirdDimension {
+    std::array<std::array<uint32_t, 256>, 4> of_byte{};
+
+    constexpr ThirdDimension() {
+        std::array<uint32_t, 32> of_bit{1u, 3u};
+        for (size_t i = 2; i < 32; ++i)  // the primitive polynomial x^2 + x + 1
+            of_bit[i] = of_bit[i - 1] ^ of_bit[i - 2] ^ of_bit[i - 2] << 2;
+        for (size_t byte = 0; byte < 4; ++byte)
+            for (size_t value = 0; value < 256; ++value)
+                for (size_t bit = 0; bit < 8; ++bit)
+                    if ((value >> bit & 1u) != 0) of_byte[byte][value] ^= of_bit[8 * byte + bit];
+    }
+};
+
+inline uint32_t third_reversed(uint32_t x) {
+    static constexpr ThirdDimension kThird;
+    return kThird.of_byte[0][x & 0xffu] ^ kThird.of_byte[1][x >> 8 & 0xffu] ^
+           kThird.of_byte[2][x >> 16 & 0xffu] ^ kThird.of_byte[3][x >> 24];
+}
+
 // [0, 1), exactly representable.
 inline float to_unit_float(uint32_t bits) { return static_cast<float>(bits >> 8) * 0x1p-24f; }
 
@@ -99,12 +122,17 @@ public:
                 index_};
     }
 
-    float one() const { return first(shuffled(key_), mix_bits(key_)); }
-    Vec2 two() const { return draw(key_); }
+    float one() const { return scrambled(shuffled(), mix_bits(key_)); }
+    Vec2 two() const {
+        const uint32_t index = shuffled();
+        const uint64_t more = mix_bits(key_);
+        return {scrambled(index, more), scrambled(pascal_reversed(index), more >> 32)};
+    }
+    // (y, z) are those of two().
     Vec3 three() const {
-        const uint64_t other = key_ ^ 0xa0761d6478bd642full;
-        const Vec2 a = draw(key_);
-        return {first(shuffled(other), mix_bits(other)), a.x, a.y};
+        const uint32_t index = shuffled();
+        const Vec2 yz = two();
+        return {scrambled(third_reversed(index), mix_bits(mix_bits(key_))), yz.x, yz.y};
     }
     // Seed of a stream without end, for trials: differs between samples.
     uint64_t stream_seed() const { return mix_bits(key_ + index_); }
@@ -112,19 +140,11 @@ public:
 private:
     Sampler(uint64_t key, uint32_t index) : key_(key), index_(index) {}
 
-    uint32_t shuffled(uint64_t key) const {
-        return reverse_bits(scramble_reversed(reverse_bits(index_), static_cast<uint32_t>(key)));
+    uint32_t shuffled() const {
+        return reverse_bits(scramble_reversed(reverse_bits(index_), static_cast<uint32_t>(key_)));
     }
-    static float first(uint32_t shuffled, uint64_t more) {
-        return to_unit_float(reverse_bits(scramble_reversed(shuffled, static_cast<uint32_t>(more))));
-    }
-    static float second(uint32_t shuffled, uint64_t more) {
-        return first(pascal_reversed(shuffled), more >> 32);
-    }
-    Vec2 draw(uint64_t key) const {
-        const uint32_t index = shuffled(key);
-        const uint64_t more = mix_bits(key);
-        return {first(index, more), second(index, more)};
+    static float scrambled(uint32_t reversed, uint64_t seed) {
+        return to_unit_float(reverse_bits(scramble_reversed(reversed, static_cast<uint32_t>(seed))));
     }
 
     uint64_t key_;

@@ -41,13 +41,14 @@ uint32_t columns_to_look_at(const Scene& scene, const Material& material) {
     return columns == 0 ? kDefaultWidth : columns;
 }
 
-// Luminance over a grid of directions, row by row from -z: each cell's the mean over as many
-// directions as the image has texels there, at least one.
+// Luminance at the middles of the cells of a grid of directions, row by row from -z; where the image
+// has several texels in a cell, their mean.
 struct Table {
     uint32_t width, height;
     std::vector<float> values;
 
     float& at(uint32_t x, uint32_t y) { return values[static_cast<size_t>(y) * width + x]; }
+    float at(uint32_t x, uint32_t y) const { return values[static_cast<size_t>(y) * width + x]; }
 };
 
 Table tabulate(const Scene& scene, const Material& material, uint32_t threads) {
@@ -76,30 +77,11 @@ Table tabulate(const Scene& scene, const Material& material, uint32_t threads) {
     return table;
 }
 
-// Means over cells of what is interpolated bilinearly between their centres: weights 1/8, 6/8, 1/8
-// each way. So a bright texel also shows in the cells that its interpolation reaches.
-void spread_to_neighbours(Table& table) {
-    const uint32_t w = table.width, h = table.height;
-    std::vector<float> along_x(table.values.size());
-    for (uint32_t y = 0; y < h; ++y)
-        for (uint32_t x = 0; x < w; ++x)
-            along_x[static_cast<size_t>(y) * w + x] =
-                0.75f * table.at(x, y) +
-                0.125f * (table.at((x + w - 1) % w, y) + table.at((x + 1) % w, y));
-    for (uint32_t y = 0; y < h; ++y) {
-        const float* row = &along_x[static_cast<size_t>(y) * w];
-        const float* below = y > 0 ? row - w : row;
-        const float* above = y + 1 < h ? row + w : row;
-        for (uint32_t x = 0; x < w; ++x)
-            table.at(x, y) = 0.75f * row[x] + 0.125f * (below[x] + above[x]);
-    }
-}
-
 float sin_theta(const Table& table, uint32_t y) {
     return std::sin(kPi * (static_cast<float>(y) + 0.5f) / static_cast<float>(table.height));
 }
 
-double mean_over_sphere(Table& table) {
+double mean_over_sphere(const Table& table) {
     double sum = 0.0, weight = 0.0;
     for (uint32_t y = 0; y < table.height; ++y) {
         const double sine = sin_theta(table, y);
@@ -110,14 +92,13 @@ double mean_over_sphere(Table& table) {
     return sum / weight;
 }
 
-// From radiance to density over the square, which is wider than the sphere towards the poles.
-// `change` comes first.
-template <class Change>
-Distribution2D density_over_square(Table table, const Change& change) {
+// From radiance, at least `least`, to density over the square, which is wider than the sphere towards
+// the poles.
+Distribution2D density_over_square(Table table, float least) {
     for (uint32_t y = 0; y < table.height; ++y)
         for (uint32_t x = 0; x < table.width; ++x)
-            table.at(x, y) = change(table.at(x, y)) * sin_theta(table, y);
-    return {table.values, table.width, table.height};
+            table.at(x, y) = std::max(table.at(x, y), least) * sin_theta(table, y);
+    return {std::move(table.values), table.width, table.height};
 }
 
 std::optional<WorldSample> sample_map(const Distribution2D& map, const Vec2& u) {
@@ -153,13 +134,11 @@ void build_world(const Scene& scene, LightSet& lights, uint32_t threads) {
         lights.has_world = luminance(lights.world_constant) > 0.0f;
         return;
     }
-    Table table = tabulate(scene, material, threads);
-    spread_to_neighbours(table);
+    const Table table = tabulate(scene, material, threads);
     const auto mean = static_cast<float>(mean_over_sphere(table));
-    const auto with_floor = [mean](float value) { return std::max(value, kDensityFloor * mean); };
-    const auto peak = [mean](float value) { return value > kPeak * mean ? value : 0.0f; };
-    lights.world_map = density_over_square(table, with_floor);
-    lights.world_peaks = density_over_square(table, peak);
+    lights.world_map = density_over_square(table, kDensityFloor * mean);
+    lights.world_peaks =
+        lights.world_map.part([&](uint32_t x, uint32_t y) { return table.at(x, y) > kPeak * mean; });
     lights.has_world = !lights.world_map.empty();
 }
 

@@ -83,19 +83,19 @@ def test_added_parts_have_the_moments_of_all_samples(tmp_path):
     assert not direct.any()
 
 
-def test_added_parts_count_where_caustics_are_seen_directly_by_their_variance_there():
-    shape, ones = (40, 30, 3), np.ones((40, 30, 3))
-    direct = np.arange(40)[:, None] + np.zeros((1, 30)) < 8
-    variance = np.where(direct[..., None], 1.0, 100.0) * ones
-    stored = _reference.Reference(0.0 * ones, ones, {"samples": "8"}, ones, direct)
+def test_added_parts_count_by_their_variance_in_caustics_seen_directly_other_caustics_and_beside():
+    ones, row = np.ones((40, 30, 3)), np.arange(40)[:, None] + np.zeros((1, 30))
+    regions = {1.0: row < 8, 100.0: (row >= 8) & (row < 25), 3.0: row >= 25}  # by new variance
+    direct, _, beside = regions.values()
+    caustics = np.where(beside[..., None], 0.01, 1.0) * ones
+    variance = sum(new * region[..., None] for new, region in regions.items()) * ones
+    stored = _reference.Reference(ones, ones, {"samples": "8"}, caustics, direct)
     with pytest.raises(DevError, match=r"2\.00 times"):
-        reference.joined(stored, (2.0 * ones, variance, ones, ones, 8))
-    mean, joint, _, found, _ = reference.joined(stored, (ones, variance, ones, ones, 8))
-    assert mean.shape == shape
-    np.testing.assert_allclose(mean[direct], 1.0 / 2.0)
-    np.testing.assert_allclose(joint[direct], 1.0 / 2.0)
-    np.testing.assert_allclose(mean[~direct], 1.0 / 101.0)
-    np.testing.assert_allclose(joint[~direct], 100.0 / 101.0)
+        reference.joined(stored, (3.0 * ones, variance, ones, ones, 8))
+    mean, joint, _, found, _ = reference.joined(stored, (2.0 * ones, variance, ones, ones, 8))
+    for new, region in regions.items():
+        np.testing.assert_allclose(mean[region], 1.0 + 1.0 / (1.0 + new))
+        np.testing.assert_allclose(joint[region], new / (1.0 + new))
     np.testing.assert_array_equal(found, direct)
 
 
@@ -136,7 +136,7 @@ def test_a_reference_is_read_as_it_was_written(tmp_path, layers):
     _reference.write(tmp_path / "a.exr", mean, variance, {"samples": "7"}, written, direct)
     found = _reference.read(tmp_path / "a.exr")
     assert found.samples == 7
-    np.testing.assert_allclose(found.mean, mean, rtol=1e-3)
+    np.testing.assert_allclose(found.mean, mean, rtol=2.0**-10 / _reference.FINE)
     np.testing.assert_allclose(found.variance, variance, rtol=3e-3)
     if layers == 4:
         np.testing.assert_array_equal(found.direct, direct)
@@ -146,6 +146,17 @@ def test_a_reference_is_read_as_it_was_written(tmp_path, layers):
         np.testing.assert_allclose(found.caustics, caustics, rtol=1e-3, atol=1e-6)
     else:
         assert found.caustics is None
+
+
+def test_what_rounding_leaves_is_within_the_stated_error(tmp_path):
+    # Of evenly lit surfaces, and on and beside a power of two.
+    mean = np.geomspace(0.2, 5.0, 30000).reshape(100, 100, 3)
+    mean[0, 0], mean[0, 1] = 1.0, np.nextafter(1.0, 0.0)
+    _reference.write(tmp_path / "a.exr", mean, np.zeros(mean.shape), {"samples": "7"})
+    found = _reference.read(tmp_path / "a.exr")
+    squares = (found.mean - mean) ** 2
+    assert (squares <= 4.0 * found.variance).all()
+    np.testing.assert_allclose(squares.mean(), found.variance.mean(), rtol=0.1)
 
 
 def test_a_sun_that_half_floats_cannot_hold_is_refused(tmp_path):

@@ -32,7 +32,9 @@ from tools.common import BUILD, ROOT, DevError
 
 FOLDER = BUILD / "bench" / "references"
 LONG_SIDE = 256  # pixels
-PART_SECONDS = 60.0  # of rendering that an interrupt can lose
+# Into how many parts rendering is cut, of which an interrupt can lose one, and the least seconds of
+# a part. Its samples are stratified: a long one is better than two of half the length.
+PARTS, PART_SECONDS = 8, 60.0
 LEAST_PARTS = 4  # that tell their variance
 # What counts for more than this share must be no farther from the stored one than so many times the
 # variance of both.
@@ -128,13 +130,15 @@ def joined(stored: Reference, merged: tuple) -> tuple:
     """As `Parts.merged`, with a stored reference, whose masks stay as they are.
 
     Each counts by the inverse of its variance, of which there is one where the camera sees caustics
-    directly and one elsewhere, so that light tracing may help the first alone: by a pixel's own it
-    would count the more the fewer bright samples it has met there.
+    directly, one where it sees others and one beside them, so that light tracing may help the first
+    and the last alone: by a pixel's own it would count the more the fewer bright samples it has met
+    there.
     """
     mean, variance, _, _, count = merged
     share = np.empty((*mean.shape[:2], 1))  # the new one's
     direct = stored.direct if stored.direct is not None else np.zeros(mean.shape[:2], bool)
-    for region in (direct, ~direct):
+    caustics = _metrics.caustics_mask(stored.mean, stored.caustics)
+    for region in (direct, caustics & ~direct, ~caustics & ~direct):
         if not region.any():
             continue
         old = _metrics.trimmed_mean(stored.variance[region])
@@ -289,14 +293,15 @@ def main() -> int:
     parts = Parts(folder, first_seed)
     job = {"size": size, "method": method, "threads": args.threads, "window": args.window}
     todo = args.seconds - parts.seconds
-    progress = Progress("reference", [todo * (1.0 + OVERHEAD / PART_SECONDS)])
-    while (left := args.seconds - parts.seconds) > 0.05 * PART_SECONDS or not parts.reports:
+    length = max(args.seconds / PARTS, PART_SECONDS)
+    progress = Progress("reference", [todo * (1.0 + OVERHEAD / length)])
+    while (left := args.seconds - parts.seconds) > 0.05 * length or not parts.reports:
         progress.show(f"{blend.stem}, {method}, {parts.seconds:.0f} of {args.seconds:.0f} s")
         before = parts.seconds
         # The last two share what is left: a short part costs as much beside rendering.
-        seconds = left / 2.0 if PART_SECONDS < left < 1.5 * PART_SECONDS else left
-        render_part(blend, job | {"seconds": min(PART_SECONDS, seconds)}, parts)
-        progress.advance((parts.seconds - before) * (1.0 + OVERHEAD / PART_SECONDS))
+        seconds = left / 2.0 if length < left < 1.5 * length else left
+        render_part(blend, job | {"seconds": min(length, seconds)}, parts)
+        progress.advance((parts.seconds - before) * (1.0 + OVERHEAD / length))
     progress.clear()
     write(path, about, parts, stored, args.window)
     return 0

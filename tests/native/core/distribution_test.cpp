@@ -3,6 +3,8 @@
 
 #include "support/chi_square.h"
 
+#include <numeric>
+
 namespace spc::test {
 namespace {
 
@@ -111,66 +113,149 @@ std::vector<float> uneven_values(size_t width, size_t height) {
     return values;
 }
 
-TEST(Distribution2D, DensityIntegratesToOneAndIsProportional) {
-    constexpr uint32_t kWidth = 7, kHeight = 5;
+constexpr uint32_t kWidth = 7, kHeight = 5;
+
+// What lies at the centres of texels, interpolated: periodic in x, zero above and below.
+double interpolated(const std::vector<float>& values, double x, double y) {
+    const auto row = [&](int j, double t) {
+        if (j < 0) return 0.0;
+        const int i = static_cast<int>(std::floor(t)), w = static_cast<int>(kWidth);
+        const auto at = [&](int k) {
+            return static_cast<double>(values[static_cast<size_t>(j * w + (k + w) % w)]);
+        };
+        return at(i) + (at(i + 1) - at(i)) * (t - i);
+    };
+    const double column = x * kWidth - 0.5, h = kHeight;
+    if (y < 0.5 / h) return row(0, column) * 2.0 * h * y;
+    if (y > 1.0 - 0.5 / h) return row(kHeight - 1, column) * 2.0 * h * (1.0 - y);
+    const double line = std::min(y * h - 0.5, h - 1.0 - 1e-9);
+    const int j = static_cast<int>(line);
+    return row(j, column) + (row(j + 1, column) - row(j, column)) * (line - j);
+}
+
+// Twice as fine as cells, so that none of them lies in two.
+constexpr size_t kBinsX = 2 * kWidth, kBinsY = 2 * kHeight;
+
+// Means of `value` over bins.
+template <class Value>
+std::vector<double> over_bins(const Value& value) {
+    constexpr size_t kSteps = 16;
+    std::vector<double> means(kBinsX * kBinsY);
+    for (size_t y = 0; y < kBinsY * kSteps; ++y)
+        for (size_t x = 0; x < kBinsX * kSteps; ++x)
+            means[y / kSteps * kBinsX + x / kSteps] +=
+                value((static_cast<double>(x) + 0.5) / (kBinsX * kSteps),
+                      (static_cast<double>(y) + 0.5) / (kBinsY * kSteps)) /
+                (kSteps * kSteps);
+    return means;
+}
+
+double mean_of(const std::vector<double>& values) {
+    return std::reduce(values.begin(), values.end()) / static_cast<double>(values.size());
+}
+
+TEST(Distribution2D, DensityIsThatOfTheInterpolatedValues) {
     const std::vector<float> values = uneven_values(kWidth, kHeight);
     const Distribution2D d(values, kWidth, kHeight);
-    double sum = 0, mean = 0;
-    for (const float value : values) mean += value / (kWidth * kHeight);
-    EXPECT_NEAR(d.mean(), mean, 1e-6);
-    for (uint32_t y = 0; y < kHeight; ++y)
-        for (uint32_t x = 0; x < kWidth; ++x) {
-            const float pdf = d.pdf({(static_cast<float>(x) + 0.5f) / kWidth,
-                                     (static_cast<float>(y) + 0.5f) / kHeight});
-            EXPECT_NEAR(pdf, values[y * kWidth + x] / mean, 1e-5);
-            sum += pdf / (kWidth * kHeight);
-        }
-    EXPECT_NEAR(sum, 1.0, 1e-6);
+    const double mean =
+        mean_of(over_bins([&](double x, double y) { return interpolated(values, x, y); }));
+    EXPECT_NEAR(d.mean(), mean, 1e-5);
+    Uniforms uniforms(6);
+    for (int i = 0; i < 20000; ++i) {
+        const Vec2 p = uniforms.two();
+        EXPECT_NEAR(d.pdf(p),
+                    interpolated(values, static_cast<double>(p.x), static_cast<double>(p.y)) / mean,
+                    1e-4)
+            << p;
+    }
 }
 
 TEST(Distribution2D, SamplesItsDensity) {
-    constexpr uint32_t kWidth = 7, kHeight = 5, kFiner = 3;
     constexpr int64_t kSamples = 300000;
     const std::vector<float> values = uneven_values(kWidth, kHeight);
-    const Distribution2D d(values, kWidth, kHeight);
-    constexpr size_t kX = kWidth * kFiner, kY = kHeight * kFiner;
-    std::vector<int64_t> observed(kX * kY);
-    std::vector<double> expected(kX * kY);
-    Uniforms uniforms(4);
-    for (int64_t i = 0; i < kSamples; ++i) {
-        const Distribution2D::Sample s = d.sample(uniforms.two());
-        ++observed[static_cast<uint32_t>(s.position.y * kY) * kX +
-                   static_cast<uint32_t>(s.position.x * kX)];
+    const Distribution2D whole(values, kWidth, kHeight);
+    const Distribution2D part = whole.part([](uint32_t x, uint32_t y) { return x == 0 && y > 2; });
+    for (const Distribution2D* d : {&whole, &part}) {
+        std::vector<int64_t> observed(kBinsX * kBinsY);
+        Uniforms uniforms(4);
+        for (int64_t i = 0; i < kSamples; ++i) {
+            const Distribution2D::Sample s = d->sample(uniforms.two());
+            ++observed[static_cast<size_t>(s.position.y * kBinsY) * kBinsX +
+                       static_cast<size_t>(s.position.x * kBinsX)];
+        }
+        std::vector<double> expected = over_bins([&](double x, double y) {
+            return static_cast<double>(d->pdf({static_cast<float>(x), static_cast<float>(y)}));
+        });
+        EXPECT_NEAR(mean_of(expected), 1.0, 1e-3);
+        for (double& count : expected) count *= static_cast<double>(kSamples) / (kBinsX * kBinsY);
+        const ChiSquare fit = chi_square(observed, expected);
+        EXPECT_TRUE(fit.passes(kSignificance)) << fit.text();
+        for (size_t i = 0; i < expected.size(); ++i) expected[i] *= i % 2 == 0 ? 1.05 : 0.95;
+        EXPECT_FALSE(chi_square(observed, expected).passes(kSignificance));
     }
-    for (uint32_t y = 0; y < kY; ++y)
-        for (uint32_t x = 0; x < kX; ++x)
-            expected[y * kX + x] = static_cast<double>(kSamples) *
-                                   values[y / kFiner * kWidth + x / kFiner] / (d.mean() * kX * kY);
-    const ChiSquare fit = chi_square(observed, expected);
-    EXPECT_TRUE(fit.passes(kSignificance)) << fit.text();
-    for (size_t i = 0; i < expected.size(); ++i) expected[i] *= i % 2 == 0 ? 1.05 : 0.95;
-    EXPECT_FALSE(chi_square(observed, expected).passes(kSignificance));
+}
+
+TEST(Distribution2D, APartIsTheSameInItsCellsAndNothingElse) {
+    const std::vector<float> values = uneven_values(kWidth, kHeight);
+    const Distribution2D whole(values, kWidth, kHeight);
+    const Distribution2D part = whole.part([](uint32_t x, uint32_t y) { return x == 6 && y == 3; });
+    Uniforms uniforms(7);
+    for (int i = 0; i < 20000; ++i) {
+        const Vec2 p = uniforms.two();
+        // Cells around the centre of texel (6, 3): from that of column 5 to that of 0.
+        const bool inside = (p.x > 5.5f / kWidth || p.x < 0.5f / kWidth) && p.y > 2.5f / kHeight &&
+                            p.y < 4.5f / kHeight;
+        const double expected =
+            inside ? static_cast<double>(whole.pdf(p)) * whole.mean() / part.mean() : 0.0;
+        EXPECT_NEAR(part.pdf(p), expected, 1e-4 * expected) << p;
+    }
+    EXPECT_TRUE(whole.part([](uint32_t, uint32_t) { return false; }).empty());
+}
+
+TEST(Distribution2D, IsEmptyWithoutValues) {
+    const Distribution2D d(std::vector<float>(kWidth * kHeight), kWidth, kHeight);
+    EXPECT_TRUE(d.empty());
+    EXPECT_TRUE(d.part([](uint32_t, uint32_t) { return true; }).empty());
+}
+
+// Hypothesis: of what is interpolated like it, the ratio of value to density is the same everywhere, so
+// that nothing of a sum over samples is left to chance.
+TEST(Distribution2D, RatioOfValueToDensityIsTheMean) {
+    const std::vector<float> values = uneven_values(kWidth, kHeight);
+    const Distribution2D d(values, kWidth, kHeight);
+    Uniforms uniforms(8);
+    for (int i = 0; i < 20000; ++i) {
+        const Distribution2D::Sample s = d.sample(uniforms.two());
+        const double value = interpolated(values, static_cast<double>(s.position.x),
+                                          static_cast<double>(s.position.y));
+        EXPECT_NEAR(value / static_cast<double>(s.pdf), d.mean(), 2e-3 * d.mean()) << s.position;
+    }
 }
 
 TEST(Distribution2D, DensityAtASampleIsTheSamples) {
     for (const uint32_t width : {1u, 3u, 257u, 4096u}) {
-        constexpr uint32_t kHeight = 3;
+        constexpr uint32_t kRows = 3;
         const std::vector<float> values = [&] {
-            std::vector<float> v(static_cast<size_t>(width) * kHeight);
+            std::vector<float> v(static_cast<size_t>(width) * kRows);
             Uniforms uniforms(width);
             for (float& value : v) value = 0.1f + uniforms();
             return v;
         }();
-        const Distribution2D d(values, width, kHeight);
-        Uniforms uniforms(5);
-        for (int i = 0; i < 100000; ++i) {
-            const Vec2 u = i == 0   ? Vec2(0.0f)
-                           : i == 1 ? Vec2(kBelowOne, kBelowOne)
-                                    : uniforms.two();
-            const Distribution2D::Sample s = d.sample(u);
-            ASSERT_GE(std::min(s.position.x, s.position.y), 0.0f);
-            ASSERT_LT(std::max(s.position.x, s.position.y), 1.0f);
-            ASSERT_EQ(s.pdf, d.pdf(s.position)) << width << " " << s.position;
+        const Distribution2D whole(values, width, kRows);
+        const Distribution2D part =
+            whole.part([](uint32_t x, uint32_t y) { return x % 7 == 0 && y == 1; });
+        for (const Distribution2D* d : {&whole, &part}) {
+            Uniforms uniforms(5);
+            for (int i = 0; i < 100000; ++i) {
+                const Vec2 u = i == 0   ? Vec2(0.0f)
+                               : i == 1 ? Vec2(kBelowOne, kBelowOne)
+                                        : uniforms.two();
+                const Distribution2D::Sample s = d->sample(u);
+                ASSERT_GE(std::min(s.position.x, s.position.y), 0.0f);
+                ASSERT_LT(std::max(s.position.x, s.position.y), 1.0f);
+                ASSERT_GT(s.pdf, 0.0f) << width << " " << s.position;
+                ASSERT_EQ(s.pdf, d->pdf(s.position)) << width << " " << s.position;
+            }
         }
     }
 }

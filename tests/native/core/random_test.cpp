@@ -40,18 +40,31 @@ TEST(Sampler, EveryAlignedRunIsANet) {
             }
 }
 
-// The three numbers of one draw: the pair (y, z) is a net, and x by itself.
-TEST(Sampler, ThreeHoldsANetAndAStratifiedNumber) {
-    constexpr int m = 8;
-    std::vector<Vec2> pairs, firsts;
-    for (uint32_t i = 0; i < 1u << m; ++i) {
-        const Vec3 u = Sampler(1, 9, i)[Domain::closure].three();
-        pairs.push_back({u.y, u.z});
-        firsts.push_back({u.x, 0.0f});
-    }
-    for (int a = 0; a <= m; ++a)
-        for (const int count : interval_counts(pairs, a, m - a)) ASSERT_EQ(count, 1);
-    for (const int count : interval_counts(firsts, m, 0)) ASSERT_EQ(count, 1);
+// The three numbers of one draw: the pair (y, z) is a net, x by itself is stratified, and together they
+// are a (1, 3)-sequence, the best there is in base 2: each aligned run of 2^m samples has two points in
+// every elementary interval of volume 2^(1 - m).
+TEST(Sampler, ThreeAreStratifiedTogether) {
+    constexpr int m = 9;
+    std::vector<Vec3> points;
+    for (uint32_t i = 0; i < 1u << m; ++i)
+        points.push_back(Sampler(1, 9, (5u << m) + i)[Domain::closure].three());
+    const auto counts = [&](int a, int b, int c) {
+        std::vector<int> found(size_t{1} << (a + b + c));
+        for (const Vec3& u : points) {
+            const auto i = static_cast<size_t>(u.x * static_cast<float>(1 << a));
+            const auto j = static_cast<size_t>(u.y * static_cast<float>(1 << b));
+            const auto k = static_cast<size_t>(u.z * static_cast<float>(1 << c));
+            ++found.at((((i << b) + j) << c) + k);
+        }
+        return found;
+    };
+    for (int b = 0; b <= m; ++b)
+        for (const int count : counts(0, b, m - b)) ASSERT_EQ(count, 1) << b;
+    for (const int count : counts(m, 0, 0)) ASSERT_EQ(count, 1);
+    for (int a = 0; a < m; ++a)
+        for (int b = 0; a + b < m; ++b)
+            for (const int count : counts(a, b, m - 1 - a - b))
+                ASSERT_EQ(count, 2) << a << " " << b;
 }
 
 TEST(Sampler, OneIsTheFirstOfTwo) {

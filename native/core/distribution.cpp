@@ -79,60 +79,49 @@ DiscreteDistribution::Sample DiscreteDistribution::sample(float u) const {
             std::min((u - cumulative_[low]) / probability, kBelowOne)};
 }
 
-Distribution2D::Distribution2D(std::vector<float> values, uint32_t width, uint32_t height)
-    : width_(width),
-      height_(height),
-      values_(std::make_shared<const std::vector<float>>(std::move(values))) {
-    SPC_ASSERT(values_->size() == static_cast<size_t>(width) * height);
-    build([](uint32_t, uint32_t) { return true; });
+BilinearMap::BilinearMap(std::vector<float> values, uint32_t width, uint32_t height)
+    : width_(width), height_(height), values_(std::move(values)) {
+    SPC_ASSERT(values_.size() == static_cast<size_t>(width) * height);
 }
 
-Distribution2D Distribution2D::part(const Keep& keep) const {
-    Distribution2D result;
-    result.width_ = width_;
-    result.height_ = height_;
-    result.values_ = values_;
-    if (!empty()) result.build(keep);
-    return result;
-}
-
-void Distribution2D::build(const Keep& keep) {
-    std::vector<float> cells(width_), row_means(height_ + 1);
-    rows_.reserve(height_ + 1);
+BilinearMap::Cells BilinearMap::cells(const Keep& keep) const {
+    Cells result;
+    std::vector<float> means(width_), row_means(height_ + 1);
+    result.rows.reserve(height_ + 1);
     for (uint32_t y = 0; y <= height_; ++y) {
         const auto kept = [&](uint32_t x) {
             return (y > 0 && keep(x, y - 1)) || (y < height_ && keep(x, y));
         };
         for (uint32_t x = 0; x < width_; ++x)
-            cells[x] = kept(x) || kept((x + 1) % width_) ? corners(x, y).mean() : 0.0f;
-        rows_.emplace_back(cells);
-        row_means[y] = static_cast<float>(rows_[y].total() / width_) * row_extent(y);
+            means[x] = kept(x) || kept((x + 1) % width_) ? corners(x, y).mean() : 0.0f;
+        result.rows.emplace_back(means);
+        row_means[y] = static_cast<float>(result.rows[y].total() / width_) * row_extent(y);
     }
-    marginal_ = DiscreteDistribution(row_means);
-    mean_ = marginal_.total();
-    if (marginal_.empty()) rows_.clear();
+    result.marginal = DiscreteDistribution(row_means);
+    result.mean = result.marginal.total();
+    return result;
 }
 
-Distribution2D::Corners Distribution2D::corners(uint32_t x, uint32_t y) const {
+BilinearMap::Corners BilinearMap::corners(uint32_t x, uint32_t y) const {
     const uint32_t next = x + 1 < width_ ? x + 1 : 0;
-    const auto row = [&](uint32_t of) { return values_->data() + static_cast<size_t>(of) * width_; };
+    const auto row = [&](uint32_t of) { return values_.data() + static_cast<size_t>(of) * width_; };
     Corners c{};
     if (y > 0) c.v00 = row(y - 1)[x], c.v10 = row(y - 1)[next];
     if (y < height_) c.v01 = row(y)[x], c.v11 = row(y)[next];
     return c;
 }
 
-float Distribution2D::row_start(uint32_t y) const {
+float BilinearMap::row_start(uint32_t y) const {
     return y > 0 ? (static_cast<float>(y) - 0.5f) / static_cast<float>(height_) : 0.0f;
 }
 
-float Distribution2D::row_extent(uint32_t y) const {
+float BilinearMap::row_extent(uint32_t y) const {
     return (y > 0 && y < height_ ? 1.0f : 0.5f) / static_cast<float>(height_);
 }
 
-Distribution2D::Sample Distribution2D::sample(const Vec2& u) const {
-    const DiscreteDistribution::Sample y = marginal_.sample(u.y);
-    const DiscreteDistribution::Sample x = rows_[y.index].sample(u.x);
+BilinearMap::Sample BilinearMap::sample(const Cells& cells, const Vec2& u) const {
+    const DiscreteDistribution::Sample y = cells.marginal.sample(u.y);
+    const DiscreteDistribution::Sample x = cells.rows[y.index].sample(u.x);
     const Corners c = corners(x.index, y.index);
     const float up = inside_cell(sample_linear(y.remapped, c.v00 + c.v10, c.v01 + c.v11), height_);
     const float right = inside_cell(
@@ -140,24 +129,24 @@ Distribution2D::Sample Distribution2D::sample(const Vec2& u) const {
     const float across = (static_cast<float>(x.index) + 0.5f + right) / static_cast<float>(width_);
     const Vec2 position(std::min(across < 1.0f ? across : across - 1.0f, kBelowOne),
                         std::min(row_start(y.index) + row_extent(y.index) * up, kBelowOne));
-    return {position, pdf(position)};
+    return {position, pdf(cells, position)};
 }
 
-float Distribution2D::pdf(const Vec2& position) const {
+float BilinearMap::pdf(const Cells& cells, const Vec2& position) const {
     const float columns = static_cast<float>(width_);
     const float shifted = position.x * columns - 0.5f;
     const float across = shifted < 0.0f ? shifted + columns : shifted;
     const uint32_t x = std::min(static_cast<uint32_t>(across), width_ - 1);
     const float rows = std::max(position.y, 0.0f) * static_cast<float>(height_) + 0.5f;
     const uint32_t y = std::min(static_cast<uint32_t>(rows), height_);
-    if (rows_[y].empty()) return 0.0f;
+    if (cells.rows[y].empty()) return 0.0f;
     const Corners c = corners(x, y);
     const float mean = c.mean();
     if (!(mean > 0.0f)) return 0.0f;
     const float right = std::min(across - static_cast<float>(x), 1.0f);
     const float up = std::min((position.y - row_start(y)) / row_extent(y), 1.0f);
     const float value = mix(mix(c.v00, c.v10, right), mix(c.v01, c.v11, right), up);
-    return rows_[y].probability(x) * marginal_.probability(y) * columns / row_extent(y) *
+    return cells.rows[y].probability(x) * cells.marginal.probability(y) * columns / row_extent(y) *
            (value / mean);
 }
 

@@ -7,7 +7,6 @@
 #include "math/vec.h"
 
 #include <functional>
-#include <memory>
 #include <span>
 #include <vector>
 
@@ -36,28 +35,33 @@ private:
     double total_ = 0.0;
 };
 
-// Piecewise bilinear density over [0, 1)^2: between values at the centres of width x height texels,
-// periodic in x, falling to zero at y = 0 and y = 1. So what is interpolated like that itself, an
-// image, is sampled exactly in proportion.
-class Distribution2D {
+// Densities over [0, 1)^2 in proportion to what lies bilinearly between values at the centres of width
+// x height texels, periodic in x, falling to zero at y = 0 and y = 1: so an image is sampled exactly as
+// it is interpolated.
+class BilinearMap {
 public:
-    Distribution2D() = default;
-    // values[y * width + x] finite and >= 0. All zero gives an empty distribution.
-    Distribution2D(std::vector<float> values, uint32_t width, uint32_t height);
+    BilinearMap() = default;
+    // values[y * width + x] finite and >= 0.
+    BilinearMap(std::vector<float> values, uint32_t width, uint32_t height);
 
-    // The same in the cells between centres of which `keep` picks one, scaled; zero elsewhere.
+    // Those between centres over which one density spreads.
+    struct Cells {
+        DiscreteDistribution marginal;
+        std::vector<DiscreteDistribution> rows;  // height + 1 of them
+        double mean = 0.0;  // over the square: of the values in these cells, zero elsewhere
+
+        bool empty() const { return marginal.empty(); }
+    };
+    // With a corner that `keep` picks. Empty if nothing but zero lies in them.
     using Keep = std::function<bool(uint32_t x, uint32_t y)>;
-    Distribution2D part(const Keep& keep) const;
+    Cells cells(const Keep& keep) const;
 
-    bool empty() const { return rows_.empty(); }
-    // Of the values over the square, before scaling to a density.
-    double mean() const { return mean_; }
     struct Sample {
         Vec2 position;  // in [0, 1)^2
         float pdf;      // by area of the unit square
     };
-    Sample sample(const Vec2& u) const;
-    float pdf(const Vec2& position) const;
+    Sample sample(const Cells& cells, const Vec2& u) const;
+    float pdf(const Cells& cells, const Vec2& position) const;
 
 private:
     // The cell (x, y) lies between columns x and x + 1 of centres, and rows y - 1 and y.
@@ -68,13 +72,9 @@ private:
     Corners corners(uint32_t x, uint32_t y) const;
     float row_start(uint32_t y) const;
     float row_extent(uint32_t y) const;
-    void build(const Keep& keep);
 
     uint32_t width_ = 0, height_ = 0;
-    std::shared_ptr<const std::vector<float>> values_;
-    DiscreteDistribution marginal_;
-    std::vector<DiscreteDistribution> rows_;  // of cells, height + 1
-    double mean_ = 0.0;
+    std::vector<float> values_;
 };
 
 }  // namespace spc

@@ -98,8 +98,11 @@ void PathTracer::leave(const Surface& surface, const ClosureSample& next) {
 }
 
 // Ends paths of little throughput without bias; the root keeps them alive longer than the
-// throughput itself would, for the light that waits behind dark surfaces.
+// throughput itself would, for the light that waits behind dark surfaces. Most of a picture comes by
+// the first bounces, whose directions are stratified: chance would undo that.
 bool PathTracer::survive_roulette(const Sampler& sampler) {
+    constexpr uint32_t kSureBounces = 2;
+    if (bounces.total < kSureBounces) return true;
     const float q = std::min(1.0f, std::sqrt(max_component(throughput)));
     if (q >= 1.0f) return true;
     if (sampler[Domain::roulette].one() >= q) return false;

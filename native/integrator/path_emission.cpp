@@ -11,9 +11,9 @@ Spectrum PathTracer::emission_from_afar() const {
         const Spectrum radiance =
             lamp_radiance(world.lights.lamps[sun], Vec3(0.0f), ray.direction * -1.0f);
         if (is_black(radiance)) continue;
-        sum += radiance *
-               weight_of_lamp(end_afar(sun, pdf_light_point_sun(world.lights, sun, ray.direction),
-                                       pdf_direct_sun(world.lights, sun, ray.direction)));
+        sum += radiance * weight_of_lamp(end_afar(
+                              sun, pdf_light_point_sun(world.lights, sun, ray.direction),
+                              pdf_direct_sun(world.lights, history.caustic.x, sun, ray.direction)));
     }
     return sum;
 }
@@ -28,7 +28,7 @@ Spectrum PathTracer::emission_of_world() const {
            weight_of(end_afar(
                world.lights.of_world(),
                light_points_count() ? pdf_light_point_world(world.lights, ray.direction) : 0.0f,
-               scattered ? pdf_direct_world(world.lights, ray.direction) : 0.0f));
+               scattered ? pdf_direct_world(world.lights, history.caustic.x, ray.direction) : 0.0f));
 }
 
 Spectrum PathTracer::emission_of_lamp(const Hit& hit) const {

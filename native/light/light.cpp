@@ -8,8 +8,8 @@
 namespace spc {
 namespace {
 
-// Share of the choice that goes to all lights alike. Power says nothing of where a light stands:
-// next to a lamp in a closet the sun outside does not matter.
+// Share of the choice for casters that goes to all lights alike: power says nothing of where a light
+// stands.
 constexpr double kEvenShare = 0.2;
 
 DiscreteDistribution select_by_power(const std::vector<double>& power) {
@@ -28,6 +28,28 @@ DiscreteDistribution select_by_power(const std::vector<double>& power) {
 
 float chance(const DiscreteDistribution& selection, uint32_t light) {
     return selection.empty() ? 0.0f : selection.probability(light);
+}
+
+LightReach reach_of(const LightDesc& desc, const Lamp& lamp, double flux) {
+    if (is_sun(lamp)) return {.distant = true, .strength = static_cast<float>(flux)};
+    LightReach reach{.center = desc.position(), .beam = lamp_beam(lamp)};
+    if (const auto* area = std::get_if<AreaLamp>(&lamp)) {
+        reach.strength =
+            static_cast<float>(flux) * kInvPi * area->spread.towards(area->normal, area->normal);
+        reach.radius = std::sqrt(sqr(area->length_x) + sqr(area->length_y));
+        reach.cosine = true;
+    } else {
+        reach.strength = luminance(desc.power) * 0.25f * kInvPi;
+        reach.radius = desc.radius;
+    }
+    return reach;
+}
+
+LightReach reach_of(const BuiltEmitter& built) {
+    const Vec3 center = (built.bounds.lower + built.bounds.upper) * 0.5f;
+    return {.strength = static_cast<float>(built.flux) * 0.25f * kInvPi,
+            .center = center,
+            .radius = length(built.bounds.upper - center)};
 }
 
 std::optional<DirectSample> sample_emitter_from(const LightSet& lights, const Scene& scene,
@@ -51,7 +73,8 @@ std::optional<DirectSample> sample_emitter_from(const LightSet& lights, const Sc
 
 LightSet build_lights(const Scene& scene, uint32_t threads) {
     LightSet lights;
-    std::vector<double> power, caustic_power;
+    std::vector<LightReach> reaches;
+    std::vector<double> caustic_power;
     // Suns and world pour through the disc that the scene's bounding sphere shows them.
     const double radius = scene.bounds_radius > 0.0f ? scene.bounds_radius : 1.0;
     const double disc = std::numbers::pi * radius * radius;
@@ -62,8 +85,10 @@ LightSet build_lights(const Scene& scene, uint32_t threads) {
             lights.disc_suns.push_back(static_cast<uint32_t>(lights.lamps.size() - 1));
         lights.visibility.push_back(desc.visibility);
         const bool seen = (desc.visibility & kVisibleScattered) != 0;
-        power.push_back(seen ? lamp_flux(desc, lamp) * (is_sun(lamp) ? disc : 1.0) : 0.0);
-        caustic_power.push_back(desc.feeds_caustics ? power.back() : 0.0);
+        const double flux = lamp_flux(desc, lamp);
+        reaches.push_back(seen && flux > 0.0 ? reach_of(desc, lamp, flux) : LightReach{});
+        const bool feeds = seen && desc.feeds_caustics;
+        caustic_power.push_back(feeds ? flux * (is_sun(lamp) ? disc : 1.0) : 0.0);
     }
     lights.emissive_of_instance.assign(scene.instances.size(), kNone);
     for (uint32_t i = 0; i < scene.instances.size(); ++i) {
@@ -72,21 +97,23 @@ LightSet build_lights(const Scene& scene, uint32_t threads) {
         std::optional<BuiltEmitter> built = build_emitter(scene, i);
         if (!built) continue;
         lights.emissive_of_instance[i] = static_cast<uint32_t>(lights.emissive.size());
+        reaches.push_back(reach_of(*built));
         lights.emissive.push_back(std::move(built->emitter));
         lights.visibility.push_back(instance.visibility | kVisibleShadow);
-        power.push_back(built->flux);
         caustic_power.push_back(built->flux);
     }
     build_world(scene, lights, threads);
     if (lights.has_world) {
         lights.visibility.push_back(scene.environment.visibility | kVisibleShadow);
         const bool seen = (scene.environment.visibility & kVisibleScattered) != 0;
-        const double flux = seen ? world_total(lights) * disc : 0.0;
-        power.push_back(lights.world_is_constant ? 0.0 : flux);
+        LightReach reach{.distant = true};
+        // On what is turned any way.
+        if (seen) reach.strength = static_cast<float>(0.25 * world_excess(lights));
+        reaches.push_back(reach);
         const bool feeds = seen && scene.environment.feeds_caustics;
-        caustic_power.push_back(feeds ? world_total_of_peaks(lights) * disc : 0.0);
+        caustic_power.push_back(feeds ? world_excess_of_peaks(lights) * disc : 0.0);
     }
-    lights.selection = select_by_power(power);
+    lights.tree = LightTree(reaches);
     lights.caustic_selection = select_by_power(caustic_power);
     return lights;
 }
@@ -97,19 +124,19 @@ uint32_t light_visibility(const LightSet& lights, uint32_t light) {
 
 std::optional<DirectSample> sample_direct(const LightSet& lights, const Scene& scene, const Vec3& p,
                                           const Vec3& u) {
-    if (lights.selection.empty()) return std::nullopt;
-    const DiscreteDistribution::Sample chosen = lights.selection.sample(u.x);
+    if (lights.tree.empty()) return std::nullopt;
+    const LightTree::Sample chosen = lights.tree.sample(p, u.x);
     const Vec2 place(u.y, u.z);
     std::optional<DirectSample> sample;
-    if (chosen.index < lights.lamps.size()) {
-        if (const std::optional<LampSample> s = sample_lamp(lights.lamps[chosen.index], p, place))
-            sample = {s->wi, s->distance, s->radiance, s->density, s->delta, chosen.index};
-    } else if (chosen.index == lights.of_world()) {
+    if (chosen.light < lights.lamps.size()) {
+        if (const std::optional<LampSample> s = sample_lamp(lights.lamps[chosen.light], p, place))
+            sample = {s->wi, s->distance, s->radiance, s->density, s->delta, chosen.light};
+    } else if (chosen.light == lights.of_world()) {
         if (const std::optional<WorldSample> s = sample_world(lights, place))
             sample = {s->wi,        kInfinity, world_radiance(lights, scene, s->wi),
-                      s->pdf_omega, false,     chosen.index};
+                      s->pdf_omega, false,     chosen.light};
     } else {
-        const auto emitter = static_cast<uint32_t>(chosen.index - lights.lamps.size());
+        const auto emitter = static_cast<uint32_t>(chosen.light - lights.lamps.size());
         sample = sample_emitter_from(lights, scene, emitter, p, place);
     }
     if (sample) sample->density *= chosen.probability;
@@ -117,7 +144,7 @@ std::optional<DirectSample> sample_direct(const LightSet& lights, const Scene& s
 }
 
 float pdf_direct_lamp(const LightSet& lights, const Vec3& p, const Vec3& wi, const Hit& hit) {
-    return chance(lights.selection, hit.light) * lamp_pdf(lights.lamps[hit.light], p, wi, hit.t);
+    return lights.tree.probability(hit.light, p) * lamp_pdf(lights.lamps[hit.light], p, wi, hit.t);
 }
 
 float pdf_direct_surface(const LightSet& lights, const Scene& scene, const Vec3& p, const Vec3& wi,
@@ -132,17 +159,17 @@ float pdf_direct_surface(const LightSet& lights, const Scene& scene, const Vec3&
     const float d2 = length_squared(corner[0] + e1 * hit.surface.u + e2 * hit.surface.v - p);
     const float cos = std::abs(dot(normalize(cross(e1, e2)), wi));
     if (!(cos > 0.0f)) return 0.0f;
-    return chance(lights.selection, lights.of_emitter(emitter)) * pdf_area * d2 / cos;
+    return lights.tree.probability(lights.of_emitter(emitter), p) * pdf_area * d2 / cos;
 }
 
-float pdf_direct_world(const LightSet& lights, const Vec3& wi) {
+float pdf_direct_world(const LightSet& lights, const Vec3& p, const Vec3& wi) {
     if (!lights.has_world) return 0.0f;
-    const float probability = chance(lights.selection, lights.of_world());
+    const float probability = lights.tree.probability(lights.of_world(), p);
     return probability > 0.0f ? probability * world_pdf(lights, wi) : 0.0f;
 }
 
-float pdf_direct_sun(const LightSet& lights, uint32_t light, const Vec3& wi) {
-    return chance(lights.selection, light) *
+float pdf_direct_sun(const LightSet& lights, const Vec3& p, uint32_t light, const Vec3& wi) {
+    return lights.tree.probability(light, p) *
            lamp_pdf(lights.lamps[light], Vec3(0.0f), wi, kInfinity);
 }
 
@@ -228,15 +255,15 @@ float pdf_light_point_sun(const LightSet& lights, uint32_t light, const Vec3& wi
 
 float pdf_direct(const LightSet& lights, const Scene& scene, const Vec3& p, const LightPoint& y) {
     const bool lamp = y.light < lights.lamps.size();
-    if (y.delta) return chance(lights.selection, y.light);
+    if (y.delta) return lights.tree.probability(y.light, p);
     if (y.distant)
-        return lamp ? pdf_direct_sun(lights, y.light, y.direction)
-                    : pdf_direct_world(lights, y.direction);
+        return lamp ? pdf_direct_sun(lights, p, y.light, y.direction)
+                    : pdf_direct_world(lights, p, y.direction);
     const Vec3 to = y.p - p;
     const float distance = length(to);
     const Vec3 wi = to * (1.0f / distance);
     if (!lamp) return pdf_direct_surface(lights, scene, p, wi, {distance, kNone, y.surface});
-    return chance(lights.selection, y.light) * lamp_pdf(lights.lamps[y.light], p, wi, distance);
+    return lights.tree.probability(y.light, p) * lamp_pdf(lights.lamps[y.light], p, wi, distance);
 }
 
 LightPoint light_point_of(const LightSet& lights, const Scene& scene, const Vec3& p,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Everything that shines: lamps, emissive meshes and the world, behind one selection by power.
+// Everything that shines: lamps, emissive meshes and the world, behind one choice.
 //
 // Two ways to sample. Next event estimation samples a direction from a receiver (solid angle at the
 // receiver). The manifold samples a point of a light, or a direction to a distant one, without
@@ -9,7 +9,7 @@
 #pragma once
 
 #include "core/distribution.h"
-#include "light/lamp.h"
+#include "light/light_tree.h"
 #include "scene/scene.h"
 
 namespace spc {
@@ -22,19 +22,22 @@ struct EmissiveInstance {
 };
 
 struct LightSet {
-    // By power, with an equal share for every light that shines mixed in: no light starves.
-    DiscreteDistribution selection;  // without a constant world: closures choose its directions better
-    DiscreteDistribution caustic_selection;  // over the lights that feed casters
-    std::vector<Lamp> lamps;                 // as Scene::lights
-    std::vector<uint32_t> disc_suns;         // lamps that are suns of some extent
-    std::vector<uint32_t> visibility;        // of every light
+    LightTree tree;  // from a receiver; without a world that is nearly even
+    // For casters, over the lights that feed them: by power, with an equal share for every light that
+    // shines mixed in, so that no light starves.
+    DiscreteDistribution caustic_selection;
+    std::vector<Lamp> lamps;           // as Scene::lights
+    std::vector<uint32_t> disc_suns;   // lamps that are suns of some extent
+    std::vector<uint32_t> visibility;  // of every light
     std::vector<EmissiveInstance> emissive;
     std::vector<uint32_t> emissive_of_instance;  // index into `emissive`, or kNone
     bool has_world = false;
-    Distribution2D world_map;  // over the world's radiance in latitude-longitude, solid angle accounted for
-    // The same over its narrow bright parts alone: they feed casters, what is left of the world is so
-    // smooth that path tracing finds it easily.
-    Distribution2D world_peaks;
+    // The world's radiance above its mean in latitude-longitude, solid angle accounted for.
+    BilinearMap world_map;
+    BilinearMap::Cells world_cells;  // all of them; empty if closures find its light as well
+    // Its narrow bright parts alone: they feed casters, what is left of the world is so smooth that
+    // path tracing finds it easily.
+    BilinearMap::Cells world_peaks;
     Spectrum world_constant{0.0f};  // valid if world_is_constant
     bool world_is_constant = false;
 
@@ -78,8 +81,9 @@ std::optional<DirectSample> sample_direct(const LightSet& lights, const Scene& s
 float pdf_direct_lamp(const LightSet& lights, const Vec3& p, const Vec3& wi, const Hit& hit);
 float pdf_direct_surface(const LightSet& lights, const Scene& scene, const Vec3& p, const Vec3& wi,
                          const Hit& hit);
-float pdf_direct_world(const LightSet& lights, const Vec3& wi);
-float pdf_direct_sun(const LightSet& lights, uint32_t light, const Vec3& wi);  // 0 outside its disc
+float pdf_direct_world(const LightSet& lights, const Vec3& p, const Vec3& wi);
+// 0 outside the sun's disc.
+float pdf_direct_sun(const LightSet& lights, const Vec3& p, uint32_t light, const Vec3& wi);
 
 Spectrum world_radiance(const LightSet& lights, const Scene& scene, const Vec3& direction);
 

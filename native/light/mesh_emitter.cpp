@@ -10,6 +10,7 @@ std::optional<BuiltEmitter> build_emitter(const Scene& scene, uint32_t instance)
     const size_t count = scene.meshes[scene.instances[instance].mesh].triangles.size();
     std::vector<float> flux(count, 0.0f), inv_area(count, 0.0f);
     double total = 0.0;
+    Bounds bounds;
     for (uint32_t t = 0; t < count; ++t) {
         const Material& material = scene.materials[scene.material_index(instance, t)];
         const float brightness = material.emits ? luminance(material.mean_emission) : 0.0f;
@@ -20,9 +21,10 @@ std::optional<BuiltEmitter> build_emitter(const Scene& scene, uint32_t instance)
         flux[t] = 2.0f * kPi * area * brightness;
         inv_area[t] = 1.0f / area;
         total += flux[t];
+        for (const Vec3& p : corner) bounds.extend(p);
     }
     if (!(total > 0.0)) return std::nullopt;
-    return BuiltEmitter{{instance, DiscreteDistribution(flux), std::move(inv_area)}, total};
+    return BuiltEmitter{{instance, DiscreteDistribution(flux), std::move(inv_area)}, total, bounds};
 }
 
 EmitterPoint sample_emitter(const EmissiveInstance& emitter, const Scene& scene, const Vec2& u) {

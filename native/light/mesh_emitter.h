@@ -3,12 +3,14 @@
 #pragma once
 
 #include "light/light.h"
+#include "math/bounds.h"
 
 namespace spc {
 
 struct BuiltEmitter {
     EmissiveInstance emitter;
-    double flux;  // W, of luminance
+    double flux;    // W, of luminance
+    Bounds bounds;  // of the triangles that shine
 };
 // Empty if no triangle of the instance shines.
 std::optional<BuiltEmitter> build_emitter(const Scene& scene, uint32_t instance);

@@ -15,6 +15,9 @@ constexpr uint32_t kLeastWidth = 256, kMostWidth = 4096;
 constexpr float kDensityFloor = 1e-3f;
 // Radiance of a peak, at least, over the mean.
 constexpr float kPeak = 16.0f;
+// Mean square of radiance over the square of its mean: a world of less is left to closures, as a
+// constant one is. A choice between it and a sun would cost more than it saves.
+constexpr double kLeastContrast = 2.0;
 
 Vec3 to_direction(const Vec2& position) {
     const Vec2 azimuth = unit_circle(0.5f - position.x + (position.x > 0.5f ? 1.0f : 0.0f));
@@ -81,46 +84,54 @@ float sin_theta(const Table& table, uint32_t y) {
     return std::sin(kPi * (static_cast<float>(y) + 0.5f) / static_cast<float>(table.height));
 }
 
-double mean_over_sphere(const Table& table) {
-    double sum = 0.0, weight = 0.0;
+struct Moments {
+    double mean, mean_square;  // over the sphere
+};
+Moments moments(const Table& table) {
+    double sum = 0.0, squares = 0.0, weight = 0.0;
     for (uint32_t y = 0; y < table.height; ++y) {
         const double sine = sin_theta(table, y);
-        for (uint32_t x = 0; x < table.width; ++x)
-            sum += sine * static_cast<double>(table.at(x, y));
+        for (uint32_t x = 0; x < table.width; ++x) {
+            const auto value = static_cast<double>(table.at(x, y));
+            sum += sine * value;
+            squares += sine * value * value;
+        }
         weight += sine * table.width;
     }
-    return sum / weight;
+    return {sum / weight, squares / weight};
 }
 
-// From radiance, at least `least`, to density over the square, which is wider than the sphere towards
-// the poles.
-Distribution2D density_over_square(Table table, float least) {
+// From radiance to density over the square, which is wider than the sphere towards the poles. Closures
+// find what the world has everywhere: what is brighter than its mean is left to this density [Karlik19].
+BilinearMap density_over_square(Table table, float mean) {
     for (uint32_t y = 0; y < table.height; ++y)
         for (uint32_t x = 0; x < table.width; ++x)
-            table.at(x, y) = std::max(table.at(x, y), least) * sin_theta(table, y);
+            table.at(x, y) =
+                std::max(table.at(x, y) - mean, kDensityFloor * mean) * sin_theta(table, y);
     return {std::move(table.values), table.width, table.height};
 }
 
-std::optional<WorldSample> sample_map(const Distribution2D& map, const Vec2& u) {
-    const Distribution2D::Sample s = map.sample(u);
+std::optional<WorldSample> sample_map(const BilinearMap& map, const BilinearMap::Cells& cells,
+                                      const Vec2& u) {
+    const BilinearMap::Sample s = map.sample(cells, u);
     const Vec3 wi = to_direction(s.position);
     const float sin_theta = std::sqrt(wi.x * wi.x + wi.y * wi.y);
     if (!(sin_theta > 0.0f)) return std::nullopt;
     return WorldSample{wi, to_omega(s.pdf, sin_theta)};
 }
 
-float map_pdf(const Distribution2D& map, const Vec3& wi) {
+float map_pdf(const BilinearMap& map, const BilinearMap::Cells& cells, const Vec3& wi) {
     const float sin_theta = std::sqrt(wi.x * wi.x + wi.y * wi.y);
     if (!(sin_theta > 0.0f)) return 0.0f;
     // atan2 keeps the digits near the poles that acos loses.
     const Vec2 position(0.5f - std::atan2(wi.y, wi.x) * (0.5f * kInvPi),
                         1.0f - std::atan2(sin_theta, wi.z) * kInvPi);
-    return to_omega(map.pdf(position), sin_theta);
+    return to_omega(map.pdf(cells, position), sin_theta);
 }
 
-double integral_of(const Distribution2D& map) {
+double integral_of(const BilinearMap::Cells& cells) {
     constexpr double pi = std::numbers::pi;
-    return map.empty() ? 0.0 : 2.0 * pi * pi * map.mean();
+    return 2.0 * pi * pi * cells.mean;
 }
 
 }  // namespace
@@ -135,37 +146,38 @@ void build_world(const Scene& scene, LightSet& lights, uint32_t threads) {
         return;
     }
     const Table table = tabulate(scene, material, threads);
-    const auto mean = static_cast<float>(mean_over_sphere(table));
-    lights.world_map = density_over_square(table, kDensityFloor * mean);
-    lights.world_peaks =
-        lights.world_map.part([&](uint32_t x, uint32_t y) { return table.at(x, y) > kPeak * mean; });
-    lights.has_world = !lights.world_map.empty();
+    const Moments of_table = moments(table);
+    const auto mean = static_cast<float>(of_table.mean);
+    lights.has_world = mean > 0.0f;
+    lights.world_map = density_over_square(table, mean);
+    if (of_table.mean_square >= kLeastContrast * of_table.mean * of_table.mean)
+        lights.world_cells = lights.world_map.cells([](uint32_t, uint32_t) { return true; });
+    lights.world_peaks = lights.world_map.cells(
+        [&](uint32_t x, uint32_t y) { return table.at(x, y) > kPeak * mean; });
 }
 
-double world_total(const LightSet& lights) {
-    if (!lights.has_world) return 0.0;
-    if (lights.world_is_constant)
-        return 4.0 * std::numbers::pi * static_cast<double>(luminance(lights.world_constant));
-    return integral_of(lights.world_map);
+double world_excess(const LightSet& lights) {
+    return lights.world_is_constant ? 0.0 : integral_of(lights.world_cells);
 }
 
-double world_total_of_peaks(const LightSet& lights) { return integral_of(lights.world_peaks); }
+double world_excess_of_peaks(const LightSet& lights) { return integral_of(lights.world_peaks); }
 
 std::optional<WorldSample> sample_world(const LightSet& lights, const Vec2& u) {
     if (lights.world_is_constant) return WorldSample{uniform_sphere(u), kUniformSpherePdf};
-    return sample_map(lights.world_map, u);
+    return sample_map(lights.world_map, lights.world_cells, u);
 }
 
 float world_pdf(const LightSet& lights, const Vec3& wi) {
-    return lights.world_is_constant ? kUniformSpherePdf : map_pdf(lights.world_map, wi);
+    return lights.world_is_constant ? kUniformSpherePdf
+                                    : map_pdf(lights.world_map, lights.world_cells, wi);
 }
 
 std::optional<WorldSample> sample_world_peaks(const LightSet& lights, const Vec2& u) {
-    return sample_map(lights.world_peaks, u);
+    return sample_map(lights.world_map, lights.world_peaks, u);
 }
 
 float world_peaks_pdf(const LightSet& lights, const Vec3& wi) {
-    return map_pdf(lights.world_peaks, wi);
+    return map_pdf(lights.world_map, lights.world_peaks, wi);
 }
 
 }  // namespace spc

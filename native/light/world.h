@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The world's directions, sampled in proportion to a table of its radiance, interpolated bilinearly.
-// The table is latitude-longitude in the orientation of Blender's environment images, so that an
-// unrotated image's texels are its own, and the ratio of radiance to density is the same everywhere:
+// The world's directions, sampled in proportion to a table of its radiance above the mean, interpolated
+// bilinearly. The table is latitude-longitude in the orientation of Blender's environment images, so
+// that an unrotated image's texels are its own:
 //   u = 1/2 - atan2(y, x) / (2 pi),   v = 1 - acos(z) / pi.
 #pragma once
 
@@ -11,9 +11,10 @@ namespace spc {
 
 // Sets the world_* members of `lights` and has_world. `threads` 0 = all.
 void build_world(const Scene& scene, LightSet& lights, uint32_t threads);
-// Integral of luminance over all directions, and over the peaks, W/m^2.
-double world_total(const LightSet& lights);
-double world_total_of_peaks(const LightSet& lights);
+// Integral of the luminance above its mean over all directions, and over the peaks, W/m^2; none of a
+// constant world.
+double world_excess(const LightSet& lights);
+double world_excess_of_peaks(const LightSet& lights);
 
 struct WorldSample {
     Vec3 wi;

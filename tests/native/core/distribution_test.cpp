@@ -115,6 +115,8 @@ std::vector<float> uneven_values(size_t width, size_t height) {
 
 constexpr uint32_t kWidth = 7, kHeight = 5;
 
+bool everywhere(uint32_t, uint32_t) { return true; }
+
 // What lies at the centres of texels, interpolated: periodic in x, zero above and below.
 double interpolated(const std::vector<float>& values, double x, double y) {
     const auto row = [&](int j, double t) {
@@ -154,37 +156,41 @@ double mean_of(const std::vector<double>& values) {
     return std::reduce(values.begin(), values.end()) / static_cast<double>(values.size());
 }
 
-TEST(Distribution2D, DensityIsThatOfTheInterpolatedValues) {
+TEST(BilinearMap, DensityIsThatOfTheInterpolatedValues) {
     const std::vector<float> values = uneven_values(kWidth, kHeight);
-    const Distribution2D d(values, kWidth, kHeight);
+    const BilinearMap map(values, kWidth, kHeight);
+    const BilinearMap::Cells all = map.cells(everywhere);
     const double mean =
         mean_of(over_bins([&](double x, double y) { return interpolated(values, x, y); }));
-    EXPECT_NEAR(d.mean(), mean, 1e-5);
+    EXPECT_NEAR(all.mean, mean, 1e-5);
     Uniforms uniforms(6);
     for (int i = 0; i < 20000; ++i) {
         const Vec2 p = uniforms.two();
-        EXPECT_NEAR(d.pdf(p),
+        EXPECT_NEAR(map.pdf(all, p),
                     interpolated(values, static_cast<double>(p.x), static_cast<double>(p.y)) / mean,
                     1e-4)
             << p;
     }
 }
 
-TEST(Distribution2D, SamplesItsDensity) {
+TEST(BilinearMap, SamplesItsDensity) {
     constexpr int64_t kSamples = 300000;
     const std::vector<float> values = uneven_values(kWidth, kHeight);
-    const Distribution2D whole(values, kWidth, kHeight);
-    const Distribution2D part = whole.part([](uint32_t x, uint32_t y) { return x == 0 && y > 2; });
-    for (const Distribution2D* d : {&whole, &part}) {
+    const BilinearMap map(values, kWidth, kHeight);
+    const BilinearMap::Cells all = map.cells(everywhere);
+    const BilinearMap::Cells part =
+        map.cells([](uint32_t x, uint32_t y) { return x == 0 && y > 2; });
+    for (const BilinearMap::Cells* cells : {&all, &part}) {
         std::vector<int64_t> observed(kBinsX * kBinsY);
         Uniforms uniforms(4);
         for (int64_t i = 0; i < kSamples; ++i) {
-            const Distribution2D::Sample s = d->sample(uniforms.two());
+            const BilinearMap::Sample s = map.sample(*cells, uniforms.two());
             ++observed[static_cast<size_t>(s.position.y * kBinsY) * kBinsX +
                        static_cast<size_t>(s.position.x * kBinsX)];
         }
         std::vector<double> expected = over_bins([&](double x, double y) {
-            return static_cast<double>(d->pdf({static_cast<float>(x), static_cast<float>(y)}));
+            return static_cast<double>(
+                map.pdf(*cells, {static_cast<float>(x), static_cast<float>(y)}));
         });
         EXPECT_NEAR(mean_of(expected), 1.0, 1e-3);
         for (double& count : expected) count *= static_cast<double>(kSamples) / (kBinsX * kBinsY);
@@ -195,10 +201,12 @@ TEST(Distribution2D, SamplesItsDensity) {
     }
 }
 
-TEST(Distribution2D, APartIsTheSameInItsCellsAndNothingElse) {
+TEST(BilinearMap, SomeCellsHaveTheSameDensityAndTheOthersNone) {
     const std::vector<float> values = uneven_values(kWidth, kHeight);
-    const Distribution2D whole(values, kWidth, kHeight);
-    const Distribution2D part = whole.part([](uint32_t x, uint32_t y) { return x == 6 && y == 3; });
+    const BilinearMap map(values, kWidth, kHeight);
+    const BilinearMap::Cells all = map.cells(everywhere);
+    const BilinearMap::Cells part =
+        map.cells([](uint32_t x, uint32_t y) { return x == 6 && y == 3; });
     Uniforms uniforms(7);
     for (int i = 0; i < 20000; ++i) {
         const Vec2 p = uniforms.two();
@@ -206,33 +214,33 @@ TEST(Distribution2D, APartIsTheSameInItsCellsAndNothingElse) {
         const bool inside = (p.x > 5.5f / kWidth || p.x < 0.5f / kWidth) && p.y > 2.5f / kHeight &&
                             p.y < 4.5f / kHeight;
         const double expected =
-            inside ? static_cast<double>(whole.pdf(p)) * whole.mean() / part.mean() : 0.0;
-        EXPECT_NEAR(part.pdf(p), expected, 1e-4 * expected) << p;
+            inside ? static_cast<double>(map.pdf(all, p)) * all.mean / part.mean : 0.0;
+        EXPECT_NEAR(map.pdf(part, p), expected, 1e-4 * expected) << p;
     }
-    EXPECT_TRUE(whole.part([](uint32_t, uint32_t) { return false; }).empty());
+    EXPECT_TRUE(map.cells([](uint32_t, uint32_t) { return false; }).empty());
 }
 
-TEST(Distribution2D, IsEmptyWithoutValues) {
-    const Distribution2D d(std::vector<float>(kWidth * kHeight), kWidth, kHeight);
-    EXPECT_TRUE(d.empty());
-    EXPECT_TRUE(d.part([](uint32_t, uint32_t) { return true; }).empty());
+TEST(BilinearMap, IsEmptyWithoutValues) {
+    const BilinearMap map(std::vector<float>(kWidth * kHeight), kWidth, kHeight);
+    EXPECT_TRUE(map.cells(everywhere).empty());
 }
 
 // Hypothesis: of what is interpolated like it, the ratio of value to density is the same everywhere, so
 // that nothing of a sum over samples is left to chance.
-TEST(Distribution2D, RatioOfValueToDensityIsTheMean) {
+TEST(BilinearMap, RatioOfValueToDensityIsTheMean) {
     const std::vector<float> values = uneven_values(kWidth, kHeight);
-    const Distribution2D d(values, kWidth, kHeight);
+    const BilinearMap map(values, kWidth, kHeight);
+    const BilinearMap::Cells all = map.cells(everywhere);
     Uniforms uniforms(8);
     for (int i = 0; i < 20000; ++i) {
-        const Distribution2D::Sample s = d.sample(uniforms.two());
+        const BilinearMap::Sample s = map.sample(all, uniforms.two());
         const double value = interpolated(values, static_cast<double>(s.position.x),
                                           static_cast<double>(s.position.y));
-        EXPECT_NEAR(value / static_cast<double>(s.pdf), d.mean(), 2e-3 * d.mean()) << s.position;
+        EXPECT_NEAR(value / static_cast<double>(s.pdf), all.mean, 2e-3 * all.mean) << s.position;
     }
 }
 
-TEST(Distribution2D, DensityAtASampleIsTheSamples) {
+TEST(BilinearMap, DensityAtASampleIsTheSamples) {
     for (const uint32_t width : {1u, 3u, 257u, 4096u}) {
         constexpr uint32_t kRows = 3;
         const std::vector<float> values = [&] {
@@ -241,20 +249,21 @@ TEST(Distribution2D, DensityAtASampleIsTheSamples) {
             for (float& value : v) value = 0.1f + uniforms();
             return v;
         }();
-        const Distribution2D whole(values, width, kRows);
-        const Distribution2D part =
-            whole.part([](uint32_t x, uint32_t y) { return x % 7 == 0 && y == 1; });
-        for (const Distribution2D* d : {&whole, &part}) {
+        const BilinearMap map(values, width, kRows);
+        const BilinearMap::Cells all = map.cells(everywhere);
+        const BilinearMap::Cells part =
+            map.cells([](uint32_t x, uint32_t y) { return x % 7 == 0 && y == 1; });
+        for (const BilinearMap::Cells* cells : {&all, &part}) {
             Uniforms uniforms(5);
             for (int i = 0; i < 100000; ++i) {
                 const Vec2 u = i == 0   ? Vec2(0.0f)
                                : i == 1 ? Vec2(kBelowOne, kBelowOne)
                                         : uniforms.two();
-                const Distribution2D::Sample s = d->sample(u);
+                const BilinearMap::Sample s = map.sample(*cells, u);
                 ASSERT_GE(std::min(s.position.x, s.position.y), 0.0f);
                 ASSERT_LT(std::max(s.position.x, s.position.y), 1.0f);
                 ASSERT_GT(s.pdf, 0.0f) << width << " " << s.position;
-                ASSERT_EQ(s.pdf, d->pdf(s.position)) << width << " " << s.position;
+                ASSERT_EQ(s.pdf, map.pdf(*cells, s.position)) << width << " " << s.position;
             }
         }
     }

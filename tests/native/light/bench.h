@@ -111,7 +111,7 @@ inline Seen look(const Lit& lit, const Vec3& p, const Vec3& wi) {
         seen.radiance += lamp_radiance(lit.lights.lamps[i], hit->p, wi * -1.0f);
     }
     for (const uint32_t i : lit.lights.disc_suns) {
-        const float pdf = pdf_direct_sun(lit.lights, i, wi);
+        const float pdf = pdf_direct_sun(lit.lights, p, i, wi);
         if (!(pdf > 0.0f)) continue;
         seen.pdf_direct += pdf;
         seen.pdf_light_point = pdf_light_point_sun(lit.lights, i, wi);
@@ -124,7 +124,7 @@ inline Seen look(const Lit& lit, const Vec3& p, const Vec3& wi) {
         seen.pdf_light_point = pdf_light_point_surface(lit.lights, hit->surface);
         seen.radiance += surface_emission(scene, hit->surface, wi * -1.0f);
     } else if (!hit && lit.lights.has_world) {
-        seen.pdf_direct += pdf_direct_world(lit.lights, wi);
+        seen.pdf_direct += pdf_direct_world(lit.lights, p, wi);
         seen.pdf_light_point = pdf_light_point_world(lit.lights, wi);
         seen.radiance += world_radiance(lit.lights, scene, wi);
     }

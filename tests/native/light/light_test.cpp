@@ -378,7 +378,7 @@ TEST(Lights, NoLightsNoSamples) {
     EXPECT_FALSE(sample_direct(lit.lights, *lit.scene, kOrigin, {0.5f, 0.5f, 0.5f}));
     EXPECT_FALSE(sample_light_point(lit.lights, *lit.scene, {0.5f, 0.5f, 0.5f}));
     EXPECT_EQ(lit.lights.count(), 0u);
-    EXPECT_EQ(pdf_direct_world(lit.lights, kUp), 0.0f);
+    EXPECT_EQ(pdf_direct_world(lit.lights, kOrigin, kUp), 0.0f);
     EXPECT_EQ(pdf_light_point_world(lit.lights, kUp), 0.0f);
     EXPECT_TRUE(is_black(world_radiance(lit.lights, *lit.scene, kUp)));
 }
@@ -476,7 +476,7 @@ TEST(Lights, SpectrumOfTwelveOrdersOfMagnitude) {
                         kSignificance, 1e-10));
 }
 
-TEST(Lights, AThousandAreChosenByPower) {
+TEST(Lights, AThousandAreChosenByPowerAndDistance) {
     std::vector<LightDesc> lamps;
     Uniforms uniforms(1);
     double total = 0;
@@ -490,11 +490,14 @@ TEST(Lights, AThousandAreChosenByPower) {
         const Vec3 d = lamp.position();
         expected += lamp.power.y / (4 * kPiD) * d.z / std::pow(length_squared(d), 1.5);
     }
-    EXPECT_TRUE(is_mean(irradiance_direct(lit, kOrigin, kUp, kSamples, 2), expected, kSignificance));
-    EXPECT_TRUE(
-        is_mean(irradiance_light_point(lit, kOrigin, kUp, kSamples, 2), expected, kSignificance));
+    const MeanEstimate direct = irradiance_direct(lit, kOrigin, kUp, kSamples, 2),
+                       light_point = irradiance_light_point(lit, kOrigin, kUp, kSamples, 2);
+    EXPECT_TRUE(is_mean(direct, expected, kSignificance));
+    EXPECT_TRUE(is_mean(light_point, expected, kSignificance));
+    // The one knows how far away the lamps are, the other chooses by their power.
+    EXPECT_LT(direct.standard_error(), 0.6 * light_point.standard_error());
     for (size_t i = 0; i < lamps.size(); ++i)
-        EXPECT_NEAR(lit.lights.selection.probability(i),
+        EXPECT_NEAR(lit.lights.caustic_selection.probability(i),
                     0.8 * lamps[i].power.y / total + 0.2 / 1000, 1e-6);
 }
 
@@ -512,7 +515,7 @@ TEST(Lights, DeltasHaveNoDensityAndNoSurface) {
             sample_direct(lit.lights, *lit.scene, kOrigin, uniforms.three());
         ASSERT_TRUE(s);
         EXPECT_TRUE(s->delta);
-        EXPECT_EQ(s->density, lit.lights.selection.probability(s->light));
+        EXPECT_EQ(s->density, lit.lights.tree.probability(s->light, kOrigin));
         const std::optional<LightPoint> y =
             sample_light_point(lit.lights, *lit.scene, uniforms.three());
         ASSERT_TRUE(y);

@@ -60,7 +60,7 @@ TEST(World, ConstantIsLeftToClosures) {
     ASSERT_TRUE(lit.lights.has_world && lit.lights.world_is_constant);
     EXPECT_EQ(pdf_light_point_world(lit.lights, kUp), 0.0f);
     EXPECT_FALSE(sample_light_point(lit.lights, *lit.scene, {0.5f, 0.5f, 0.5f}));
-    EXPECT_EQ(pdf_direct_world(lit.lights, kUp), 0.0f);
+    EXPECT_EQ(pdf_direct_world(lit.lights, kOrigin, kUp), 0.0f);
     EXPECT_FALSE(sample_direct(lit.lights, *lit.scene, kOrigin, {0.5f, 0.5f, 0.5f}));
     EXPECT_EQ(world_radiance(lit.lights, *lit.scene, kUp), Spectrum(2.0f));
 }
@@ -74,11 +74,38 @@ TEST(World, BlackIsNoLight) {
     EXPECT_FALSE(under_panorama(Texels(64 * 32 * 3, 0.0f), 64, 32).lights.has_world);
 }
 
-TEST(World, PanoramaOfOneColourIsSampledEvenly) {
-    const Lit lit = under_panorama(Texels(64 * 32 * 3, 0.5f), 64, 32);
-    ASSERT_TRUE(lit.lights.has_world);
-    EXPECT_NEAR_REL(pdf_direct_world(lit.lights, normalize(Vec3(1, 2, 0.5f))), 1 / (4 * kPiD), 1e-2);
-    EXPECT_EQ(world_radiance(lit.lights, *lit.scene, kUp), Spectrum(0.5f));
+TEST(World, NearlyEvenOnesAreLeftToClosures) {
+    // Half of it dim: the mean square of radiance is 1 + (1 - dim)^2 / (1 + dim)^2 times the square
+    // of its mean.
+    for (const float dim : {1.0f, 0.1f, 0.0f}) {
+        Texels texels(64 * 32 * 3, 0.5f);
+        std::fill_n(texels.begin(), 64 * 16 * 3, 0.5f * dim);
+        if (dim == 0.0f) std::fill_n(texels.begin(), 64 * 20 * 3, 0.0f);
+        const Lit lit = under_panorama(texels, 64, 32);
+        ASSERT_TRUE(lit.lights.has_world);
+        const Vec3 above = normalize(Vec3(0.1f, 0.2f, 0.5f));
+        EXPECT_EQ(world_radiance(lit.lights, *lit.scene, above), Spectrum(0.5f));
+        const bool sampled = pdf_direct_world(lit.lights, kOrigin, above) > 0.0f;
+        EXPECT_EQ(sampled, dim == 0.0f);
+        EXPECT_EQ(sampled, sample_direct(lit.lights, *lit.scene, kOrigin, Vec3(0.5f)).has_value());
+    }
+}
+
+TEST(World, IsSampledByWhatItHasAboveItsMean) {
+    // A quarter of the sphere, by azimuth, has 4 times the mean but for a ground of a tenth of that.
+    constexpr uint32_t kWidth = 256, kHeight = 128;
+    Texels texels(kWidth * kHeight * 3, 0.1f);
+    for (uint32_t y = 0; y < kHeight; ++y)
+        std::fill_n(texels.begin() + (y * kWidth + 64) * 3, 64 * 3, 3.7f);
+    const Lit lit = under_panorama(texels, kWidth, kHeight);
+    const auto pdf = [&](double x) {
+        return pdf_direct_world(lit.lights, kOrigin,
+                                direction_of_texel(x, kHeight * 0.6, kWidth, kHeight));
+    };
+    // Mean 1; what is above it lies evenly on the quarter, and next to nothing elsewhere.
+    EXPECT_NEAR_REL(pdf(96.5), 1 / kPiD, 1e-2);
+    EXPECT_LT(pdf(200.5), 1e-3 / kPiD);
+    EXPECT_GT(pdf(200.5), 0.0);
 }
 
 // Images of any shape and of more texels than the table has cells: one bright texel on an even
@@ -99,7 +126,7 @@ TEST(WorldSlow, OneBrightTexelOfAnyImageIsNotMissed) {
             // The sun has nearly all the light; in its own cell the density is at least a tenth of
             // the ideal one, which is even over its texel.
             EXPECT_GT(sun * solid_angle, 4 * kPiD * 0.1 * 10);
-            EXPECT_GT(pdf_direct_world(lit.lights, center) * solid_angle, 0.1)
+            EXPECT_GT(pdf_direct_world(lit.lights, kOrigin, center) * solid_angle, 0.1)
                 << width << " x " << height;
         }
 }
@@ -117,9 +144,9 @@ TEST(World, SamplesHaveTheirDensity) {
         return t;
     }();
     const Lit lit = under_panorama(texels, 16, 8);
-    ASSERT_FALSE(lit.lights.world_map.empty());
+    ASSERT_FALSE(lit.lights.world_cells.empty());
     Uniforms uniforms(2);
-    const auto pdf = [&](const Vec3& wi) { return pdf_direct_world(lit.lights, wi); };
+    const auto pdf = [&](const Vec3& wi) { return pdf_direct_world(lit.lights, kOrigin, wi); };
     const auto draw = [&]() -> std::optional<Vec3> {
         const std::optional<DirectSample> s =
             sample_direct(lit.lights, *lit.scene, kOrigin, uniforms.three());
@@ -191,12 +218,13 @@ TEST(World, NoDirectionIsOutOfReach) {
     const Lit lit = under_panorama(single_texel(512, 256, 100, 200, 1e6f), 512, 256);
     Uniforms uniforms(5);
     for (int i = 0; i < 10000; ++i)
-        EXPECT_GT(pdf_direct_world(lit.lights, normalize(uniforms.three() - Vec3(0.5f))), 0.0f);
+        EXPECT_GT(pdf_direct_world(lit.lights, kOrigin, normalize(uniforms.three() - Vec3(0.5f))),
+                  0.0f);
     for (const Vec3& axis :
          {Vec3(1, 0, 0), Vec3(-1, 0, 0), Vec3(-1, -0.0f, 0), Vec3(0, 1, 0), Vec3(0, -1, 0)})
-        EXPECT_GT(pdf_direct_world(lit.lights, axis), 0.0f) << axis;
+        EXPECT_GT(pdf_direct_world(lit.lights, kOrigin, axis), 0.0f) << axis;
     for (const Vec3& pole : {Vec3(0, 0, 1), Vec3(0, 0, -1)})
-        EXPECT_TRUE(std::isfinite(pdf_direct_world(lit.lights, pole))) << pole;
+        EXPECT_TRUE(std::isfinite(pdf_direct_world(lit.lights, kOrigin, pole))) << pole;
 }
 
 TEST(World, TwelveOrdersOfMagnitudeInOneSky) {
@@ -212,26 +240,24 @@ TEST(World, TwelveOrdersOfMagnitudeInOneSky) {
 }
 
 TEST(World, SharesTheChoiceWithLamps) {
-    // A sky and a sun of the same irradiance on their own; the sum on the ground is exact.
+    // The sum of a cap of sky and of a sun on the ground is exact.
     SceneMaker maker;
-    Texels texels(64 * 32 * 3);
-    for (size_t i = 0; i < texels.size(); ++i)
-        texels[i] = i / (64 * 3) >= 16 ? 2.0f : 0.0f;  // the upper half
-    add_panorama(maker, texels, 64, 32, false);
+    constexpr uint32_t kWidth = 1024, kHeight = 512, kFirstRow = 320;
+    Texels texels(kWidth * kHeight * 3);
+    std::fill(texels.begin() + kFirstRow * kWidth * 3, texels.end(), 2.0f);
+    add_panorama(maker, texels, kWidth, kHeight, false);
     maker.builder.add_light(sun_lamp(4, 0.1f));
     maker.add(square(3), diffuse(0.5f), translation({0, 0, -1}));
     const Lit lit = freeze(maker);
-    // The edge of the upper half is half a texel of ramp on both sides of the horizon, where the
-    // cosine vanishes.
-    const double step = kPiD / 32,
-                 ramp =
-                     integrate([&](double e) { return 2 * (e / step) * std::sin(e) * std::cos(e); },
-                               0, step / 2, 1e-9);
-    const double inner = kPiD * 2 * sqr(static_cast<float>(std::cos(step / 2)));
-    const double sky =
-        inner + 2 * kPiD *
-                    (ramp + integrate([](double e) { return std::sin(e) * std::cos(e); }, 0,
-                                      step / 2, 1e-9));
+    // The edge is a ramp of a texel's height.
+    const double step = kPiD / kHeight, dark = (kFirstRow - 0.5 - kHeight * 0.5) * step;
+    const auto over = [&](double from, double to, const auto& radiance) {
+        return integrate(
+            [&](double e) { return 2 * kPiD * radiance(e) * std::sin(e) * std::cos(e); }, from, to,
+            1e-9);
+    };
+    const double sky = over(dark, dark + step, [&](double e) { return 2 * (e - dark) / step; }) +
+                       over(dark + step, kPiD / 2, [](double) { return 2.0; });
     const double sun = 4;
     EXPECT_TRUE(is_mean(irradiance_direct(lit, kOrigin, kUp, 4 * kSamples, 8), sky + sun,
                         kSignificance, 1e-3 * sky));

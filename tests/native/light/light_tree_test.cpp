@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "light/light_tree.h"
+
+#include "light/bench.h"
+#include "math/warp.h"
+#include "support/chi_square.h"
+
+namespace spc::test {
+namespace {
+
+constexpr double kSignificance = 0.01;
+constexpr double kEvenShare = 0.2;
+
+LightReach point(float strength, const Vec3& center) {
+    return {.strength = strength, .center = center};
+}
+
+// Of every kind, anywhere in a cube of 4 m; some never chosen.
+std::vector<LightReach> mixed_lights(uint32_t count, uint64_t seed) {
+    Uniforms uniforms(seed);
+    std::vector<LightReach> lights(count);
+    for (LightReach& light : lights) {
+        light.strength = uniforms() < 0.1f ? 0.0f : 0.1f + 10.0f * uniforms();
+        light.distant = uniforms() < 0.05f;
+        light.center = (uniforms.three() - Vec3(0.5f)) * 4.0f;
+        light.radius = uniforms() < 0.5f ? 0.0f : 0.5f * uniforms();
+        const float kind = uniforms();
+        if (kind < 0.3f) continue;
+        light.cosine = kind < 0.6f;
+        light.beam = {normalize(uniforms.three() - Vec3(0.5f)),
+                      light.cosine ? 1.0f : 0.02f + uniforms()};
+    }
+    return lights;
+}
+
+TEST(LightTree, ProbabilitiesAddUpEverywhere) {
+    for (const uint32_t count : {1u, 2u, 3u, 40u, 700u}) {
+        const std::vector<LightReach> lights = mixed_lights(count, 10 + count);
+        const LightTree tree(lights);
+        Uniforms uniforms(1);
+        for (int i = 0; i < 200; ++i) {
+            const Vec3 p = (uniforms.three() - Vec3(0.5f)) * (i % 2 == 0 ? 4.0f : 40.0f);
+            double sum = 0;
+            for (uint32_t light = 0; light < count; ++light) {
+                const float share = tree.probability(light, p);
+                EXPECT_EQ(share > 0.0f, lights[light].strength > 0.0f);
+                sum += static_cast<double>(share);
+            }
+            ASSERT_NEAR(sum, 1.0, 1e-5) << count << " " << p;
+        }
+    }
+}
+
+TEST(LightTree, ChoosesByItsProbabilities) {
+    constexpr int64_t kSamples = 200000;
+    constexpr uint32_t kCount = 60;
+    const LightTree tree(mixed_lights(kCount, 2));
+    Uniforms uniforms(3);
+    for (const Vec3& p : {Vec3(0, 0, 0), Vec3(1.9f, -1.5f, 0.3f), Vec3(30, 0, 0)}) {
+        std::vector<int64_t> observed(kCount);
+        std::vector<double> expected(kCount);
+        for (int64_t i = 0; i < kSamples; ++i) {
+            const LightTree::Sample s = tree.sample(p, uniforms());
+            ASSERT_EQ(s.probability, tree.probability(s.light, p));
+            ++observed[s.light];
+        }
+        for (uint32_t i = 0; i < kCount; ++i)
+            expected[i] = static_cast<double>(tree.probability(i, p)) * kSamples;
+        const ChiSquare fit = chi_square(observed, expected);
+        EXPECT_TRUE(fit.passes(kSignificance / 3)) << fit.text();
+        for (uint32_t i = 0; i < kCount; ++i) expected[i] *= i % 2 == 0 ? 1.05 : 0.95;
+        EXPECT_FALSE(chi_square(observed, expected).passes(kSignificance / 3));
+    }
+}
+
+TEST(LightTree, NearLightsAreChosenByTheSquareOfTheirDistance) {
+    const std::vector<LightReach> two = {point(1, {0, 0, 1}), point(1, {0, 0, -3})};
+    const LightTree tree(two);
+    EXPECT_NEAR(tree.probability(0, Vec3(0.0f)), 0.5 * kEvenShare + (1 - kEvenShare) * 0.9, 1e-5);
+    const std::vector<LightReach> with_sun = {point(1, {0, 0, 1}), {.distant = true, .strength = 3}};
+    const LightTree beside_sun(with_sun);
+    EXPECT_NEAR(beside_sun.probability(0, Vec3(0.0f)), 0.5 * kEvenShare + (1 - kEvenShare) * 0.25,
+                1e-5);
+}
+
+// No bound of a node hides a light: wherever it shines, it has more than its part of the even share.
+TEST(LightTree, WhatShinesOnAPointIsFoundByTheTreeThere) {
+    constexpr uint32_t kCount = 300;
+    const std::vector<LightReach> lights = mixed_lights(kCount, 5);
+    const LightTree tree(lights);
+    const auto chosen = static_cast<double>(std::count_if(
+        lights.begin(), lights.end(), [](const LightReach& l) { return l.strength > 0.0f; }));
+    Uniforms uniforms(6);
+    int lit = 0, dark = 0;
+    for (int i = 0; i < 2000; ++i) {
+        const Vec3 p = (uniforms.three() - Vec3(0.5f)) * 8.0f;
+        for (uint32_t light = 0; light < kCount; ++light) {
+            const LightReach& l = lights[light];
+            if (l.distant || !(l.strength > 0.0f)) continue;
+            // From a point of its sphere.
+            const Vec3 y = l.center + uniform_sphere(uniforms.two()) * (0.999f * l.radius);
+            const float cos = dot(normalize(p - y), l.beam.axis);
+            const bool shines = l.cosine ? cos > 1e-3f : 1.0f - cos < l.beam.one_minus_cos - 1e-3f;
+            const bool found = static_cast<double>(tree.probability(light, p)) >
+                               (1.0 + 1e-6) * kEvenShare / chosen;
+            if (shines) {
+                ++lit;
+                EXPECT_TRUE(found) << light << " " << p;
+            } else {
+                dark += !found;
+            }
+        }
+    }
+    EXPECT_GT(lit, 100000);
+    EXPECT_GT(dark, 50000);  // and many a light is left to the even share where it does not shine
+}
+
+TEST(LightTree, StandsLightsInOnePlaceAndExtremes) {
+    std::vector<LightReach> lights(1000, point(1, {1, 2, 3}));
+    lights[7].strength = 1e12f;
+    lights[8].strength = 1e-12f;
+    const LightTree tree(lights);
+    for (const Vec3& p : {Vec3(1, 2, 3), Vec3(0.0f), Vec3(1e6f, 0, 0)}) {
+        for (const uint32_t light : {0u, 7u, 8u, 999u}) {
+            const float share = tree.probability(light, p);
+            EXPECT_TRUE(std::isfinite(share) && share > 0.0f) << light << " " << p;
+        }
+        EXPECT_GT(tree.probability(7, p), 0.75f);
+    }
+    EXPECT_TRUE(LightTree().empty());
+    EXPECT_TRUE(LightTree(std::vector<LightReach>(3)).empty());
+    EXPECT_EQ(LightTree(std::vector<LightReach>(3)).probability(1, Vec3(0.0f)), 0.0f);
+}
+
+}  // namespace
+}  // namespace spc::test

@@ -130,15 +130,13 @@ def joined(stored: Reference, merged: tuple) -> tuple:
     """As `Parts.merged`, with a stored reference, whose masks stay as they are.
 
     Each counts by the inverse of its variance, of which there is one where the camera sees caustics
-    directly, one where it sees others and one beside them, so that light tracing may help the first
-    and the last alone: by a pixel's own it would count the more the fewer bright samples it has met
-    there.
+    directly and one elsewhere, so that light tracing may help the first alone: by a pixel's own it
+    would count the more the fewer bright samples it has met there.
     """
     mean, variance, _, _, count = merged
     share = np.empty((*mean.shape[:2], 1))  # the new one's
     direct = stored.direct if stored.direct is not None else np.zeros(mean.shape[:2], bool)
-    caustics = _metrics.caustics_mask(stored.mean, stored.caustics)
-    for region in (direct, caustics & ~direct, ~caustics & ~direct):
+    for region in (direct, ~direct):
         if not region.any():
             continue
         old = _metrics.trimmed_mean(stored.variance[region])

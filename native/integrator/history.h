@@ -46,6 +46,10 @@ struct PathHistory {
         stage = Stage::chain;
         caustic = camera_path(camera, ray.origin, ray.direction);
     }
+    // x, as the choice of a light saw it. After a scattering there.
+    LitPoint lit_point() const {
+        return {caustic.x, caustic.sides.below ? Vec3(0.0f) : caustic.sides.ng};
+    }
     // Whether all that is since then has begun with a smooth scattering.
     bool has_scattered() const { return stage != Stage::unconnected && !caustic.from_camera; }
     // The path goes from x in the direction wi: as those see it who know its vertices alone. Rays

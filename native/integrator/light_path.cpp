@@ -117,8 +117,6 @@ private:
     bool scatter(const Surface& surface, const ClosureSample& next, const Sampler& here) {
         const bool first = !history_.has_scattered();
         if (first) rays_before_ = stats_.rays;
-        if (first && history_.count == 0)
-            end_.pdf_direct = pdf_direct(world_.lights, scene_, surface.p, y_);
         throughput_ *= next.weight;
         const float q = std::min(1.0f, max_component(throughput_));
         if (here[Domain::roulette].one() >= q) return false;
@@ -126,6 +124,8 @@ private:
         survival_ *= q;
         Surface from_camera;
         evaluate_surface(scene_, surface.hit, next.wi, from_camera);
+        if (first && history_.count == 0)
+            end_.pdf_direct = pdf_direct(world_.lights, scene_, lit_point(from_camera), y_);
         const std::optional<LightHistory::Arrival> arrival =
             history_.arrive(scene_, end_.end, visibility_, from_camera);
         if (!arrival) return false;

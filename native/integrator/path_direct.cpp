@@ -7,7 +7,7 @@ Spectrum PathTracer::direct_radiance(const Surface& surface, const CameraApproac
                                      const Sampler& sampler) {
     if (!has_smooth_closure(surface.closures)) return Spectrum(0.0f);
     const std::optional<DirectSample> light =
-        sample_direct(world.lights, scene(), surface.p, sampler[Domain::light].three());
+        sample_direct(world.lights, scene(), lit_point(surface), sampler[Domain::light].three());
     if (!light || is_black(light->radiance)) return Spectrum(0.0f);
     const uint32_t visibility = light_visibility(world.lights, light->light);
     const ClosureEval f =

@@ -11,9 +11,10 @@ Spectrum PathTracer::emission_from_afar() const {
         const Spectrum radiance =
             lamp_radiance(world.lights.lamps[sun], Vec3(0.0f), ray.direction * -1.0f);
         if (is_black(radiance)) continue;
-        sum += radiance * weight_of_lamp(end_afar(
-                              sun, pdf_light_point_sun(world.lights, sun, ray.direction),
-                              pdf_direct_sun(world.lights, history.caustic.x, sun, ray.direction)));
+        sum +=
+            radiance * weight_of_lamp(end_afar(
+                           sun, pdf_light_point_sun(world.lights, sun, ray.direction),
+                           pdf_direct_sun(world.lights, history.lit_point(), sun, ray.direction)));
     }
     return sum;
 }
@@ -28,7 +29,8 @@ Spectrum PathTracer::emission_of_world() const {
            weight_of(end_afar(
                world.lights.of_world(),
                light_points_count() ? pdf_light_point_world(world.lights, ray.direction) : 0.0f,
-               scattered ? pdf_direct_world(world.lights, history.caustic.x, ray.direction) : 0.0f));
+               scattered ? pdf_direct_world(world.lights, history.lit_point(), ray.direction)
+                         : 0.0f));
 }
 
 Spectrum PathTracer::emission_of_lamp(const Hit& hit) const {
@@ -37,7 +39,7 @@ Spectrum PathTracer::emission_of_lamp(const Hit& hit) const {
     if (is_black(radiance)) return radiance;
     float pdf_direct = 0.0f, pdf_point = 0.0f, cos_y = 0.0f;
     if (history.stage == PathHistory::Stage::scattered)
-        pdf_direct = pdf_direct_lamp(world.lights, history.caustic.x, ray.direction, hit);
+        pdf_direct = pdf_direct_lamp(world.lights, history.lit_point(), ray.direction, hit);
     if (light_points_count()) {
         cos_y = -dot(lamp_normal(world.lights.lamps[hit.light], p), ray.direction);
         // The manifold sees lamps from outside alone.
@@ -52,7 +54,7 @@ Spectrum PathTracer::emission_of_surface(const Hit& hit, const Surface& surface)
     float pdf_direct = 0.0f, pdf_point = 0.0f;
     if (history.stage == PathHistory::Stage::scattered)
         pdf_direct =
-            pdf_direct_surface(world.lights, scene(), history.caustic.x, ray.direction, hit);
+            pdf_direct_surface(world.lights, scene(), history.lit_point(), ray.direction, hit);
     if (light_points_count()) pdf_point = pdf_light_point_surface(world.lights, hit.surface);
     const uint32_t emitter = world.lights.emissive_of_instance[hit.surface.instance];
     const LightEnd end{{false, surface.p, Vec3(0.0f)},

@@ -45,7 +45,7 @@ Spectrum PathTracer::glint_estimate(const Surface& surface, const Sampler& sampl
     const uint32_t begin = estimate * kGlintCandidates;
     for (uint32_t i = begin; i < begin + kGlintCandidates; ++i) {
         const std::optional<DirectSample> light =
-            sample_direct(world.lights, scene(), surface.p, lattice_point(first, i));
+            sample_direct(world.lights, scene(), lit_point(surface), lattice_point(first, i));
         if (!light || !(dot(surface.ng, light->wi) > 0.0f)) continue;
         const uint32_t visibility = light_visibility(world.lights, light->light);
         if ((visibility & kVisibleGlossy) == 0) continue;

@@ -3,7 +3,6 @@
 
 #include "light/mesh_emitter.h"
 #include "light/world.h"
-#include "scene/surface.h"
 
 namespace spc {
 namespace {
@@ -31,7 +30,9 @@ float chance(const DiscreteDistribution& selection, uint32_t light) {
 }
 
 LightReach reach_of(const LightDesc& desc, const Lamp& lamp, double flux) {
-    if (is_sun(lamp)) return {.distant = true, .strength = static_cast<float>(flux)};
+    if (is_sun(lamp))
+        return {
+            .distant = true, .strength = static_cast<float>(flux), .center = desc.axis() * -1.0f};
     LightReach reach{.center = desc.position(), .beam = lamp_beam(lamp)};
     if (const auto* area = std::get_if<AreaLamp>(&lamp)) {
         reach.strength =
@@ -107,7 +108,7 @@ LightSet build_lights(const Scene& scene, uint32_t threads) {
         lights.visibility.push_back(scene.environment.visibility | kVisibleShadow);
         const bool seen = (scene.environment.visibility & kVisibleScattered) != 0;
         LightReach reach{.distant = true};
-        // On what is turned any way.
+        // Irradiance, on average over all orientations of what it falls on.
         if (seen) reach.strength = static_cast<float>(0.25 * world_excess(lights));
         reaches.push_back(reach);
         const bool feeds = seen && scene.environment.feeds_caustics;
@@ -122,14 +123,18 @@ uint32_t light_visibility(const LightSet& lights, uint32_t light) {
     return lights.visibility[light];
 }
 
-std::optional<DirectSample> sample_direct(const LightSet& lights, const Scene& scene, const Vec3& p,
-                                          const Vec3& u) {
+LitPoint lit_point(const Surface& surface) {
+    return {surface.p, has_smooth_transmission(surface.closures) ? Vec3(0.0f) : surface.ng};
+}
+
+std::optional<DirectSample> sample_direct(const LightSet& lights, const Scene& scene,
+                                          const LitPoint& at, const Vec3& u) {
     if (lights.tree.empty()) return std::nullopt;
-    const LightTree::Sample chosen = lights.tree.sample(p, u.x);
+    const LightTree::Sample chosen = lights.tree.sample(at, u.x);
     const Vec2 place(u.y, u.z);
     std::optional<DirectSample> sample;
     if (chosen.light < lights.lamps.size()) {
-        if (const std::optional<LampSample> s = sample_lamp(lights.lamps[chosen.light], p, place))
+        if (const std::optional<LampSample> s = sample_lamp(lights.lamps[chosen.light], at.p, place))
             sample = {s->wi, s->distance, s->radiance, s->density, s->delta, chosen.light};
     } else if (chosen.light == lights.of_world()) {
         if (const std::optional<WorldSample> s = sample_world(lights, place))
@@ -137,18 +142,19 @@ std::optional<DirectSample> sample_direct(const LightSet& lights, const Scene& s
                       s->pdf_omega, false,     chosen.light};
     } else {
         const auto emitter = static_cast<uint32_t>(chosen.light - lights.lamps.size());
-        sample = sample_emitter_from(lights, scene, emitter, p, place);
+        sample = sample_emitter_from(lights, scene, emitter, at.p, place);
     }
     if (sample) sample->density *= chosen.probability;
     return sample;
 }
 
-float pdf_direct_lamp(const LightSet& lights, const Vec3& p, const Vec3& wi, const Hit& hit) {
-    return lights.tree.probability(hit.light, p) * lamp_pdf(lights.lamps[hit.light], p, wi, hit.t);
+float pdf_direct_lamp(const LightSet& lights, const LitPoint& at, const Vec3& wi, const Hit& hit) {
+    return lights.tree.probability(hit.light, at) *
+           lamp_pdf(lights.lamps[hit.light], at.p, wi, hit.t);
 }
 
-float pdf_direct_surface(const LightSet& lights, const Scene& scene, const Vec3& p, const Vec3& wi,
-                         const Hit& hit) {
+float pdf_direct_surface(const LightSet& lights, const Scene& scene, const LitPoint& at,
+                         const Vec3& wi, const Hit& hit) {
     const uint32_t emitter = lights.emissive_of_instance[hit.surface.instance];
     if (emitter == kNone) return 0.0f;
     const float pdf_area = emitter_pdf_area(lights.emissive[emitter], hit.surface.triangle);
@@ -156,20 +162,20 @@ float pdf_direct_surface(const LightSet& lights, const Scene& scene, const Vec3&
     const std::array<Vec3, 3> corner =
         scene.triangle_world(hit.surface.instance, hit.surface.triangle);
     const Vec3 e1 = corner[1] - corner[0], e2 = corner[2] - corner[0];
-    const float d2 = length_squared(corner[0] + e1 * hit.surface.u + e2 * hit.surface.v - p);
+    const float d2 = length_squared(corner[0] + e1 * hit.surface.u + e2 * hit.surface.v - at.p);
     const float cos = std::abs(dot(normalize(cross(e1, e2)), wi));
     if (!(cos > 0.0f)) return 0.0f;
-    return lights.tree.probability(lights.of_emitter(emitter), p) * pdf_area * d2 / cos;
+    return lights.tree.probability(lights.of_emitter(emitter), at) * pdf_area * d2 / cos;
 }
 
-float pdf_direct_world(const LightSet& lights, const Vec3& p, const Vec3& wi) {
+float pdf_direct_world(const LightSet& lights, const LitPoint& at, const Vec3& wi) {
     if (!lights.has_world) return 0.0f;
-    const float probability = lights.tree.probability(lights.of_world(), p);
+    const float probability = lights.tree.probability(lights.of_world(), at);
     return probability > 0.0f ? probability * world_pdf(lights, wi) : 0.0f;
 }
 
-float pdf_direct_sun(const LightSet& lights, const Vec3& p, uint32_t light, const Vec3& wi) {
-    return lights.tree.probability(light, p) *
+float pdf_direct_sun(const LightSet& lights, const LitPoint& at, uint32_t light, const Vec3& wi) {
+    return lights.tree.probability(light, at) *
            lamp_pdf(lights.lamps[light], Vec3(0.0f), wi, kInfinity);
 }
 
@@ -253,17 +259,18 @@ float pdf_light_point_sun(const LightSet& lights, uint32_t light, const Vec3& wi
            (in_disc(std::get<DiscSun>(lights.lamps[light]), wi) ? 1.0f : 0.0f);
 }
 
-float pdf_direct(const LightSet& lights, const Scene& scene, const Vec3& p, const LightPoint& y) {
+float pdf_direct(const LightSet& lights, const Scene& scene, const LitPoint& at,
+                 const LightPoint& y) {
     const bool lamp = y.light < lights.lamps.size();
-    if (y.delta) return lights.tree.probability(y.light, p);
+    if (y.delta) return lights.tree.probability(y.light, at);
     if (y.distant)
-        return lamp ? pdf_direct_sun(lights, p, y.light, y.direction)
-                    : pdf_direct_world(lights, p, y.direction);
-    const Vec3 to = y.p - p;
+        return lamp ? pdf_direct_sun(lights, at, y.light, y.direction)
+                    : pdf_direct_world(lights, at, y.direction);
+    const Vec3 to = y.p - at.p;
     const float distance = length(to);
     const Vec3 wi = to * (1.0f / distance);
-    if (!lamp) return pdf_direct_surface(lights, scene, p, wi, {distance, kNone, y.surface});
-    return lights.tree.probability(y.light, p) * lamp_pdf(lights.lamps[y.light], p, wi, distance);
+    return lamp ? pdf_direct_lamp(lights, at, wi, {distance, y.light, y.surface})
+                : pdf_direct_surface(lights, scene, at, wi, {distance, kNone, y.surface});
 }
 
 LightPoint light_point_of(const LightSet& lights, const Scene& scene, const Vec3& p,

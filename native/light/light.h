@@ -11,6 +11,7 @@
 #include "core/distribution.h"
 #include "light/light_tree.h"
 #include "scene/scene.h"
+#include "scene/surface.h"
 
 namespace spc {
 
@@ -60,6 +61,9 @@ uint32_t light_visibility(const LightSet& lights, uint32_t light);
 
 // ---- from a receiver
 
+// One that transmits light is lit from both sides.
+LitPoint lit_point(const Surface& surface);
+
 struct DirectSample {
     Vec3 wi;         // unit, towards the light
     float distance;  // kInfinity for a distant light
@@ -72,18 +76,18 @@ struct DirectSample {
     float margin = 0.0f;                 // of a mesh: as ChainEnd has it
     SurfaceHit surface{kNone, 0, 0, 0};  // of a mesh
 };
-std::optional<DirectSample> sample_direct(const LightSet& lights, const Scene& scene, const Vec3& p,
-                                          const Vec3& u);
+std::optional<DirectSample> sample_direct(const LightSet& lights, const Scene& scene,
+                                          const LitPoint& at, const Vec3& u);
 
-// Density with which sample_direct from p takes the direction `wi` to the point that a ray hit. A
+// Density with which sample_direct from there takes the direction `wi` to the point that a ray hit. A
 // ray that leaves the scene meets the world and every one of LightSet::disc_suns that it points at,
 // each with its own density.
-float pdf_direct_lamp(const LightSet& lights, const Vec3& p, const Vec3& wi, const Hit& hit);
-float pdf_direct_surface(const LightSet& lights, const Scene& scene, const Vec3& p, const Vec3& wi,
-                         const Hit& hit);
-float pdf_direct_world(const LightSet& lights, const Vec3& p, const Vec3& wi);
+float pdf_direct_lamp(const LightSet& lights, const LitPoint& at, const Vec3& wi, const Hit& hit);
+float pdf_direct_surface(const LightSet& lights, const Scene& scene, const LitPoint& at,
+                         const Vec3& wi, const Hit& hit);
+float pdf_direct_world(const LightSet& lights, const LitPoint& at, const Vec3& wi);
 // 0 outside the sun's disc.
-float pdf_direct_sun(const LightSet& lights, const Vec3& p, uint32_t light, const Vec3& wi);
+float pdf_direct_sun(const LightSet& lights, const LitPoint& at, uint32_t light, const Vec3& wi);
 
 Spectrum world_radiance(const LightSet& lights, const Scene& scene, const Vec3& direction);
 
@@ -122,8 +126,9 @@ float pdf_light_point_surface(const LightSet& lights, const SurfaceHit& hit);
 float pdf_light_point_world(const LightSet& lights, const Vec3& wi);
 float pdf_light_point_sun(const LightSet& lights, uint32_t light, const Vec3& wi);
 
-// Density with which sample_direct from p finds y, as DirectSample has it; y.pdf is not read.
-float pdf_direct(const LightSet& lights, const Scene& scene, const Vec3& p, const LightPoint& y);
+// Density with which sample_direct from there finds y, as DirectSample has it; y.pdf is not read.
+float pdf_direct(const LightSet& lights, const Scene& scene, const LitPoint& at,
+                 const LightPoint& y);
 // Where a direct sample from p arrives from, with the density by which sample_light_point finds it.
 LightPoint light_point_of(const LightSet& lights, const Scene& scene, const Vec3& p,
                           const DirectSample& sample);

@@ -9,16 +9,17 @@ namespace {
 
 // Share of the choice that goes to all lights alike: next to a lamp in a closet the sun outside does
 // not matter, and the other way round.
-constexpr float kEvenShare = 0.2f;
+constexpr float kEvenShare = 0.1f;
 // Places of a split, in parts of the lights between; so a tree is never deeper than some logarithm.
 constexpr size_t kSplits = 8;
 constexpr float kBelowOne = 0x1.fffffep-1f;
 
-// Cosine of the least angle between `axis` and the directions from a sphere's points to p.
-float nearest_cosine(const Vec3& axis, const Vec3& to_p, float distance_squared, float radius) {
+// Cosine of the least angle between `axis` and the directions between a point and those of a sphere,
+// of which `along` is the one to its middle.
+float nearest_cosine(const Vec3& axis, const Vec3& along, float distance_squared, float radius) {
     const float sine_squared = sqr(radius) / distance_squared;  // of the sphere's half angle
     if (!(sine_squared < 1.0f)) return 1.0f;
-    const float cos = dot(axis, to_p) / std::sqrt(distance_squared);
+    const float cos = dot(axis, along) / std::sqrt(distance_squared);
     const float cos_sphere = std::sqrt(1.0f - sine_squared);
     if (cos >= cos_sphere) return 1.0f;
     const float sin = std::sqrt(std::max(1.0f - cos * cos, 0.0f));
@@ -75,27 +76,33 @@ float remapped(float u, float begin, float end) {
 
 }  // namespace
 
-float LightTree::Node::importance(const Vec3& p) const {
+float LightTree::Node::importance(const LitPoint& at) const {
     constexpr float kLeast = 1e-12f;  // m^2
-    const Vec3 to_p = p - reach.center;
+    const Vec3 to_p = at.p - reach.center;
     const float d2 = length_squared(to_p);
-    const float even = reach.strength / std::max({d2, sqr(reach.radius), kLeast});
-    if (reach.beam.one_minus_cos >= 2.0f) return even;
+    float result = reach.strength / std::max({d2, sqr(reach.radius), kLeast});
+    if (at.n != Vec3(0.0f))
+        result *= std::max(nearest_cosine(at.n, to_p * -1.0f, d2, reach.radius), 0.0f);
+    if (reach.beam.one_minus_cos >= 2.0f) return result;
     const float cos = nearest_cosine(reach.beam.axis, to_p, d2, reach.radius);
     if (1.0f - cos > reach.beam.one_minus_cos) return 0.0f;
-    return reach.cosine ? even * std::max(cos, 0.0f) : even;
+    return reach.cosine ? result * std::max(cos, 0.0f) : result;
+}
+
+float LightTree::Distant::importance(const LitPoint& at) const {
+    const bool from_one_side = at.n != Vec3(0.0f) && reach.center != Vec3(0.0f);
+    return from_one_side ? reach.strength * std::max(dot(at.n, reach.center), 0.0f) : reach.strength;
 }
 
 LightTree::LightTree(std::span<const LightReach> lights)
-    : strength_(lights.size(), 0.0f), leaf_of_(lights.size(), kNone) {
+    : leaf_of_(lights.size(), kNone), distant_of_(lights.size(), kNone) {
     std::vector<Node> leaves;
     for (uint32_t i = 0; i < lights.size(); ++i) {
         if (!(lights[i].strength > 0.0f)) continue;
         chosen_.push_back(i);
         if (lights[i].distant) {
-            distant_.push_back(i);
-            strength_[i] = lights[i].strength;
-            distant_strength_ += lights[i].strength;
+            distant_of_[i] = static_cast<uint32_t>(distant_.size());
+            distant_.push_back({lights[i], i});
         } else {
             Node leaf;
             leaf.reach = lights[i];
@@ -151,61 +158,71 @@ uint32_t LightTree::build(Leaves leaves) {
     return index;
 }
 
-float LightTree::share_of_tree(const Vec3& p) const {
-    if (nodes_.empty()) return 0.0f;
-    if (distant_.empty()) return 1.0f;
-    const float near = nodes_.back().importance(p);
-    return near / (near + distant_strength_);
+float LightTree::distant_importance(const LitPoint& at) const {
+    float sum = 0.0f;
+    for (const Distant& distant : distant_) sum += distant.importance(at);
+    return sum;
 }
 
-float LightTree::share_of_left(const Node& node, const Vec3& p) const {
+float LightTree::share_of_left(const Node& node, const LitPoint& at) const {
     const Node &left = nodes_[node.left], &right = nodes_[node.right];
-    const float a = left.importance(p), b = right.importance(p);
+    const float a = left.importance(at), b = right.importance(at);
     // Where none of them shines it does not matter.
     return a + b > 0.0f ? a / (a + b) : 0.5f;
 }
 
-float LightTree::share_below_root(uint32_t leaf, const Vec3& p) const {
+float LightTree::share_below_root(uint32_t leaf, const LitPoint& at) const {
     float share = 1.0f;
-    for (uint32_t at = leaf; nodes_[at].parent != kNone; at = nodes_[at].parent) {
-        const Node& parent = nodes_[nodes_[at].parent];
-        const float left = share_of_left(parent, p);
-        share *= parent.left == at ? left : 1.0f - left;
+    for (uint32_t i = leaf; nodes_[i].parent != kNone; i = nodes_[i].parent) {
+        const Node& parent = nodes_[nodes_[i].parent];
+        const float left = share_of_left(parent, at);
+        share *= parent.left == i ? left : 1.0f - left;
     }
     return share;
 }
 
-float LightTree::probability(uint32_t light, const Vec3& p) const {
-    const uint32_t leaf = leaf_of_[light];
-    const bool distant = strength_[light] > 0.0f;
-    if (leaf == kNone && !distant) return 0.0f;
+float LightTree::probability(uint32_t light, const LitPoint& at) const {
+    const uint32_t leaf = leaf_of_[light], distant = distant_of_[light];
+    if (leaf == kNone && distant == kNone) return 0.0f;
+    const auto count = static_cast<float>(chosen_.size());
     if (chosen_.size() == 1) return 1.0f;
-    const float tree = share_of_tree(p);
-    const float share = distant ? (1.0f - tree) * (strength_[light] / distant_strength_)
-                                : tree * share_below_root(leaf, p);
-    return kEvenShare / static_cast<float>(chosen_.size()) + (1.0f - kEvenShare) * share;
+    const float afar = distant_importance(at);
+    const float near = nodes_.empty() ? 0.0f : nodes_.back().importance(at);
+    if (!(afar + near > 0.0f)) return 1.0f / count;
+    const float part = leaf == kNone ? distant_[distant].importance(at)
+                       : near > 0.0f ? near * share_below_root(leaf, at)
+                                     : 0.0f;
+    return kEvenShare / count + (1.0f - kEvenShare) * (part / (afar + near));
 }
 
-LightTree::Sample LightTree::sample(const Vec3& p, float u) const {
+LightTree::Sample LightTree::sample(const LitPoint& at, float u) const {
     SPC_ASSERT(!empty());
-    const auto chosen = [&](uint32_t light) { return Sample{light, probability(light, p)}; };
-    const auto count = static_cast<float>(chosen_.size());
+    const auto chosen = [&](uint32_t light) { return Sample{light, probability(light, at)}; };
+    const auto evenly = [&](float v) {
+        return chosen(chosen_[static_cast<size_t>(v * static_cast<float>(chosen_.size()))]);
+    };
     if (chosen_.size() == 1) return {chosen_[0], 1.0f};
-    if (u < kEvenShare)
-        return chosen(chosen_[static_cast<size_t>(remapped(u, 0.0f, kEvenShare) * count)]);
-    u = remapped(u, kEvenShare, 1.0f);
-    const float tree = share_of_tree(p);
-    if (u >= tree) {
-        float rest = remapped(u, tree, 1.0f) * distant_strength_;
-        size_t i = 0;
-        while (i + 1 < distant_.size() && rest >= strength_[distant_[i]])
-            rest -= strength_[distant_[i++]];
-        return chosen(distant_[i]);
+    const float afar = distant_importance(at);
+    const float near = nodes_.empty() ? 0.0f : nodes_.back().importance(at);
+    if (!(afar + near > 0.0f)) return evenly(u);
+    if (u < kEvenShare) return evenly(remapped(u, 0.0f, kEvenShare));
+    u = remapped(u, kEvenShare, 1.0f) * (afar + near);
+    if (u >= near) {
+        float rest = u - near;
+        uint32_t light = kNone;
+        for (const Distant& distant : distant_) {
+            const float part = distant.importance(at);
+            if (part > 0.0f) light = distant.light;
+            if (rest < part) break;
+            rest -= part;
+        }
+        if (light != kNone) return chosen(light);
+        u = near;  // by rounding
     }
-    u = remapped(u, 0.0f, tree);
+    u = remapped(u, 0.0f, near);
     const Node* node = &nodes_.back();
     while (node->light == kNone) {
-        const float left = share_of_left(*node, p);
+        const float left = share_of_left(*node, at);
         const bool goes_left = u < left;
         u = goes_left ? remapped(u, 0.0f, left) : remapped(u, left, 1.0f);
         node = &nodes_[goes_left ? node->left : node->right];

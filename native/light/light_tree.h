@@ -12,12 +12,20 @@
 
 namespace spc {
 
+// A point to be lit. `n` is unit, on the side that light may come to; zero: both are.
+struct LitPoint {
+    Vec3 p, n;
+
+    LitPoint(const Vec3& point, const Vec3& normal = Vec3(0.0f)) : p(point), n(normal) {}
+};
+
 // Of one light, as the choice sees it.
 struct LightReach {
     bool distant = false;
-    float strength =
-        0.0f;  // luminance: W/sr where it shines brightest; distant: W/m^2. 0: never chosen
-    Vec3 center{0.0f};  // of a sphere around it
+    // Luminance: W/sr where it shines brightest; distant: W/m^2. 0: never chosen.
+    float strength = 0.0f;
+    // Of a sphere around it; distant: unit, towards it, or zero for what is all around.
+    Vec3 center{0.0f};
     float radius = 0.0f;
     LampBeam beam{Vec3(0, 0, 1), 2.0f};
     bool cosine = false;  // falls with the cosine of the angle to the beam's axis
@@ -33,9 +41,9 @@ public:
         uint32_t light;
         float probability;
     };
-    // From p; not of an empty tree.
-    Sample sample(const Vec3& p, float u) const;
-    float probability(uint32_t light, const Vec3& p) const;
+    // Not of an empty tree.
+    Sample sample(const LitPoint& at, float u) const;
+    float probability(uint32_t light, const LitPoint& at) const;
 
 private:
     struct Node {
@@ -43,20 +51,25 @@ private:
         uint32_t parent = kNone, left = kNone, right = kNone;
         uint32_t light = kNone;  // of a leaf
 
-        float importance(const Vec3& p) const;
+        float importance(const LitPoint& at) const;
+    };
+    struct Distant {
+        LightReach reach;
+        uint32_t light;
+
+        float importance(const LitPoint& at) const;
     };
     using Leaves = std::span<Node>;
     uint32_t build(Leaves leaves);
-    float share_of_tree(const Vec3& p) const;
-    float share_of_left(const Node& node, const Vec3& p) const;
-    float share_below_root(uint32_t leaf, const Vec3& p) const;
+    float distant_importance(const LitPoint& at) const;
+    float share_of_left(const Node& node, const LitPoint& at) const;
+    float share_below_root(uint32_t leaf, const LitPoint& at) const;
 
-    std::vector<uint32_t> chosen_;   // lights that are
-    std::vector<uint32_t> distant_;  // among them
-    std::vector<float> strength_;    // of every light, if it is distant
-    std::vector<Node> nodes_;        // children before parents, the root last
-    std::vector<uint32_t> leaf_of_;  // node of every light, or kNone
-    float distant_strength_ = 0.0f;
+    std::vector<uint32_t> chosen_;  // lights that are
+    std::vector<Distant> distant_;  // among them
+    std::vector<Node> nodes_;       // children before parents, the root last
+    // Of every light: its node, or its place among the distant ones; kNone elsewhere.
+    std::vector<uint32_t> leaf_of_, distant_of_;
 };
 
 }  // namespace spc

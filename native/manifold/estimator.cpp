@@ -263,8 +263,13 @@ private:
         result.throughput = chain_throughput(scene_, path, end_of(y_));
         if (is_black(result.throughput) || !manifold_owns(techniques_, path)) return std::nullopt;
         LightEnd end = light_end(y_, away);
-        if (path.vertices[path.count - 1].rough)
-            end.pdf_direct = pdf_direct(lights_, scene_, last, y_);
+        if (path.vertices[path.count - 1].rough) {
+            const Vec3& before =
+                chain.count > 1 ? chain.vertices[chain.count - 2].patch.p : receiver_.p;
+            Surface at_last;
+            evaluate_surface(scene_, chain.hits[chain.count - 1], normalize(before - last), at_last);
+            end.pdf_direct = pdf_direct(lights_, scene_, lit_point(at_last), y_);
+        }
         const std::optional<CausticDensities> densities = caustic_densities(techniques_, path, end);
         if (!densities || !(densities->geometry > 0.0) || !(densities->manifold > 0.0))
             return std::nullopt;

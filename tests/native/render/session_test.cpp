@@ -96,7 +96,7 @@ TEST(SessionWithLightPaths, PlaceDoesNotShow) {
     size_t other = 0;
     for (size_t i = 0; i < a.combined.size(); ++i)
         other += std::abs(a.combined[i] - b.combined[i]) > 0.01f * (a.combined[i] + 0.01f);
-    EXPECT_LT(other, a.combined.size() / 10);
+    EXPECT_LT(other, a.combined.size() / 100);
 }
 
 // What a method alone has for its maps is there if that method renders.

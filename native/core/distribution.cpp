@@ -21,14 +21,12 @@ float inside_cell(float offset, uint32_t count) {
     return std::min(std::max(offset, edge), 1.0f - edge);
 }
 
-float mix(float a, float b, float t) { return a + (b - a) * t; }
-
 // Inverse of the cumulative of a density that is linear from `a` to `b` over [0, 1).
 float sample_linear(float u, float a, float b) {
     const float sum = a + b;
     if (!(sum > 0.0f) || !(u > 0.0f)) return u;
     const float start = a / sum, end = b / sum;
-    return u / (start + std::sqrt(mix(start * start, end * end, u)));
+    return u / (start + std::sqrt(lerp(start * start, end * end, u)));
 }
 
 }  // namespace
@@ -125,7 +123,7 @@ BilinearMap::Sample BilinearMap::sample(const Cells& cells, const Vec2& u) const
     const Corners c = corners(x.index, y.index);
     const float up = inside_cell(sample_linear(y.remapped, c.v00 + c.v10, c.v01 + c.v11), height_);
     const float right = inside_cell(
-        sample_linear(x.remapped, mix(c.v00, c.v01, up), mix(c.v10, c.v11, up)), width_);
+        sample_linear(x.remapped, lerp(c.v00, c.v01, up), lerp(c.v10, c.v11, up)), width_);
     const float across = (static_cast<float>(x.index) + 0.5f + right) / static_cast<float>(width_);
     const Vec2 position(std::min(across < 1.0f ? across : across - 1.0f, kBelowOne),
                         std::min(row_start(y.index) + row_extent(y.index) * up, kBelowOne));
@@ -145,7 +143,7 @@ float BilinearMap::pdf(const Cells& cells, const Vec2& position) const {
     if (!(mean > 0.0f)) return 0.0f;
     const float right = std::min(across - static_cast<float>(x), 1.0f);
     const float up = std::min((position.y - row_start(y)) / row_extent(y), 1.0f);
-    const float value = mix(mix(c.v00, c.v10, right), mix(c.v01, c.v11, right), up);
+    const float value = lerp(lerp(c.v00, c.v10, right), lerp(c.v01, c.v11, right), up);
     return cells.rows[y].probability(x) * cells.marginal.probability(y) * columns / row_extent(y) *
            (value / mean);
 }

@@ -75,12 +75,11 @@ TEST(World, BlackIsNoLight) {
 }
 
 TEST(World, NearlyEvenOnesAreLeftToClosures) {
-    // Half of it dim: the mean square of radiance is 1 + (1 - dim)^2 / (1 + dim)^2 times the square
-    // of its mean.
+    // The mean square of radiance is 1 + (1 - dim)^2 / (1 + dim)^2 times the square of its mean where
+    // the lower half is dim, and more than twice where more than that is black.
     for (const float dim : {1.0f, 0.1f, 0.0f}) {
         Texels texels(64 * 32 * 3, 0.5f);
-        std::fill_n(texels.begin(), 64 * 16 * 3, 0.5f * dim);
-        if (dim == 0.0f) std::fill_n(texels.begin(), 64 * 20 * 3, 0.0f);
+        std::fill_n(texels.begin(), 64 * (dim > 0.0f ? 16 : 20) * 3, 0.5f * dim);
         const Lit lit = under_panorama(texels, 64, 32);
         ASSERT_TRUE(lit.lights.has_world);
         const Vec3 above = normalize(Vec3(0.1f, 0.2f, 0.5f));

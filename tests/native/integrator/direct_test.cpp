@@ -119,6 +119,45 @@ TEST(DirectLight, UniformWorldAndItsSumWithALamp) {
                       "world and point");
 }
 
+// Hypothesis: what one bounce finds keeps the stratification of its random numbers. Four times the
+// samples leave a quarter of the variance to independent ones, and to every roulette between.
+TEST(DirectLight, FallsFasterThanIndependentSamples) {
+    const auto sky = [](SceneMaker& maker, float sun) {
+        constexpr uint32_t kWidth = 64, kHeight = 32;
+        std::vector<float> texels(size_t{kWidth} * kHeight * 3);
+        for (size_t i = 0; i < texels.size(); ++i)
+            texels[i] = 0.5f + 0.5f * float(i / 3 / kWidth) / kHeight;
+        for (size_t i = 0; i < 3; ++i) texels[(size_t{26} * kWidth + 27) * 3 + i] += sun;
+        const uint32_t image = maker.builder.add_image(image_from_floats(
+            "sky", texels, kWidth, kHeight, 3, ColorSpace::linear, AlphaMode::none));
+        Graph graph = test::background(1, 1, 1);
+        graph.nodes.push_back({"Sky", "environment_texture", image});
+        graph.links.push_back({2, "Color", 1, "Color"});
+        maker.builder.set_environment({maker.builder.add_material(graph), kVisibleAll, true});
+    };
+    for (const float sun : {0.0f, 1000.0f}) {  // by closures alone, and by the map of the world, too
+        SceneMaker maker;
+        maker.add(test::square(10.0f), test::diffuse(0.2f));
+        sky(maker, sun);
+        const RenderScene world = maker.finish();
+        const auto variance = [&](uint32_t samples) {
+            test::MeanEstimate pixels;
+            PathStats stats;
+            for (uint32_t pixel = 0; pixel < 400; ++pixel) {
+                double sum = 0.0;
+                for (uint32_t i = 0; i < samples; ++i)
+                    sum += double(path_radiance(world, {}, {1, 1, 1}, kAtOrigin, Vec2(0.5f),
+                                                Sampler(1, pixel, i), stats)
+                                      .radiance.y);
+                pixels.add(sum / samples);
+            }
+            return pixels.standard_error() * pixels.standard_error();
+        };
+        const double ratio = variance(16) / variance(64);
+        EXPECT_GT(ratio, 7.0) << "sun " << sun;  // known to 10 %
+    }
+}
+
 // ---- what stands in the way
 
 // A sheet at z = 1 between the floor and what lights it from above; past its edges comes 1e-8 of a

@@ -154,7 +154,9 @@ TEST(DirectLight, FallsFasterThanIndependentSamples) {
             return pixels.standard_error() * pixels.standard_error();
         };
         const double ratio = variance(16) / variance(64);
-        EXPECT_GT(ratio, 7.0) << "sun " << sun;  // known to 10 %
+        // Known to a tenth. Roulette after the first bounce left 8 without a sun, densities constant
+        // over texels 5 with one.
+        EXPECT_GT(ratio, sun > 0.0f ? 7.0 : 12.0) << "sun " << sun;
     }
 }
 

@@ -16,7 +16,6 @@ constexpr float kMatchedWidth = 1e-6f;
 // Least share of its weight with which a closure is sampled: tables are approximate, a closure that
 // scatters must not have a vanishing chance.
 constexpr float kMinSampledAlbedo = 1e-3f;
-constexpr float kBelowOne = 0x1.fffffep-1f;
 
 bool is_delta_kind(const Lambert&) { return false; }
 bool is_delta_kind(const MicrofacetReflection& c) { return c.alpha <= kDeltaAlpha; }

@@ -6,8 +6,6 @@
 namespace spc {
 namespace {
 
-// The largest float below 1.
-constexpr float kBelowOne = 0x1.fffffep-1f;
 // Least share of an entry that is not zero: two steps of the table's precision just below 1. So
 // every such entry can be drawn with up to 4 million of them, and rarer ones are drawn too often,
 // which their probability says.

@@ -8,9 +8,10 @@ namespace spc {
 namespace {
 
 // Shots of all estimates of one sample of the picture, for each pixel, and searches.
-constexpr double kShots = 1.0 / 32, kSearches = 1.0 / 8;
+constexpr double kShots = 1.0 / 32, kSearches = 1.0 / 4;
 constexpr double kMostLeads = 1024.0;  // to one light
 constexpr uint32_t kChunk = 256;
+constexpr uint32_t kHopeless = 8;  // if this part of the walks found nothing, the others do not go
 
 Sampler highlight_sampler(uint32_t seed, uint64_t index) {
     return sampler_beside_pixels(seed, 0x686967686c69ull, index);
@@ -53,51 +54,6 @@ double pixel_count(const Camera& camera) {
     return static_cast<double>(uint64_t{camera.crop[2]} * camera.crop[3]);
 }
 
-// Through the middle of the lens.
-std::vector<RandomHighlight> pilot(const RenderScene& world, const IntegratorSettings& settings,
-                                   const CameraEye& eye, uint32_t walks, uint32_t seed,
-                                   uint32_t threads, const std::atomic<bool>& cancelled,
-                                   PathStats& stats) {
-    const uint32_t chunks = (walks + kChunk - 1) / kChunk;
-    std::vector<std::vector<RandomHighlight>> found(chunks);
-    std::vector<ManifoldStats> counted(chunks);
-    parallel_for(threads, chunks, [&](uint32_t c) {
-        for (uint32_t i = 0; i < kChunk && !cancelled.load(); ++i) {
-            const std::optional<RandomHighlight> one =
-                random_highlight(techniques_of(world, settings), eye.receiver,
-                                 highlight_sampler(~seed, uint64_t{c} * kChunk + i), counted[c]);
-            if (one && eye.place(one->solution.chain.vertices[0].patch.p, 0.0f))
-                found[c].push_back(*one);
-        }
-    });
-    std::vector<RandomHighlight> all;
-    for (uint32_t c = 0; c < chunks; ++c) {
-        all.insert(all.end(), found[c].begin(), found[c].end());
-        stats.manifold.add(counted[c]);
-    }
-    return all;
-}
-
-// A lead to it unless one of those that begin nearest comes to it already.
-void add_lead(const Techniques& techniques, const CameraEye& eye, const RandomHighlight& highlight,
-              std::vector<HighlightLead>& leads, PathStats& stats) {
-    constexpr size_t kNearest = 4;
-    const ChainSolution& solution = highlight.solution;
-    const Vec3 w = normalize(solution.chain.vertices[0].patch.p - eye.receiver.p);
-    std::vector<const HighlightLead*> alike;
-    for (const HighlightLead& lead : leads)
-        if (lead.kind == solution.kind) alike.push_back(&lead);
-    const size_t count = std::min(kNearest, alike.size());
-    std::partial_sort(
-        alike.begin(), alike.begin() + static_cast<ptrdiff_t>(count), alike.end(),
-        [&](const HighlightLead* a, const HighlightLead* b) { return dot(a->w, w) > dot(b->w, w); });
-    alike.resize(count);
-    const auto comes_to_it = [&](const HighlightLead* lead) {
-        return leads_to(techniques, eye.receiver, *lead, highlight, stats.manifold);
-    };
-    if (std::none_of(alike.begin(), alike.end(), comes_to_it)) leads.push_back({solution.kind, w});
-}
-
 // The pixels that may show themselves in the picture.
 struct FilmWindow {
     FilmWindow(const Camera& camera, float margin) {
@@ -108,9 +64,93 @@ struct FilmWindow {
         height = crop_height + 2 * static_cast<uint32_t>(around);
     }
     double pixels() const { return static_cast<double>(uint64_t{width} * height); }
+    Vec2 at(const Vec2& u) const {
+        return corner + Vec2(u.x * static_cast<float>(width), u.y * static_cast<float>(height));
+    }
 
     Vec2 corner;
     uint32_t width, height;
+};
+
+// Leads to what random rays through the middle of the lens come near.
+class LeadSearch {
+public:
+    LeadSearch(const RenderScene& world, const IntegratorSettings& settings, const CameraEye& eye,
+               uint32_t walks, size_t most_leads, uint32_t seed)
+        : techniques_(techniques_of(world, settings)),
+          eye_(eye),
+          window_(eye.camera, 0.0f),
+          most_leads_(most_leads),
+          seed_(seed),
+          leads_(world.lights.count()) {
+        constexpr double kReach = 4.0;  // of the distance between walks, but no less pixels
+        reach_ = static_cast<float>(kReach * std::sqrt(std::max(1.0, window_.pixels() / walks)));
+    }
+
+    // Of the walks numbered from `first` to `end`. Returns whether there are any leads by now.
+    bool walk(uint32_t first, uint32_t end, uint32_t threads, const std::atomic<bool>& cancelled,
+              PathStats& stats) {
+        const uint32_t chunks = (end - first + kChunk - 1) / kChunk;
+        std::vector<std::vector<RandomHighlight>> found(chunks);
+        std::vector<ManifoldStats> counted(chunks);
+        parallel_for(threads, chunks, [&](uint32_t c) {
+            const uint32_t begin = first + c * kChunk;
+            for (uint32_t i = begin; i < std::min(begin + kChunk, end) && !cancelled.load(); ++i)
+                walk(i, found[c], counted[c]);
+        });
+        for (uint32_t c = 0; c < chunks; ++c) {
+            stats.manifold.add(counted[c]);
+            for (const RandomHighlight& one : found[c]) add_lead(one, stats.manifold);
+        }
+        return std::any_of(leads_.begin(), leads_.end(),
+                           [](const std::vector<HighlightLead>& some) { return !some.empty(); });
+    }
+
+    std::vector<std::vector<HighlightLead>> take() { return std::move(leads_); }
+
+private:
+    // Appends those that the picture shows and that leads of earlier rounds do not come to.
+    void walk(uint32_t i, std::vector<RandomHighlight>& found, ManifoldStats& stats) const {
+        const Sampler sampler = highlight_sampler(~seed_, i);
+        std::vector<RandomHighlight> near;
+        add_random_highlights(techniques_, eye_.receiver, window_.at(sampler[Domain::film].two()),
+                              reach_, sampler, near, stats);
+        for (const RandomHighlight& one : near)
+            if (eye_.place(one.solution.chain.vertices[0].patch.p, 0.0f) && !is_known(one, stats))
+                found.push_back(one);
+    }
+
+    // Whether one of the leads that begin nearest comes to it, or there are enough.
+    bool is_known(const RandomHighlight& highlight, ManifoldStats& stats) const {
+        constexpr size_t kNearest = 4;
+        const std::vector<HighlightLead>& leads = leads_[highlight.y.light];
+        if (leads.size() >= most_leads_) return true;
+        const ChainSolution& solution = highlight.solution;
+        std::vector<const HighlightLead*> alike;
+        for (const HighlightLead& lead : leads)
+            if (lead.kind == solution.kind) alike.push_back(&lead);
+        const auto count = static_cast<ptrdiff_t>(std::min(kNearest, alike.size()));
+        std::partial_sort(alike.begin(), alike.begin() + count, alike.end(),
+                          [&](const HighlightLead* a, const HighlightLead* b) {
+                              return dot(a->w, solution.w) > dot(b->w, solution.w);
+                          });
+        return std::any_of(alike.begin(), alike.begin() + count, [&](const HighlightLead* lead) {
+            return leads_to(techniques_, eye_.receiver, *lead, highlight, stats);
+        });
+    }
+
+    void add_lead(const RandomHighlight& highlight, ManifoldStats& stats) {
+        if (is_known(highlight, stats)) return;
+        leads_[highlight.y.light].push_back({highlight.solution.kind, highlight.solution.w});
+    }
+
+    const Techniques techniques_;
+    const CameraEye& eye_;
+    const FilmWindow window_;
+    const size_t most_leads_;
+    const uint32_t seed_;
+    float reach_;                                    // pixels
+    std::vector<std::vector<HighlightLead>> leads_;  // of each light
 };
 
 }  // namespace
@@ -132,17 +172,18 @@ std::unique_ptr<const Highlights> learn_highlights(const RenderScene& world,
     settings.manifold.longest_chain = kLongestChain;
     const Vec2 middle(0.5f, 0.5f);
     const CameraEye eye(scene, settings, middle, stats.rays);
-    const std::vector<RandomHighlight> found =
-        pilot(world, settings, eye, walks, seed, threads, cancelled, stats);
-    const auto most_leads = static_cast<size_t>(std::min(kMostLeads, shots));
-    auto result = std::make_unique<Highlights>();
-    result->leads.resize(lights);
-    const Techniques techniques = techniques_of(world, settings);
-    for (const RandomHighlight& one : found) {
+    LeadSearch search(world, settings, eye, walks, static_cast<size_t>(std::min(kMostLeads, shots)),
+                      seed);
+    // Each round has as many walks as all before, which spare it what they have found.
+    uint32_t end = 0;
+    for (uint32_t round = kChunk; end < walks; round *= 2) {
+        const uint32_t first = end;
+        end = std::min(walks, round);
+        if (!search.walk(first, end, threads, cancelled, stats) && end >= walks / kHopeless) break;
         if (cancelled.load()) return nullptr;
-        std::vector<HighlightLead>& leads = result->leads[one.y.light];
-        if (leads.size() < most_leads) add_lead(techniques, eye, one, leads, stats);
     }
+    auto result = std::make_unique<Highlights>();
+    result->leads = search.take();
     double leads = 0.0;  // that an estimate shoots on average
     for (uint32_t light = 0; light < lights; ++light)
         leads += static_cast<double>(world.lights.caustic_selection.probability(light)) *
@@ -175,17 +216,16 @@ void search_highlights(const RenderScene& world, const IntegratorSettings& setti
     const Camera& camera = world.scene->camera;
     const FilmWindow window(camera, margin);
     const Sampler sampler = search_sampler(seed, index);
-    const Vec2 u = sampler[Domain::film].two();
-    const Vec2 pixel = window.corner + Vec2(std::floor(u.x * static_cast<float>(window.width)),
-                                            std::floor(u.y * static_cast<float>(window.height)));
+    const Vec2 film = window.at(sampler[Domain::film].two());
+    const Vec2 pixel(std::floor(film.x), std::floor(film.y));
     const CameraEye eye(*world.scene, settings, sampler[Domain::lens].two(), stats.rays);
     const std::optional<Highlight> one = search_highlight(
         techniques_of(world, settings), eye.receiver, pixel, sampler, stats.manifold);
     if (!one) return;
     const auto searches =
         static_cast<double>(highlight_searches(camera, *settings.highlights, margin));
-    if (const std::optional<Vec2> film = eye.place(one->p, margin))
-        splats.push_back({*film, one->value * static_cast<float>(window.pixels() / searches)});
+    if (const std::optional<Vec2> place = eye.place(one->p, margin))
+        splats.push_back({*place, one->value * static_cast<float>(window.pixels() / searches)});
 }
 
 }  // namespace spc

@@ -12,7 +12,6 @@ namespace {
 constexpr float kEvenShare = 0.1f;
 // Places of a split, in parts of the lights between; so a tree is never deeper than some logarithm.
 constexpr size_t kSplits = 8;
-constexpr float kBelowOne = 0x1.fffffep-1f;
 
 // Cosine of the least angle between `axis` and the directions between a point and those of a sphere,
 // of which `along` is the one to its middle.

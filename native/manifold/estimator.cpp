@@ -133,9 +133,11 @@ public:
         return Highlight{missed->chain.vertices[0].patch.p, value};
     }
 
-    std::optional<ChainSolution> random_highlight(Pcg& pcg) {
-        const Search search{techniques_.casters};
-        std::optional<ChainSolution> found = random_chain(search, choose(search, pcg), pcg);
+    // From a ray of the camera's and its first `count` turns.
+    std::optional<ChainSolution> highlight_near(const FollowedRay& ray, uint32_t count) {
+        std::optional<ChainSolution> found =
+            shoot(scene_, settings_, start(), end_of(y_), ray.kind.first(count), ray.w,
+                  settings_.max_halvings, stats_);
         if (found && is_black(contribution(found->chain))) found.reset();
         return found;
     }
@@ -476,16 +478,32 @@ std::optional<Highlight> search_highlight(const Techniques& techniques, const Re
     return Estimate(techniques, camera, *y, stats).missed_highlight(pixel, pcg);
 }
 
-std::optional<RandomHighlight> random_highlight(const Techniques& techniques, const Receiver& camera,
-                                                const Sampler& sampler, ManifoldStats& stats) {
-    const std::optional<LightPoint> y = sample_light_point(
-        techniques.lights, techniques.scene, sampler[Domain::highlight_light].three());
-    if (!y) return std::nullopt;
+void add_random_highlights(const Techniques& techniques, const Receiver& camera, const Vec2& film,
+                           float reach, const Sampler& sampler, std::vector<RandomHighlight>& found,
+                           ManifoldStats& stats) {
+    constexpr uint32_t kLights = 16;  // at most, behind each turn
+    const ManifoldSettings& settings = techniques.manifold;
     Pcg pcg(sampler[Domain::highlight_seeds].stream_seed());
-    const std::optional<ChainSolution> found =
-        Estimate(techniques, camera, *y, stats).random_highlight(pcg);
-    if (!found) return std::nullopt;
-    return RandomHighlight{*y, *found};
+    const std::optional<FollowedRay> ray =
+        follow_camera_ray(techniques.scene, settings, camera.camera->ray_from(camera.p, film),
+                          techniques.casters, pcg, stats);
+    if (!ray) return;
+    const float most_turn = reach / std::sqrt(camera.camera->film_per_solid_angle(ray->w));
+    const Vec3 u = sampler[Domain::highlight_light].three();
+    uint32_t light = kNone;
+    for (uint32_t i = 0; i < kLights; ++i) {
+        const float chosen = (static_cast<float>(i) + u.x) / static_cast<float>(kLights);
+        const std::optional<LightPoint> y = sample_light_point(
+            techniques.lights, techniques.scene, Vec3(std::min(chosen, kBelowOne), u.y, u.z));
+        if (!y || y->light == light) continue;
+        light = y->light;
+        for (uint32_t n = settings.family.empty() ? 1 : ray->kind.count; n <= ray->kind.count; ++n) {
+            if (!(turn_towards(ray->behind[n - 1], end_of(*y)) < most_turn)) continue;
+            const std::optional<ChainSolution> solution =
+                Estimate(techniques, camera, *y, stats).highlight_near(*ray, n);
+            if (solution) found.push_back({*y, *solution});
+        }
+    }
 }
 
 bool leads_to(const Techniques& techniques, const Receiver& camera, const HighlightLead& lead,

@@ -67,13 +67,16 @@ std::optional<Highlight> search_highlight(const Techniques& techniques, const Re
                                           const Vec2& pixel, const Sampler& sampler,
                                           ManifoldStats& stats);
 
-// One that was come upon by chance, as techniques.highlights would share it if it had leads to it.
+// One that a random ray came near, as techniques.highlights would share it if it had leads to it.
 struct RandomHighlight {
     LightPoint y;
     ChainSolution solution;
 };
-std::optional<RandomHighlight> random_highlight(const Techniques& techniques, const Receiver& camera,
-                                                const Sampler& sampler, ManifoldStats& stats);
+// Follows a ray from there on the film through casters, and appends what is within `reach` pixels of
+// it, by how the ray leaves each of them.
+void add_random_highlights(const Techniques& techniques, const Receiver& camera, const Vec2& film,
+                           float reach, const Sampler& sampler, std::vector<RandomHighlight>& found,
+                           ManifoldStats& stats);
 // Whether the lead comes to it.
 bool leads_to(const Techniques& techniques, const Receiver& camera, const HighlightLead& lead,
               const RandomHighlight& highlight, ManifoldStats& stats);

@@ -120,14 +120,23 @@ bool is_same(const ManifoldSettings& settings, const ChainSolution& one,
 std::optional<ChainSolution> search_pixel(const Techniques& techniques, const RayStart& x,
                                           const Vec2& pixel, const ChainEnd& end, Pcg& pcg,
                                           ManifoldStats& stats) {
+    constexpr float kReach = 4.0f;  // pixels
     const Scene& scene = techniques.scene;
     const ManifoldSettings& settings = techniques.manifold;
-    const std::optional<ChainStart> start =
-        sample_chain_along(scene, settings, scene.camera.ray_from(x.p, pixel + pcg.two()),
-                           techniques.casters, pcg, stats);
-    if (!start) return std::nullopt;
-    const std::optional<ChainSolution> found =
-        shoot(scene, settings, x, end, start->kind, start->w, settings.max_halvings, stats);
+    const std::optional<FollowedRay> ray =
+        follow_camera_ray(scene, settings, scene.camera.ray_from(x.p, pixel + pcg.two()),
+                          techniques.casters, pcg, stats);
+    if (!ray) return std::nullopt;
+    // Light may wait behind any of the vertices.
+    const float reach = kReach / std::sqrt(scene.camera.film_per_solid_angle(ray->w));
+    uint32_t near = 0, chosen = 0;
+    for (uint32_t n = settings.family.empty() ? 1 : ray->kind.count; n <= ray->kind.count; ++n)
+        if (turn_towards(ray->behind[n - 1], end) < reach &&
+            pcg.one() * static_cast<float>(++near) < 1.0f)
+            chosen = n;
+    if (chosen == 0) return std::nullopt;
+    const std::optional<ChainSolution> found = shoot(
+        scene, settings, x, end, ray->kind.first(chosen), ray->w, settings.max_halvings, stats);
     if (!found || !(pixel_of(scene.camera, x, *found) == pixel)) return std::nullopt;
     return found;
 }

@@ -30,16 +30,50 @@ CasterPatch patch_at(const Scene& scene, const SurfaceHit& hit, const SpecularIn
     return patch;
 }
 
+// By how much a ray misses its end.
+struct Miss {
+    Vec2 c;             // angle in two directions, rad
+    Vec2 dc_dx, dc_dy;  // by the two turns at the receiver
+    double distance;    // m, to the end; infinite for a distant one
+};
+
+std::optional<Miss> miss_of(const Vec3& last, const RayDual& ray, const ChainEnd& end) {
+    double distance = std::numeric_limits<double>::infinity();
+    Vec3d wanted(end.direction);
+    if (!end.distant) {
+        wanted = Vec3d(end.p) - Vec3d(last);
+        distance = length(wanted);
+        if (!(distance > 0.0)) return std::nullopt;
+        wanted /= distance;
+    }
+    const Frame frame = Frame::around(Vec3(wanted));
+    const Vec3d e1(frame.x), e2(frame.y), &d = ray.d;
+    const double a = dot(e1, d), b = dot(e2, d), sine = std::sqrt(a * a + b * b);
+    const double angle = std::atan2(sine, dot(wanted, d));
+    const double scale = sine > 1e-9 ? angle / sine : 1.0;
+    const auto turned = [&](size_t j) {
+        const Vec3d by = ray.dd[j] + ray.dp[j] / distance;
+        return Vec2(static_cast<float>(dot(e1, by)), static_cast<float>(dot(e2, by)));
+    };
+    return Miss{{static_cast<float>(a * scale), static_cast<float>(b * scale)},
+                turned(0),
+                turned(1),
+                distance};
+}
+
+std::optional<Vec2> newton_step(const Miss& miss) {
+    return solve2x2(miss.dc_dx.x, miss.dc_dy.x, miss.dc_dx.y, miss.dc_dy.y, -miss.c.x, -miss.c.y);
+}
+
 // A shot: the ray behind its last vertex, and by how much it misses.
 struct Shot {
     Chain chain;
     RayDual ray;
-    Vec2 c;                // angle by which it misses, rad, in two directions
-    Vec2 dc_dx, dc_dy;     // by the two turns at the receiver
+    Miss miss;
     float noise;           // what rounding leaves of it at an exact solution
     Vec3 w;                // at the receiver
     float first_distance;  // m, to the first vertex
-    float size() const { return c.length(); }
+    float size() const { return miss.c.length(); }
 };
 
 class Shooter {
@@ -84,29 +118,11 @@ public:
 
 private:
     bool measure_miss(Shot& shot) const {
-        const Vec3& last = shot.chain.vertices[kind_.count - 1].patch.p;
-        double distance = 0.0;
-        Vec3d wanted(end_.direction);
-        if (!end_.distant) {
-            wanted = Vec3d(end_.p) - Vec3d(last);
-            distance = length(wanted);
-            if (!(distance > 0.0)) return false;
-            wanted /= distance;
-        }
-        const Frame frame = Frame::around(Vec3(wanted));
-        const Vec3d e1(frame.x), e2(frame.y), &d = shot.ray.d;
-        const double a = dot(e1, d), b = dot(e2, d), sine = std::sqrt(a * a + b * b);
-        const double angle = std::atan2(sine, dot(wanted, d));
-        const double scale = sine > 1e-9 ? angle / sine : 1.0;
-        shot.c = {static_cast<float>(a * scale), static_cast<float>(b * scale)};
-        const auto turned = [&](size_t j) {
-            Vec3d by = shot.ray.dd[j];
-            if (!end_.distant) by += shot.ray.dp[j] / distance;
-            return Vec2(static_cast<float>(dot(e1, by)), static_cast<float>(dot(e2, by)));
-        };
-        shot.dc_dx = turned(0);
-        shot.dc_dy = turned(1);
-        shot.noise = noise_of(shot, end_.distant ? kInfinity : static_cast<float>(distance));
+        const std::optional<Miss> miss =
+            miss_of(shot.chain.vertices[kind_.count - 1].patch.p, shot.ray, end_);
+        if (!miss) return false;
+        shot.miss = *miss;
+        shot.noise = noise_of(shot, static_cast<float>(miss->distance));
         return std::isfinite(shot.noise) && std::isfinite(shot.size());
     }
 
@@ -120,7 +136,7 @@ private:
         const float spacing =
             0x1p-24f * std::max(length(first.dp_du), length(first.dp_dv)) / shot.first_distance;
         const float at_start = kUnitRoundoff * (1.0f + largest / shot.first_distance) + spacing;
-        const float turn = std::sqrt(shot.dc_dx.length2() + shot.dc_dy.length2());
+        const float turn = std::sqrt(shot.miss.dc_dx.length2() + shot.miss.dc_dy.length2());
         // Near the critical angle the refracted direction magnifies every error by 1 / cos_t.
         const float magnified =
             last.interaction == Interaction::refraction
@@ -140,18 +156,14 @@ private:
     ManifoldStats& stats_;
 };
 
-std::optional<Vec2> newton_step(const Shot& shot) {
-    return solve2x2(shot.dc_dx.x, shot.dc_dy.x, shot.dc_dx.y, shot.dc_dy.y, -shot.c.x, -shot.c.y);
-}
-
 float determinant(const Shot& shot) {
-    return shot.dc_dx.x * shot.dc_dy.y - shot.dc_dx.y * shot.dc_dy.x;
+    return shot.miss.dc_dx.x * shot.miss.dc_dy.y - shot.miss.dc_dx.y * shot.miss.dc_dy.x;
 }
 
 // The right singular vector of the smaller singular value.
 Vec3 softest_direction(const Shot& shot) {
-    const float xx = shot.dc_dx.length2(), yy = shot.dc_dy.length2(),
-                xy = shot.dc_dx.x * shot.dc_dy.x + shot.dc_dx.y * shot.dc_dy.y;
+    const float xx = shot.miss.dc_dx.length2(), yy = shot.miss.dc_dy.length2(),
+                xy = shot.miss.dc_dx.x * shot.miss.dc_dy.x + shot.miss.dc_dx.y * shot.miss.dc_dy.y;
     const float angle = 0.5f * (std::atan2(2.0f * xy, xx - yy) + kPi);
     const Frame frame = Frame::around(shot.w);
     return frame.x * std::cos(angle) + frame.y * std::sin(angle);
@@ -161,7 +173,7 @@ Vec3 softest_direction(const Shot& shot) {
 // fold.
 bool measure_resolution(const Shot& shot, ChainSolution& solution) {
     const float det = std::abs(solution.determinant);
-    const float norm = std::sqrt(shot.dc_dx.length2() + shot.dc_dy.length2());
+    const float norm = std::sqrt(shot.miss.dc_dx.length2() + shot.miss.dc_dy.length2());
     if (!(det > 1e-7f * sqr(norm))) return false;
     const float turn = norm / det * shot.noise;  // of the first direction
     const CasterPatch& first = shot.chain.vertices[0].patch;
@@ -182,44 +194,40 @@ float chance_of_reflection(const SpecularInterface& interface, float cosine, flo
 }
 
 // Of a ray that has hit a caster, or nothing.
-std::optional<ChainStart> follow_by_chance(const Scene& scene, const ManifoldSettings& settings,
-                                           const CasterSet& casters, Ray ray,
-                                           std::optional<Hit> hit, uint32_t longest, Pcg& pcg,
-                                           ManifoldStats& stats, const FrozenFacets* facets) {
+std::optional<FollowedRay> follow_by_chance(const Scene& scene, const ManifoldSettings& settings,
+                                            const CasterSet& casters, Ray ray,
+                                            std::optional<Hit> hit, uint32_t longest, Pcg& pcg,
+                                            ManifoldStats& stats, const FrozenFacets* facets) {
     const std::vector<Interaction>& family = settings.family;
     if (!family.empty()) longest = static_cast<uint32_t>(family.size());
-    ChainStart chain{{}, ray.direction};
+    FollowedRay followed;
+    followed.w = ray.direction;
+    RayDual dual = ray_dual_from(ray.direction);
     while (hit && hit->light == kNone && casters.of_instance[hit->surface.instance] != kNone) {
+        const uint32_t n = followed.kind.count;
         const SpecularInterface& specular = interface_at(scene, hit->surface, facets);
-        const CasterPatch patch = patch_at(scene, hit->surface, specular, facets, chain.kind.count);
+        const CasterPatch patch = patch_at(scene, hit->surface, specular, facets, n);
         const float eta = eta_seen_from(patch.ng, ray.direction * -1.0f, specular.ior);
         const Interaction interaction =
-            !family.empty() ? family[chain.kind.count]
+            !family.empty() ? family[n]
             : pcg.one() < chance_of_reflection(specular, dot(patch.n, ray.direction), eta)
                 ? Interaction::reflection
                 : Interaction::refraction;
         if (!has_interaction(specular, interaction)) break;
-        RayDual dual = ray_dual_from(ray.direction);
-        if (!pass_vertex({interaction, eta, patch}, 0.0, dual)) break;
-        chain.kind.append({hit->surface.instance, interaction});
-        if (chain.kind.count == longest) break;
+        if (!pass_vertex({interaction, eta, patch}, length(Vec3d(patch.p) - Vec3d(ray.origin)), dual))
+            break;
+        followed.kind.append({hit->surface.instance, interaction});
+        followed.behind[n] = {patch.p, dual};
+        if (followed.kind.count == longest) break;
         const Vec3 out(dual.d);
         const RayStart from{patch.p, patch.ng, patch.p_error};
         ray = {patch.p, out, leave(from, out), kInfinity};
         ++stats.rays;
         hit = scene.accel->intersect(ray, kVisibleScattered);
     }
-    if (chain.kind.count == 0) return std::nullopt;
-    if (!family.empty()) {
-        if (chain.kind.count < longest) return std::nullopt;
-        return chain;
-    }
-    // Light may wait behind any of the vertices; most often behind the last.
-    if (pcg.one() < 0.5f)
-        chain.kind = chain.kind.first(
-            1 + std::min(static_cast<uint32_t>(pcg.one() * static_cast<float>(chain.kind.count)),
-                         chain.kind.count - 1));
-    return chain;
+    if (followed.kind.count == 0) return std::nullopt;
+    if (!family.empty() && followed.kind.count < longest) return std::nullopt;
+    return followed;
 }
 
 }  // namespace
@@ -254,7 +262,7 @@ std::optional<ChainSolution> shoot(const Scene& scene, const ManifoldSettings& s
     for (int i = 0; !(shot->size() < shot->noise); ++i) {
         if (i == settings.max_iterations) return std::nullopt;
         ++stats.iterations;
-        std::optional<Vec2> step = newton_step(*shot);
+        std::optional<Vec2> step = newton_step(shot->miss);
         if (!step) return std::nullopt;
         const float l = step->length();
         if (!(l < kInfinity)) return std::nullopt;
@@ -312,12 +320,20 @@ std::optional<ChainStart> sample_chain(const Scene& scene, const ManifoldSetting
     }
     const Ray ray{x.p, w, leave(x, w), kInfinity};
     ++stats.rays;
-    return follow_by_chance(scene, settings, casters, ray,
-                            scene.accel->intersect_caster(first.instance, ray),
-                            settings.longest_chain, pcg, stats, facets);
+    const std::optional<FollowedRay> followed = follow_by_chance(
+        scene, settings, casters, ray, scene.accel->intersect_caster(first.instance, ray),
+        settings.longest_chain, pcg, stats, facets);
+    if (!followed) return std::nullopt;
+    ChainStart start{followed->kind, w};
+    // Light may wait behind any of the vertices; most often behind the last.
+    if (settings.family.empty() && pcg.one() < 0.5f)
+        start.kind = start.kind.first(
+            1 + std::min(static_cast<uint32_t>(pcg.one() * static_cast<float>(start.kind.count)),
+                         start.kind.count - 1));
+    return start;
 }
 
-std::optional<ChainStart> sample_chain_along(const Scene& scene, const ManifoldSettings& settings,
+std::optional<FollowedRay> follow_camera_ray(const Scene& scene, const ManifoldSettings& settings,
                                              Ray ray, const CasterSet& casters, Pcg& pcg,
                                              ManifoldStats& stats) {
     for (;;) {
@@ -332,6 +348,12 @@ std::optional<ChainStart> sample_chain_along(const Scene& scene, const ManifoldS
         }
         ray.t_near = past(hit->t);
     }
+}
+
+float turn_towards(const FollowedRay::Behind& behind, const ChainEnd& end) {
+    const std::optional<Miss> miss = miss_of(behind.p, behind.ray, end);
+    const std::optional<Vec2> step = miss ? newton_step(*miss) : std::nullopt;
+    return step ? step->length() : kInfinity;
 }
 
 std::optional<ChainStart> straight_chain(const Scene& scene, const ManifoldSettings& settings,

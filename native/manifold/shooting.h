@@ -79,10 +79,23 @@ std::optional<ChainStart> sample_chain(const Scene& scene, const ManifoldSetting
                                        const RayStart& x, const CasterSet& casters, uint32_t caster,
                                        Pcg& pcg, ManifoldStats& stats,
                                        const FrozenFacets* facets = nullptr);
-// The same along a ray of the camera's, from the first caster that it meets on.
-std::optional<ChainStart> sample_chain_along(const Scene& scene, const ManifoldSettings& settings,
+// A random ray through casters, and how it leaves each of them.
+struct FollowedRay {
+    struct Behind {
+        Vec3 p;  // of the vertex
+        RayDual ray;
+    };
+    ChainKind kind;
+    Vec3 w;
+    std::array<Behind, kLongestChain> behind;
+};
+// As sample_chain has it, along a ray of the camera's and from the first caster that it meets on.
+std::optional<FollowedRay> follow_camera_ray(const Scene& scene, const ManifoldSettings& settings,
                                              Ray ray, const CasterSet& casters, Pcg& pcg,
                                              ManifoldStats& stats);
+// By how much, in rad at the receiver, Newton's first step would turn a ray that leaves its last vertex
+// so for it to come to `end`: of many rays, only those nearby are worth a shot.
+float turn_towards(const FollowedRay::Behind& behind, const ChainEnd& end);
 // Along the segment to the end: refracted by every caster that it crosses, whatever else stands in
 // its way [Hanika15]. Empty where it crosses none, or more than a chain may have.
 std::optional<ChainStart> straight_chain(const Scene& scene, const ManifoldSettings& settings,

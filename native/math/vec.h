@@ -24,6 +24,7 @@ using Spectrum = Imath::C3f;  // linear Rec.709
 inline constexpr float kPi = std::numbers::pi_v<float>;
 inline constexpr float kInvPi = std::numbers::inv_pi_v<float>;
 inline constexpr float kInfinity = std::numeric_limits<float>::infinity();
+inline constexpr float kBelowOne = 0x1.fffffep-1f;  // the largest float that is
 
 template <class T>
 T dot(const Imath::Vec3<T>& a, const Imath::Vec3<T>& b) {

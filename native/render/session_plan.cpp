@@ -111,14 +111,14 @@ void Session::learn_light_paths() {
 
 // Beside sheets or light paths: walks alone are as others have them.
 void Session::find_highlights() {
-    constexpr double kSamplesOfWalk = 32.0, kSecondsOfWalk = 4e-4, kLeastWalks = 1024.0,
-                     kMostOfPixel = 4.0;
+    constexpr double kSamplesOfWalk = 8.0, kSecondsOfWalk = 5e-5, kLeastWalks = 1024.0,
+                     kMostWalks = 0x1p28;
     const bool walks_alone = sheets_.all.empty() && !settings_.light_tracing;
     if (!settings_.integrator.manifold.enabled || walks_alone) return;
     // As many as are a small part of the work.
     const auto& crop = world_.scene->camera.crop;
     const auto pixels = static_cast<double>(uint64_t{crop[2]} * crop[3]);
-    double walks = pixels * std::min(kMostOfPixel, settings_.samples / kSamplesOfWalk);
+    double walks = std::min(kMostWalks, pixels * settings_.samples / kSamplesOfWalk);
     if (settings_.time_limit > 0.0f)
         walks = std::min(
             walks, static_cast<double>(settings_.time_limit) * active_workers_ / kSecondsOfWalk);

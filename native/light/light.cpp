@@ -10,6 +10,8 @@ namespace {
 // Share of the choice for casters that goes to all lights alike: power says nothing of where a light
 // stands.
 constexpr double kEvenShare = 0.2;
+// Of emissive meshes, as leaves of the tree: all, and of one. More take long to build.
+constexpr uint32_t kMostParts = 1u << 16, kMostPartsOfOne = 1u << 10;
 
 DiscreteDistribution select_by_power(const std::vector<double>& power) {
     double sum = 0.0, count = 0.0;
@@ -46,16 +48,11 @@ LightReach reach_of(const LightDesc& desc, const Lamp& lamp, double flux) {
     return reach;
 }
 
-LightReach reach_of(const BuiltEmitter& built) {
-    const Vec3 center = (built.bounds.lower + built.bounds.upper) * 0.5f;
-    return {.strength = static_cast<float>(built.flux) * 0.25f * kInvPi,
-            .center = center,
-            .radius = length(built.bounds.upper - center)};
-}
-
-std::optional<DirectSample> sample_emitter_from(const LightSet& lights, const Scene& scene,
-                                                uint32_t emitter, const Vec3& p, const Vec2& u) {
-    const EmitterPoint q = sample_emitter(lights.emissive[emitter], scene, u);
+std::optional<DirectSample> sample_part_from(const LightSet& lights, const Scene& scene,
+                                             const LightSet::Leaf& leaf, const Vec3& p,
+                                             const Vec2& u) {
+    const EmissiveInstance& emitter = lights.emissive[leaf.light - lights.lamps.size()];
+    const EmitterPoint q = sample_emitter_part(emitter, leaf.part, scene, u);
     const Vec3 to_q = q.p - p;
     const float d2 = length_squared(to_q);
     if (!(d2 > 0.0f)) return std::nullopt;
@@ -66,8 +63,7 @@ std::optional<DirectSample> sample_emitter_from(const LightSet& lights, const Sc
     const Spectrum radiance = surface_emission(scene, q.hit, wi * -1.0f);
     if (is_black(radiance)) return std::nullopt;
     const float margin = position_error(scene, q.hit.instance, q.hit.triangle) / cos;
-    return DirectSample{
-        wi, d, radiance, q.pdf_area * d2 / cos, false, lights.of_emitter(emitter), margin, q.hit};
+    return DirectSample{wi, d, radiance, q.pdf_area * d2 / cos, false, leaf.light, margin, q.hit};
 }
 
 }  // namespace
@@ -87,18 +83,32 @@ LightSet build_lights(const Scene& scene, uint32_t threads) {
         lights.visibility.push_back(desc.visibility);
         const bool seen = (desc.visibility & kVisibleScattered) != 0;
         const double flux = lamp_flux(desc, lamp);
+        lights.leaves.push_back({static_cast<uint32_t>(lights.lamps.size() - 1), 0});
         reaches.push_back(seen && flux > 0.0 ? reach_of(desc, lamp, flux) : LightReach{});
         const bool feeds = seen && desc.feeds_caustics;
         caustic_power.push_back(feeds ? flux * (is_sun(lamp) ? disc : 1.0) : 0.0);
     }
     lights.emissive_of_instance.assign(scene.instances.size(), kNone);
+    const auto shines = [](const Instance& instance) {
+        return instance.emits && (instance.visibility & kVisibleScattered) != 0;
+    };
+    const auto shining =
+        static_cast<uint32_t>(std::count_if(scene.instances.begin(), scene.instances.end(), shines));
     for (uint32_t i = 0; i < scene.instances.size(); ++i) {
         const Instance& instance = scene.instances[i];
-        if (!instance.emits || (instance.visibility & kVisibleScattered) == 0) continue;
-        std::optional<BuiltEmitter> built = build_emitter(scene, i);
+        if (!shines(instance)) continue;
+        std::optional<BuiltEmitter> built =
+            build_emitter(scene, i, std::clamp(kMostParts / shining, 1u, kMostPartsOfOne));
         if (!built) continue;
         lights.emissive_of_instance[i] = static_cast<uint32_t>(lights.emissive.size());
-        reaches.push_back(reach_of(*built));
+        built->emitter.first_leaf = static_cast<uint32_t>(reaches.size());
+        for (LightReach& reach : built->reaches) {
+            reach.even = 1.0f / static_cast<float>(built->reaches.size());
+            lights.leaves.push_back(
+                {lights.of_emitter(lights.emissive_of_instance[i]),
+                 static_cast<uint32_t>(reaches.size()) - built->emitter.first_leaf});
+            reaches.push_back(reach);
+        }
         lights.emissive.push_back(std::move(built->emitter));
         lights.visibility.push_back(instance.visibility | kVisibleShadow);
         caustic_power.push_back(built->flux);
@@ -110,6 +120,7 @@ LightSet build_lights(const Scene& scene, uint32_t threads) {
         LightReach reach{.distant = true};
         // Irradiance, on average over all orientations of what it falls on.
         if (seen) reach.strength = static_cast<float>(0.25 * world_excess(lights));
+        lights.leaves.push_back({lights.of_world(), 0});
         reaches.push_back(reach);
         const bool feeds = seen && scene.environment.feeds_caustics;
         caustic_power.push_back(feeds ? world_excess_of_peaks(lights) * disc : 0.0);
@@ -131,18 +142,18 @@ std::optional<DirectSample> sample_direct(const LightSet& lights, const Scene& s
                                           const LitPoint& at, const Vec3& u) {
     if (lights.tree.empty()) return std::nullopt;
     const LightTree::Sample chosen = lights.tree.sample(at, u.x);
+    const LightSet::Leaf& leaf = lights.leaves[chosen.light];
     const Vec2 place(u.y, u.z);
     std::optional<DirectSample> sample;
-    if (chosen.light < lights.lamps.size()) {
-        if (const std::optional<LampSample> s = sample_lamp(lights.lamps[chosen.light], at.p, place))
-            sample = {s->wi, s->distance, s->radiance, s->density, s->delta, chosen.light};
-    } else if (chosen.light == lights.of_world()) {
+    if (leaf.light < lights.lamps.size()) {
+        if (const std::optional<LampSample> s = sample_lamp(lights.lamps[leaf.light], at.p, place))
+            sample = {s->wi, s->distance, s->radiance, s->density, s->delta, leaf.light};
+    } else if (leaf.light == lights.of_world()) {
         if (const std::optional<WorldSample> s = sample_world(lights, place))
             sample = {s->wi,        kInfinity, world_radiance(lights, scene, s->wi),
-                      s->pdf_omega, false,     chosen.light};
+                      s->pdf_omega, false,     leaf.light};
     } else {
-        const auto emitter = static_cast<uint32_t>(chosen.light - lights.lamps.size());
-        sample = sample_emitter_from(lights, scene, emitter, at.p, place);
+        sample = sample_part_from(lights, scene, leaf, at.p, place);
     }
     if (sample) sample->density *= chosen.probability;
     return sample;
@@ -155,9 +166,10 @@ float pdf_direct_lamp(const LightSet& lights, const LitPoint& at, const Vec3& wi
 
 float pdf_direct_surface(const LightSet& lights, const Scene& scene, const LitPoint& at,
                          const Vec3& wi, const Hit& hit) {
-    const uint32_t emitter = lights.emissive_of_instance[hit.surface.instance];
-    if (emitter == kNone) return 0.0f;
-    const float pdf_area = emitter_pdf_area(lights.emissive[emitter], hit.surface.triangle);
+    const uint32_t index = lights.emissive_of_instance[hit.surface.instance];
+    if (index == kNone) return 0.0f;
+    const EmissiveInstance& emitter = lights.emissive[index];
+    const float pdf_area = emitter_part_pdf_area(emitter, hit.surface.triangle);
     if (!(pdf_area > 0.0f)) return 0.0f;
     const std::array<Vec3, 3> corner =
         scene.triangle_world(hit.surface.instance, hit.surface.triangle);
@@ -165,12 +177,13 @@ float pdf_direct_surface(const LightSet& lights, const Scene& scene, const LitPo
     const float d2 = length_squared(corner[0] + e1 * hit.surface.u + e2 * hit.surface.v - at.p);
     const float cos = std::abs(dot(normalize(cross(e1, e2)), wi));
     if (!(cos > 0.0f)) return 0.0f;
-    return lights.tree.probability(lights.of_emitter(emitter), at) * pdf_area * d2 / cos;
+    const uint32_t leaf = emitter.first_leaf + emitter.places[hit.surface.triangle].part;
+    return lights.tree.probability(leaf, at) * pdf_area * d2 / cos;
 }
 
 float pdf_direct_world(const LightSet& lights, const LitPoint& at, const Vec3& wi) {
     if (!lights.has_world) return 0.0f;
-    const float probability = lights.tree.probability(lights.of_world(), at);
+    const float probability = lights.tree.probability(lights.world_leaf(), at);
     return probability > 0.0f ? probability * world_pdf(lights, wi) : 0.0f;
 }
 

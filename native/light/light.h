@@ -17,13 +17,30 @@ namespace spc {
 
 // Index of a light: lamps first (as in Scene::lights), then emissive instances, then the world.
 struct EmissiveInstance {
+    // Triangles that lie together: a leaf of the light tree.
+    struct Part {
+        std::vector<uint32_t> triangles;
+        DiscreteDistribution choice;  // among them, by area times mean radiance
+    };
+    struct Place {
+        uint32_t part = kNone, index = 0;  // of Part::triangles
+    };
     uint32_t instance;
-    DiscreteDistribution triangles;  // by area times mean radiance
+    DiscreteDistribution triangles;  // all, by area times mean radiance
     std::vector<float> inv_area;     // 1/m^2 per triangle, world space; 0 where it does not emit
+    std::vector<Part> parts;
+    std::vector<Place> places;  // of each triangle
+    uint32_t first_leaf = 0;    // of its parts in the light tree
 };
 
 struct LightSet {
-    LightTree tree;  // from a receiver; without a world that is nearly even
+    // From a receiver; without a world that is nearly even. Its leaves are the lamps, then parts of
+    // emissive instances, then the world.
+    LightTree tree;
+    struct Leaf {
+        uint32_t light, part;
+    };
+    std::vector<Leaf> leaves;
     // For casters, over the lights that feed them: by power, with an equal share for every light that
     // shines mixed in, so that no light starves.
     DiscreteDistribution caustic_selection;
@@ -47,6 +64,7 @@ struct LightSet {
         return static_cast<uint32_t>(lamps.size()) + emitter;
     }
     uint32_t of_world() const { return of_emitter(static_cast<uint32_t>(emissive.size())); }
+    uint32_t world_leaf() const { return static_cast<uint32_t>(leaves.size() - 1); }
     bool is_distant(uint32_t light) const {
         return light < lamps.size() ? is_sun(lamps[light]) : light == of_world();
     }

@@ -33,9 +33,10 @@ float half_angle(const LampBeam& beam) {
 LampBeam joined(const LampBeam& a, const LampBeam& b) {
     const LampBeam all{a.axis, 2.0f};
     if (a.one_minus_cos < b.one_minus_cos) return joined(b, a);
+    if (a.one_minus_cos >= 2.0f) return a;
     const float between = std::acos(std::clamp(dot(a.axis, b.axis), -1.0f, 1.0f));
     const float wide = half_angle(a), narrow = half_angle(b);
-    if (a.one_minus_cos >= 2.0f || between + narrow <= wide) return a;
+    if (between + narrow <= wide) return a;
     const float half = 0.5f * (wide + between + narrow);
     const Vec3 side = b.axis - a.axis * dot(a.axis, b.axis);
     if (half >= kPi || !(length_squared(side) > 0.0f)) return all;
@@ -96,9 +97,10 @@ float LightTree::Distant::importance(const LitPoint& at) const {
 LightTree::LightTree(std::span<const LightReach> lights)
     : leaf_of_(lights.size(), kNone), distant_of_(lights.size(), kNone) {
     std::vector<Node> leaves;
+    std::vector<float> even(lights.size(), 0.0f);
     for (uint32_t i = 0; i < lights.size(); ++i) {
         if (!(lights[i].strength > 0.0f)) continue;
-        chosen_.push_back(i);
+        even[i] = lights[i].even;
         if (lights[i].distant) {
             distant_of_[i] = static_cast<uint32_t>(distant_.size());
             distant_.push_back({lights[i], i});
@@ -109,6 +111,9 @@ LightTree::LightTree(std::span<const LightReach> lights)
             leaves.push_back(leaf);
         }
     }
+    evenly_ = DiscreteDistribution(even);
+    if (leaves.size() + distant_.size() == 1)
+        only_ = leaves.empty() ? distant_[0].light : leaves[0].light;
     if (leaves.empty()) return;
     nodes_.reserve(2 * leaves.size());
     build(leaves);
@@ -183,24 +188,22 @@ float LightTree::share_below_root(uint32_t leaf, const LitPoint& at) const {
 float LightTree::probability(uint32_t light, const LitPoint& at) const {
     const uint32_t leaf = leaf_of_[light], distant = distant_of_[light];
     if (leaf == kNone && distant == kNone) return 0.0f;
-    const auto count = static_cast<float>(chosen_.size());
-    if (chosen_.size() == 1) return 1.0f;
+    if (only_ != kNone) return 1.0f;
+    const float even = evenly_.probability(light);
     const float afar = distant_importance(at);
     const float near = nodes_.empty() ? 0.0f : nodes_.back().importance(at);
-    if (!(afar + near > 0.0f)) return 1.0f / count;
+    if (!(afar + near > 0.0f)) return even;
     const float part = leaf == kNone ? distant_[distant].importance(at)
                        : near > 0.0f ? near * share_below_root(leaf, at)
                                      : 0.0f;
-    return kEvenShare / count + (1.0f - kEvenShare) * (part / (afar + near));
+    return kEvenShare * even + (1.0f - kEvenShare) * (part / (afar + near));
 }
 
 LightTree::Sample LightTree::sample(const LitPoint& at, float u) const {
     SPC_ASSERT(!empty());
     const auto chosen = [&](uint32_t light) { return Sample{light, probability(light, at)}; };
-    const auto evenly = [&](float v) {
-        return chosen(chosen_[static_cast<size_t>(v * static_cast<float>(chosen_.size()))]);
-    };
-    if (chosen_.size() == 1) return {chosen_[0], 1.0f};
+    const auto evenly = [&](float v) { return chosen(evenly_.sample(v).index); };
+    if (only_ != kNone) return {only_, 1.0f};
     const float afar = distant_importance(at);
     const float near = nodes_.empty() ? 0.0f : nodes_.back().importance(at);
     if (!(afar + near > 0.0f)) return evenly(u);

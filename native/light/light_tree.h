@@ -5,6 +5,7 @@
 // share of the choice is even.
 #pragma once
 
+#include "core/distribution.h"
 #include "light/lamp.h"
 
 #include <span>
@@ -19,7 +20,7 @@ struct LitPoint {
     LitPoint(const Vec3& point, const Vec3& normal = Vec3(0.0f)) : p(point), n(normal) {}
 };
 
-// Of one light, as the choice sees it.
+// Of one light, or a part of it, as the choice sees it.
 struct LightReach {
     bool distant = false;
     // Luminance: W/sr where it shines brightest; distant: W/m^2. 0: never chosen.
@@ -29,6 +30,7 @@ struct LightReach {
     float radius = 0.0f;
     LampBeam beam{Vec3(0, 0, 1), 2.0f};
     bool cosine = false;  // falls with the cosine of the angle to the beam's axis
+    float even = 1.0f;    // of the even choice: a light's share of it, over its parts
 };
 
 class LightTree {
@@ -36,7 +38,7 @@ public:
     LightTree() = default;
     explicit LightTree(std::span<const LightReach> lights);
 
-    bool empty() const { return chosen_.empty(); }
+    bool empty() const { return evenly_.empty(); }
     struct Sample {
         uint32_t light;
         float probability;
@@ -65,9 +67,10 @@ private:
     float share_of_left(const Node& node, const LitPoint& at) const;
     float share_below_root(uint32_t leaf, const LitPoint& at) const;
 
-    std::vector<uint32_t> chosen_;  // lights that are
-    std::vector<Distant> distant_;  // among them
-    std::vector<Node> nodes_;       // children before parents, the root last
+    DiscreteDistribution evenly_;
+    uint32_t only_ = kNone;  // the light, if there is one alone
+    std::vector<Distant> distant_;
+    std::vector<Node> nodes_;  // children before parents, the root last
     // Of every light: its node, or its place among the distant ones; kNone elsewhere.
     std::vector<uint32_t> leaf_of_, distant_of_;
 };

@@ -9,11 +9,12 @@ namespace spc {
 
 struct BuiltEmitter {
     EmissiveInstance emitter;
-    double flux;    // W, of luminance
-    Bounds bounds;  // of the triangles that shine
+    double flux = 0.0;                // W, of luminance
+    std::vector<LightReach> reaches;  // of its parts
 };
-// Empty if no triangle of the instance shines.
-std::optional<BuiltEmitter> build_emitter(const Scene& scene, uint32_t instance);
+// In so many parts at most. Empty if no triangle of the instance shines.
+std::optional<BuiltEmitter> build_emitter(const Scene& scene, uint32_t instance,
+                                          uint32_t most_parts);
 
 // A point of the emitter, uniform on a triangle that is drawn in proportion to its flux. u.x also
 // draws the triangle: the choice of the light leaves too few digits of its own number.
@@ -25,5 +26,9 @@ struct EmitterPoint {
 };
 EmitterPoint sample_emitter(const EmissiveInstance& emitter, const Scene& scene, const Vec2& u);
 float emitter_pdf_area(const EmissiveInstance& emitter, uint32_t triangle);
+// The same of one of its parts, and of that in which the triangle lies.
+EmitterPoint sample_emitter_part(const EmissiveInstance& emitter, uint32_t part, const Scene& scene,
+                                 const Vec2& u);
+float emitter_part_pdf_area(const EmissiveInstance& emitter, uint32_t triangle);
 
 }  // namespace spc

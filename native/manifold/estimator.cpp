@@ -497,7 +497,7 @@ void add_random_highlights(const Techniques& techniques, const Receiver& camera,
             techniques.lights, techniques.scene, Vec3(std::min(chosen, kBelowOne), u.y, u.z));
         if (!y || y->light == light) continue;
         light = y->light;
-        for (uint32_t n = settings.family.empty() ? 1 : ray->kind.count; n <= ray->kind.count; ++n) {
+        for (uint32_t n = ray->fewest; n <= ray->kind.count; ++n) {
             if (!(turn_towards(ray->behind[n - 1], end_of(*y)) < most_turn)) continue;
             const std::optional<ChainSolution> solution =
                 Estimate(techniques, camera, *y, stats).highlight_near(*ray, n);

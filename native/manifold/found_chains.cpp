@@ -130,7 +130,7 @@ std::optional<ChainSolution> search_pixel(const Techniques& techniques, const Ra
     // Light may wait behind any of the vertices.
     const float reach = kReach / std::sqrt(scene.camera.film_per_solid_angle(ray->w));
     uint32_t near = 0, chosen = 0;
-    for (uint32_t n = settings.family.empty() ? 1 : ray->kind.count; n <= ray->kind.count; ++n)
+    for (uint32_t n = ray->fewest; n <= ray->kind.count; ++n)
         if (turn_towards(ray->behind[n - 1], end) < reach &&
             pcg.one() * static_cast<float>(++near) < 1.0f)
             chosen = n;

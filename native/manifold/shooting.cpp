@@ -225,8 +225,8 @@ std::optional<FollowedRay> follow_by_chance(const Scene& scene, const ManifoldSe
         ++stats.rays;
         hit = scene.accel->intersect(ray, kVisibleScattered);
     }
-    if (followed.kind.count == 0) return std::nullopt;
-    if (!family.empty() && followed.kind.count < longest) return std::nullopt;
+    if (!family.empty()) followed.fewest = longest;
+    if (followed.kind.count < followed.fewest) return std::nullopt;
     return followed;
 }
 

@@ -87,6 +87,8 @@ struct FollowedRay {
     };
     ChainKind kind;
     Vec3 w;
+    uint32_t fewest =
+        1;  // turns behind which light is looked for; all, if settings.family says which
     std::array<Behind, kLongestChain> behind;
 };
 // As sample_chain has it, along a ray of the camera's and from the first caster that it meets on.

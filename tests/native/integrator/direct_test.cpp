@@ -110,6 +110,36 @@ TEST(DirectLight, EmissiveMeshByQuadrature) {
     expect_irradiance(maker.finish(), irradiance, "emissive square");
 }
 
+// A mesh of many panels, here a street of them, is as good as a mesh for each panel: what is near counts,
+// not what has the most area. Drawn by area alone they have 25 times the variance.
+TEST(DirectLight, PlacesOfAMeshAreAsGoodAsMeshes) {
+    constexpr uint32_t kPanels = 60;
+    const auto street = [](bool joined) {
+        SceneMaker maker;
+        maker.add(test::square(100.0f), test::diffuse(kAlbedo));
+        Mesh all;
+        for (uint32_t i = 0; i < kPanels; ++i) {
+            const Vec3 at(3.0f * (float(i) - 15.0f), 0.4f, 0.5f);
+            Mesh panel = test::square(0.05f);
+            for (Vec3& p : panel.positions) p = p + at;
+            if (!joined) maker.add(panel, test::emission(2.0f));
+            const auto first = static_cast<uint32_t>(all.positions.size());
+            for (const Vec3& p : panel.positions) all.positions.push_back(p);
+            for (const auto& [a, b, c] : panel.triangles)
+                all.triangles.push_back({a + first, b + first, c + first});
+        }
+        if (joined) maker.add(all, test::emission(2.0f));
+        return maker.finish();
+    };
+    const auto of = [&](bool joined) {
+        return test::estimate(street(joined), direct_only(), 8000, kAtOrigin).radiance;
+    };
+    const auto one = of(true), many = of(false);
+    EXPECT_TRUE(test::is_mean(one, many.mean(), kSignificance, 3.0 * many.standard_error()));
+    EXPECT_LT(one.standard_error(), 1.2 * many.standard_error());
+    EXPECT_LT(many.standard_error(), 0.02 * many.mean());
+}
+
 TEST(DirectLight, UniformWorldAndItsSumWithALamp) {
     SceneMaker maker;
     maker.add(test::square(10.0f), test::diffuse(kAlbedo));

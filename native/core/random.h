@@ -33,7 +33,8 @@ enum class Domain : uint32_t {
     highlight_light,
     highlight_seeds,
     missed_chains,
-    folds
+    folds,
+    even_light
 };
 
 inline uint64_t mix_bits(uint64_t x) {  // a bijection with good avalanche, [Stafford11] variant 13

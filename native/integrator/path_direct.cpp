@@ -6,18 +6,26 @@ namespace spc {
 Spectrum PathTracer::direct_radiance(const Surface& surface, const CameraApproach& approach,
                                      const Sampler& sampler) {
     if (!has_smooth_closure(surface.closures)) return Spectrum(0.0f);
-    const std::optional<DirectSample> light =
-        sample_direct(world.lights, scene(), lit_point(surface), sampler[Domain::light].three());
-    if (!light || is_black(light->radiance)) return Spectrum(0.0f);
-    const uint32_t visibility = light_visibility(world.lights, light->light);
+    Spectrum sum(0.0f);
+    for (const std::optional<DirectSample>& light :
+         sample_direct_twice(world.lights, scene(), lit_point(surface),
+                             sampler[Domain::light].three(), sampler[Domain::even_light].three()))
+        if (light) sum += direct_radiance(surface, approach, *light);
+    return sum;
+}
+
+Spectrum PathTracer::direct_radiance(const Surface& surface, const CameraApproach& approach,
+                                     const DirectSample& light) {
+    if (is_black(light.radiance)) return Spectrum(0.0f);
+    const uint32_t visibility = light_visibility(world.lights, light.light);
     const ClosureEval f =
-        eval(surface.closures, surface.ng, surface.wo, light->wi, kinds_seeing(visibility));
+        eval(surface.closures, surface.ng, surface.wo, light.wi, kinds_seeing(visibility));
     if (is_black(f.f_cos)) return Spectrum(0.0f);
-    // f L / p_light, times its balance weight where other rays find the light, too
-    const Spectrum alone = left_of_direct(surface, *light, f, kinds_seeing(visibility)) *
-                           light->radiance * (1.0f / light->density);
+    // f L / p_light, times its weight where other rays find the light, too
+    const Spectrum alone = left_of_direct(surface, light, f, kinds_seeing(visibility)) *
+                           light.radiance * (light.weight / light.density);
     if ((visibility & kVisibleShadow) == 0) return alone;
-    return alone * weight_of_direct(surface, approach, *light, f) * unblocked(surface, *light);
+    return alone * weight_of_direct(surface, approach, light, f) * unblocked(surface, light);
 }
 
 Spectrum PathTracer::left_of_direct(const Surface& surface, const DirectSample& light,

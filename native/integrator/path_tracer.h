@@ -9,8 +9,8 @@
 namespace spc {
 
 // The share of an estimate of density `own` in light that another one finds with `other`: by the
-// balance heuristic.
-inline float shared(float own, float other) { return own / (own + other); }
+// power heuristic [Veach97], since the one with the larger density is better than that, stratified.
+inline float shared(float own, float other) { return 1.0f / (1.0f + sqr(other / own)); }
 
 // Directions to lights of which closures with glints take one.
 inline constexpr uint32_t kGlintCandidates = 12;
@@ -107,6 +107,8 @@ struct PathTracer {
     // Without throughput.
     Spectrum direct_radiance(const Surface& surface, const CameraApproach& approach,
                              const Sampler& sampler);
+    Spectrum direct_radiance(const Surface& surface, const CameraApproach& approach,
+                             const DirectSample& light);
 
     // f |cos|, less what rough chains find.
     Spectrum left_of_direct(const Surface& surface, const DirectSample& light, const ClosureEval& f,

@@ -138,25 +138,50 @@ LitPoint lit_point(const Surface& surface) {
     return {surface.p, has_smooth_transmission(surface.closures) ? Vec3(0.0f) : surface.ng};
 }
 
-std::optional<DirectSample> sample_direct(const LightSet& lights, const Scene& scene,
-                                          const LitPoint& at, const Vec3& u) {
-    if (lights.tree.empty()) return std::nullopt;
-    const LightTree::Sample chosen = lights.tree.sample(at, u.x);
+namespace {
+
+std::optional<DirectSample> sample_leaf(const LightSet& lights, const Scene& scene,
+                                        const LitPoint& at, const LightTree::Sample& chosen,
+                                        const Vec2& u) {
     const LightSet::Leaf& leaf = lights.leaves[chosen.light];
-    const Vec2 place(u.y, u.z);
     std::optional<DirectSample> sample;
     if (leaf.light < lights.lamps.size()) {
-        if (const std::optional<LampSample> s = sample_lamp(lights.lamps[leaf.light], at.p, place))
+        if (const std::optional<LampSample> s = sample_lamp(lights.lamps[leaf.light], at.p, u))
             sample = {s->wi, s->distance, s->radiance, s->density, s->delta, leaf.light};
     } else if (leaf.light == lights.of_world()) {
-        if (const std::optional<WorldSample> s = sample_world(lights, place))
+        if (const std::optional<WorldSample> s = sample_world(lights, u))
             sample = {s->wi,        kInfinity, world_radiance(lights, scene, s->wi),
                       s->pdf_omega, false,     leaf.light};
     } else {
-        sample = sample_part_from(lights, scene, leaf, at.p, place);
+        sample = sample_part_from(lights, scene, leaf, at.p, u);
     }
-    if (sample) sample->density *= chosen.probability;
+    if (!sample) return std::nullopt;
+    sample->density *= chosen.probability;
+    sample->weight = chosen.weight;
     return sample;
+}
+
+}  // namespace
+
+std::optional<DirectSample> sample_direct(const LightSet& lights, const Scene& scene,
+                                          const LitPoint& at, const Vec3& u) {
+    if (lights.tree.empty()) return std::nullopt;
+    return sample_leaf(lights, scene, at, lights.tree.sample(at, u.x), {u.y, u.z});
+}
+
+std::array<std::optional<DirectSample>, 2> sample_direct_twice(const LightSet& lights,
+                                                               const Scene& scene,
+                                                               const LitPoint& at, const Vec3& u,
+                                                               const Vec3& v) {
+    constexpr float kSecond = LightTree::kSecond;
+    std::array<std::optional<DirectSample>, 2> samples;
+    if (lights.tree.empty()) return samples;
+    samples[0] = sample_leaf(lights, scene, at, lights.tree.first_of_two(at, u.x), {u.y, u.z});
+    if (lights.tree.has_second() && v.x < kSecond)
+        samples[1] = sample_leaf(lights, scene, at,
+                                 lights.tree.second_of_two(at, std::min(v.x / kSecond, kBelowOne)),
+                                 {v.y, v.z});
+    return samples;
 }
 
 float pdf_direct_lamp(const LightSet& lights, const LitPoint& at, const Vec3& wi, const Hit& hit) {

@@ -93,9 +93,16 @@ struct DirectSample {
     uint32_t light;
     float margin = 0.0f;                 // of a mesh: as ChainEnd has it
     SurfaceHit surface{kNone, 0, 0, 0};  // of a mesh
+    float weight = 1.0f;                 // beside the other one of two, see LightTree
 };
 std::optional<DirectSample> sample_direct(const LightSet& lights, const Scene& scene,
                                           const LitPoint& at, const Vec3& u);
+// In the place of one sample two, in which the choice of the light makes less noise: the sum of
+// weight radiance / density has the same mean. The second, drawn in some cases alone, is mostly empty.
+std::array<std::optional<DirectSample>, 2> sample_direct_twice(const LightSet& lights,
+                                                               const Scene& scene,
+                                                               const LitPoint& at, const Vec3& u,
+                                                               const Vec3& v);
 
 // Density with which sample_direct from there takes the direction `wi` to the point that a ray hit. A
 // ray that leaves the scene meets the world and every one of LightSet::disc_suns that it points at,

@@ -7,9 +7,6 @@
 namespace spc {
 namespace {
 
-// Share of the choice that goes to all lights alike: next to a lamp in a closet the sun outside does
-// not matter, and the other way round.
-constexpr float kEvenShare = 0.1f;
 // Places of a split, in parts of the lights between; so a tree is never deeper than some logarithm.
 constexpr size_t kSplits = 8;
 
@@ -94,9 +91,18 @@ float LightTree::Distant::importance(const LitPoint& at) const {
     return from_one_side ? reach.strength * std::max(dot(at.n, reach.center), 0.0f) : reach.strength;
 }
 
+// Two children to a node; the root last.
+struct LightTree::Binary {
+    LightReach reach;
+    uint32_t left = kNone, right = kNone;
+    uint32_t light = kNone;  // of a leaf
+
+    static uint32_t build(std::span<Binary> leaves, std::vector<Binary>& nodes);
+};
+
 LightTree::LightTree(std::span<const LightReach> lights)
     : leaf_of_(lights.size(), kNone), distant_of_(lights.size(), kNone) {
-    std::vector<Node> leaves;
+    std::vector<Binary> leaves;
     std::vector<float> even(lights.size(), 0.0f);
     for (uint32_t i = 0; i < lights.size(); ++i) {
         if (!(lights[i].strength > 0.0f)) continue;
@@ -105,32 +111,33 @@ LightTree::LightTree(std::span<const LightReach> lights)
             distant_of_[i] = static_cast<uint32_t>(distant_.size());
             distant_.push_back({lights[i], i});
         } else {
-            Node leaf;
-            leaf.reach = lights[i];
-            leaf.light = i;
-            leaves.push_back(leaf);
+            leaves.push_back({.reach = lights[i], .light = i});
         }
     }
     evenly_ = DiscreteDistribution(even);
     if (leaves.size() + distant_.size() == 1)
         only_ = leaves.empty() ? distant_[0].light : leaves[0].light;
     if (leaves.empty()) return;
-    nodes_.reserve(2 * leaves.size());
-    build(leaves);
+    std::vector<Binary> tree;
+    tree.reserve(2 * leaves.size());
+    const uint32_t root = Binary::build(leaves, tree);
+    nodes_.reserve(tree.size());
+    nodes_.emplace_back();
+    adopt(tree, root, 0);
 }
 
-uint32_t LightTree::build(Leaves leaves) {
-    const auto append = [&](const Node& node) {
-        nodes_.push_back(node);
-        return static_cast<uint32_t>(nodes_.size() - 1);
+uint32_t LightTree::Binary::build(std::span<Binary> leaves, std::vector<Binary>& nodes) {
+    const auto append = [&](const Binary& node) {
+        nodes.push_back(node);
+        return static_cast<uint32_t>(nodes.size() - 1);
     };
-    if (leaves.size() == 1) return leaf_of_[leaves[0].light] = append(leaves[0]);
+    if (leaves.size() == 1) return append(leaves[0]);
 
     float least = kInfinity;
     int best_axis = 0;
     size_t best_split = leaves.size() / 2;
     const auto sort_along = [&](int axis) {
-        std::sort(leaves.begin(), leaves.end(), [&](const Node& a, const Node& b) {
+        std::sort(leaves.begin(), leaves.end(), [&](const Binary& a, const Binary& b) {
             const float x = a.reach.center[axis], y = b.reach.center[axis];
             return x != y ? x < y : a.light < b.light;
         });
@@ -153,13 +160,44 @@ uint32_t LightTree::build(Leaves leaves) {
         }
     }
     sort_along(best_axis);
-    Node node;
-    node.left = build(leaves.first(best_split));
-    node.right = build(leaves.subspan(best_split));
-    node.reach = joined(nodes_[node.left].reach, nodes_[node.right].reach);
-    const uint32_t index = append(node);
-    nodes_[node.left].parent = nodes_[node.right].parent = index;
-    return index;
+    Binary node;
+    node.left = build(leaves.first(best_split), nodes);
+    node.right = build(leaves.subspan(best_split), nodes);
+    node.reach = joined(nodes[node.left].reach, nodes[node.right].reach);
+    return append(node);
+}
+
+// What nodes bound is the looser the more they hold, so that a choice among their parts is better than
+// several between two: those parts become children that are to be avoided most as a whole.
+void LightTree::adopt(const std::vector<Binary>& tree, uint32_t from, uint32_t to) {
+    nodes_[to].reach = tree[from].reach;
+    nodes_[to].light = tree[from].light;
+    if (tree[from].light != kNone) {
+        leaf_of_[tree[from].light] = to;
+        return;
+    }
+    std::vector<uint32_t> children{tree[from].left, tree[from].right};
+    while (children.size() < kWidth) {
+        const auto worst =
+            std::max_element(children.begin(), children.end(), [&](uint32_t a, uint32_t b) {
+                const auto badness = [&](uint32_t i) {
+                    return tree[i].light == kNone ? cost(tree[i].reach) : -1.0f;
+                };
+                return badness(a) < badness(b);
+            });
+        const Binary& opened = tree[*worst];
+        if (opened.light != kNone) break;  // all are leaves
+        *worst = opened.left;
+        children.push_back(opened.right);
+    }
+    const auto first = static_cast<uint32_t>(nodes_.size());
+    nodes_[to].first = first;
+    nodes_[to].count = static_cast<uint32_t>(children.size());
+    nodes_.resize(nodes_.size() + children.size());
+    for (uint32_t i = 0; i < children.size(); ++i) {
+        nodes_[first + i].parent = to;
+        adopt(tree, children[i], first + i);
+    }
 }
 
 float LightTree::distant_importance(const LitPoint& at) const {
@@ -168,68 +206,114 @@ float LightTree::distant_importance(const LitPoint& at) const {
     return sum;
 }
 
-float LightTree::share_of_left(const Node& node, const LitPoint& at) const {
-    const Node &left = nodes_[node.left], &right = nodes_[node.right];
-    const float a = left.importance(at), b = right.importance(at);
-    // Where none of them shines it does not matter.
-    return a + b > 0.0f ? a / (a + b) : 0.5f;
+LightTree::Parts LightTree::parts(const Node& node, const LitPoint& at) const {
+    Parts parts;
+    parts.count = std::max(node.count, 1u);
+    for (uint32_t i = 0; i < parts.count; ++i)
+        parts.sum += parts.of[i] = (node.count > 0 ? nodes_[node.first + i] : node).importance(at);
+    return parts;
 }
 
-float LightTree::share_below_root(uint32_t leaf, const LitPoint& at) const {
-    float share = 1.0f;
-    for (uint32_t i = leaf; nodes_[i].parent != kNone; i = nodes_[i].parent) {
-        const Node& parent = nodes_[nodes_[i].parent];
-        const float left = share_of_left(parent, at);
-        share *= parent.left == i ? left : 1.0f - left;
+float LightTree::Parts::share(uint32_t child) const {
+    // Where none of them shines it does not matter.
+    return sum > 0.0f ? of[child] / sum : 1.0f / static_cast<float>(count);
+}
+
+float LightTree::part(uint32_t node, const LitPoint& at) const {
+    const uint32_t parent = nodes_[node].parent;
+    if (parent == kNone || nodes_[parent].parent == kNone) return nodes_[node].importance(at);
+    return part(parent, at) * parts(nodes_[parent], at).share(node - nodes_[parent].first);
+}
+
+LightTree::Sums LightTree::sums(const LitPoint& at) const {
+    Sums sums{nodes_.empty() ? Parts{} : parts(nodes_.front(), at), distant_importance(at), 0.0f};
+    sums.all = sums.near.sum + sums.afar;
+    return sums;
+}
+
+float LightTree::share(uint32_t light, const LitPoint& at, const Sums& sums) const {
+    if (!(sums.all > 0.0f)) return evenly_.probability(light);
+    const uint32_t leaf = leaf_of_[light];
+    return (leaf != kNone ? part(leaf, at) : distant_[distant_of_[light]].importance(at)) / sums.all;
+}
+
+LightTree::Choice LightTree::choose(const LitPoint& at, const Sums& sums, float u) const {
+    if (!(sums.all > 0.0f)) {
+        const DiscreteDistribution::Sample one = evenly_.sample(u);
+        return {one.index, one.probability};
     }
-    return share;
+    u *= sums.all;
+    if (u >= sums.near.sum) {
+        float rest = u - sums.near.sum;
+        const Distant* chosen = nullptr;
+        for (const Distant& distant : distant_) {
+            const float importance = distant.importance(at);
+            if (importance > 0.0f) chosen = &distant;
+            if (rest < importance) break;
+            rest -= importance;
+        }
+        if (chosen != nullptr) return {chosen->light, chosen->importance(at) / sums.all};
+        u = sums.near.sum;  // by rounding
+    }
+    u = remapped(u, 0.0f, sums.near.sum);
+    uint32_t node = 0;
+    float part = nodes_[0].importance(at);
+    for (Parts parts = sums.near; nodes_[node].count > 0; parts = this->parts(nodes_[node], at)) {
+        float before = 0.0f;
+        uint32_t child = 0;
+        for (; child + 1 < parts.count && u >= before + parts.share(child); ++child)
+            before += parts.share(child);
+        // The last may have none, by rounding.
+        while (parts.share(child) == 0.0f) before -= parts.share(--child);
+        u = remapped(u, before, before + parts.share(child));
+        part = node == 0 ? parts.of[child] : part * parts.share(child);
+        node = nodes_[node].first + child;
+    }
+    return {nodes_[node].light, part / sums.all};
+}
+
+float LightTree::mixed(const Choice& choice) const {
+    return kEvenShare * evenly_.probability(choice.light) + (1.0f - kEvenShare) * choice.share;
 }
 
 float LightTree::probability(uint32_t light, const LitPoint& at) const {
-    const uint32_t leaf = leaf_of_[light], distant = distant_of_[light];
-    if (leaf == kNone && distant == kNone) return 0.0f;
-    if (only_ != kNone) return 1.0f;
-    const float even = evenly_.probability(light);
-    const float afar = distant_importance(at);
-    const float near = nodes_.empty() ? 0.0f : nodes_.back().importance(at);
-    if (!(afar + near > 0.0f)) return even;
-    const float part = leaf == kNone ? distant_[distant].importance(at)
-                       : near > 0.0f ? near * share_below_root(leaf, at)
-                                     : 0.0f;
-    return kEvenShare * even + (1.0f - kEvenShare) * (part / (afar + near));
+    if (leaf_of_[light] == kNone && distant_of_[light] == kNone) return 0.0f;
+    return only_ != kNone ? 1.0f : mixed({light, share(light, at, sums(at))});
 }
 
 LightTree::Sample LightTree::sample(const LitPoint& at, float u) const {
     SPC_ASSERT(!empty());
-    const auto chosen = [&](uint32_t light) { return Sample{light, probability(light, at)}; };
-    const auto evenly = [&](float v) { return chosen(evenly_.sample(v).index); };
     if (only_ != kNone) return {only_, 1.0f};
-    const float afar = distant_importance(at);
-    const float near = nodes_.empty() ? 0.0f : nodes_.back().importance(at);
-    if (!(afar + near > 0.0f)) return evenly(u);
-    if (u < kEvenShare) return evenly(remapped(u, 0.0f, kEvenShare));
-    u = remapped(u, kEvenShare, 1.0f) * (afar + near);
-    if (u >= near) {
-        float rest = u - near;
-        uint32_t light = kNone;
-        for (const Distant& distant : distant_) {
-            const float part = distant.importance(at);
-            if (part > 0.0f) light = distant.light;
-            if (rest < part) break;
-            rest -= part;
-        }
-        if (light != kNone) return chosen(light);
-        u = near;  // by rounding
+    const Sums all = sums(at);
+    if (u >= kEvenShare) {
+        const Choice choice = choose(at, all, remapped(u, kEvenShare, 1.0f));
+        return {choice.light, mixed(choice)};
     }
-    u = remapped(u, 0.0f, near);
-    const Node* node = &nodes_.back();
-    while (node->light == kNone) {
-        const float left = share_of_left(*node, at);
-        const bool goes_left = u < left;
-        u = goes_left ? remapped(u, 0.0f, left) : remapped(u, left, 1.0f);
-        node = &nodes_[goes_left ? node->left : node->right];
-    }
-    return chosen(node->light);
+    const uint32_t light = evenly_.sample(remapped(u, 0.0f, kEvenShare)).index;
+    return {light, mixed({light, share(light, at, all)})};
+}
+
+namespace {
+
+// Of a sample of density `own` beside another, over what LightTree::mixed makes of both.
+float weight_of(float own, float other) {
+    return (1.0f - LightTree::kEvenShare) * (own + other) * own / (sqr(own) + sqr(other));
+}
+
+}  // namespace
+
+LightTree::Sample LightTree::first_of_two(const LitPoint& at, float u) const {
+    SPC_ASSERT(!empty());
+    if (only_ != kNone) return {only_, 1.0f};
+    const Choice choice = choose(at, sums(at), u);
+    return {choice.light, mixed(choice),
+            weight_of(choice.share, kSecond * evenly_.probability(choice.light))};
+}
+
+LightTree::Sample LightTree::second_of_two(const LitPoint& at, float u) const {
+    const DiscreteDistribution::Sample even = evenly_.sample(u);
+    const Choice choice{even.index, share(even.index, at, sums(at))};
+    return {choice.light, mixed(choice), weight_of(kSecond * even.probability, choice.share)};
 }
 
 }  // namespace spc

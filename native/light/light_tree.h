@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Which light to sample from a receiver: by how much of its light may come there, after [Conty18].
-// Lights with a place are the leaves of a tree, whose nodes bound where they stand and where they
+// Lights with a place are the leaves of a wide tree, whose nodes bound where they stand and where they
 // shine to; distant ones are chosen by their irradiance. What stands in the way is not known, so a
 // share of the choice is even.
 #pragma once
@@ -8,6 +8,7 @@
 #include "core/distribution.h"
 #include "light/lamp.h"
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -35,23 +36,36 @@ struct LightReach {
 
 class LightTree {
 public:
+    // Share of the choice that goes to all lights alike: next to a lamp in a closet the sun outside
+    // does not matter, and the other way round.
+    static constexpr float kEvenShare = 0.1f;
+
     LightTree() = default;
     explicit LightTree(std::span<const LightReach> lights);
 
     bool empty() const { return evenly_.empty(); }
     struct Sample {
         uint32_t light;
-        float probability;
+        float probability;    // as below
+        float weight = 1.0f;  // beside the other of two samples
     };
-    // Not of an empty tree.
+    // Not of an empty tree. By importance, or evenly in a tenth of all cases.
     Sample sample(const LitPoint& at, float u) const;
     float probability(uint32_t light, const LitPoint& at) const;
+    // The same in two samples, the second of which has the chance kSecond: weighted by the power
+    // heuristic [Veach97], so that the second takes next to nothing where importance is right. The sum
+    // of weight / probability has the same mean.
+    static constexpr float kSecond = kEvenShare / (1.0f - kEvenShare);
+    Sample first_of_two(const LitPoint& at, float u) const;
+    Sample second_of_two(const LitPoint& at, float u) const;
+    bool has_second() const { return only_ == kNone; }
 
 private:
     struct Node {
         LightReach reach;  // of all lights below
-        uint32_t parent = kNone, left = kNone, right = kNone;
-        uint32_t light = kNone;  // of a leaf
+        uint32_t parent = kNone;
+        uint32_t first = 0, count = 0;  // its children; none: a leaf
+        uint32_t light = kNone;         // of a leaf
 
         float importance(const LitPoint& at) const;
     };
@@ -61,16 +75,39 @@ private:
 
         float importance(const LitPoint& at) const;
     };
-    using Leaves = std::span<Node>;
-    uint32_t build(Leaves leaves);
+    struct Binary;
+    static constexpr uint32_t kWidth = 8;  // children of a node, at most
+    void adopt(const std::vector<Binary>& tree, uint32_t from, uint32_t to);
+    // Of a node's children, or of a leaf.
+    struct Parts {
+        std::array<float, kWidth> of{};
+        uint32_t count = 0;
+        float sum = 0.0f;
+
+        float share(uint32_t child) const;
+    };
+    Parts parts(const Node& node, const LitPoint& at) const;
+    // Of the sum of the root's parts.
+    float part(uint32_t node, const LitPoint& at) const;
     float distant_importance(const LitPoint& at) const;
-    float share_of_left(const Node& node, const LitPoint& at) const;
-    float share_below_root(uint32_t leaf, const LitPoint& at) const;
+    struct Sums {
+        Parts near;  // of the root
+        float afar, all;
+    };
+    Sums sums(const LitPoint& at) const;
+    // By importance alone.
+    struct Choice {
+        uint32_t light;
+        float share;
+    };
+    Choice choose(const LitPoint& at, const Sums& sums, float u) const;
+    float share(uint32_t light, const LitPoint& at, const Sums& sums) const;
+    float mixed(const Choice& choice) const;
 
     DiscreteDistribution evenly_;
     uint32_t only_ = kNone;  // the light, if there is one alone
     std::vector<Distant> distant_;
-    std::vector<Node> nodes_;  // children before parents, the root last
+    std::vector<Node> nodes_;  // the root first; children side by side
     // Of every light: its node, or its place among the distant ones; kNone elsewhere.
     std::vector<uint32_t> leaf_of_, distant_of_;
 };

@@ -78,6 +78,46 @@ TEST(LightTree, ChoosesByItsProbabilities) {
     }
 }
 
+// As a sum over all lights of what each sample would add: 1 for each light, whichever finds it.
+TEST(LightTree, TwoSamplesHaveTheMeanOfOne) {
+    constexpr int kSamples = 400000;
+    constexpr uint32_t kCount = 40;
+    const LightTree tree(mixed_lights(kCount, 4));
+    Uniforms uniforms(5);
+    const LitPoint points[] = {
+        Vec3(0.0f), {Vec3(1.9f, -1.5f, 0.3f), Vec3(0, 0, 1)}, {Vec3(30, 0, 0), Vec3(1, 0, 0)}};
+    for (const LitPoint& p : points) {
+        std::vector<double> sum(kCount), squares(kCount);
+        const auto add = [&](const LightTree::Sample& s) {
+            ASSERT_NEAR(s.probability, tree.probability(s.light, p), 1e-6f * s.probability);
+            const double value = static_cast<double>(s.weight / s.probability);
+            sum[s.light] += value;
+            squares[s.light] += value * value;
+        };
+        for (int i = 0; i < kSamples; ++i) {
+            add(tree.first_of_two(p, uniforms()));
+            if (uniforms() < LightTree::kSecond) add(tree.second_of_two(p, uniforms()));
+        }
+        for (uint32_t i = 0; i < kCount; ++i) {
+            if (tree.probability(i, p) == 0.0f) continue;
+            EXPECT_NEAR(sum[i], kSamples, 5.0 * std::sqrt(squares[i])) << i << " " << p.p;
+            EXPECT_LT(std::sqrt(squares[i]), 0.05 * kSamples);
+        }
+    }
+}
+
+// Where importance is right, two samples differ by next to nothing, one by a tenth.
+TEST(LightTree, OfOneLightThatShinesTheFirstOfTwoHasNearlyAll) {
+    const std::vector<LightReach> lights = {
+        point(1, {0, 0, 1}), {.strength = 1, .center = {3, 0, 1}, .beam = {Vec3(0, 0, 1), 0.1f}}};
+    const LightTree tree(lights);
+    const LitPoint at(Vec3(0.0f), Vec3(0, 0, 1));
+    const LightTree::Sample first = tree.first_of_two(at, 0.7f);
+    EXPECT_EQ(first.light, 0u);
+    EXPECT_NEAR(first.weight / first.probability, 1.0f / (1.0f + sqr(LightTree::kSecond / 2)),
+                1e-5f);
+}
+
 TEST(LightTree, NearLightsAreChosenByTheSquareOfTheirDistance) {
     const std::vector<LightReach> two = {point(1, {0, 0, 1}), point(1, {0, 0, -3})};
     const LightTree tree(two);

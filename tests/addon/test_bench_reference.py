@@ -83,13 +83,20 @@ def test_added_parts_have_the_moments_of_all_samples(tmp_path):
     assert not direct.any()
 
 
-def test_added_parts_count_where_caustics_are_seen_directly_by_their_variance_there():
+def test_added_parts_count_where_caustics_are_seen_directly_by_their_variance_there(capsys):
     shape, ones = (40, 30, 3), np.ones((40, 30, 3))
     direct = np.arange(40)[:, None] + np.zeros((1, 30)) < 8
     variance = np.where(direct[..., None], 1.0, 100.0) * ones
     stored = _reference.Reference(0.0 * ones, ones, {"samples": "8"}, ones, direct)
     with pytest.raises(DevError, match=r"2\.00 times"):
         reference.joined(stored, (2.0 * ones, variance, ones, ones, 8))
+    # A region that is refused does not stand in the way of the other.
+    differs = np.where(direct[..., None], 1.0, 2.0) * ones
+    mean, joint, _, _, _ = reference.joined(stored, (differs, ones, ones, ones, 8))
+    np.testing.assert_allclose(mean[direct], 1.0 / 2.0)
+    np.testing.assert_array_equal(mean[~direct], 0.0)
+    np.testing.assert_array_equal(joint[~direct], 1.0)
+    assert "left as it is: elsewhere squares" in capsys.readouterr().out
     mean, joint, _, found, _ = reference.joined(stored, (ones, variance, ones, ones, 8))
     assert mean.shape == shape
     np.testing.assert_allclose(mean[direct], 1.0 / 2.0)

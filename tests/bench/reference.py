@@ -131,23 +131,31 @@ def joined(stored: Reference, merged: tuple) -> tuple:
 
     Each counts by the inverse of its variance, of which there is one where the camera sees caustics
     directly and one elsewhere, so that light tracing may help the first alone: by a pixel's own it
-    would count the more the fewer bright samples it has met there.
+    would count the more the fewer bright samples it has met there. Where the two differ by more
+    than their errors tell, what is stored stays.
     """
     mean, variance, _, _, count = merged
-    share = np.empty((*mean.shape[:2], 1))  # the new one's
+    share = np.zeros((*mean.shape[:2], 1))  # the new one's
     direct = stored.direct if stored.direct is not None else np.zeros(mean.shape[:2], bool)
-    for region in (direct, ~direct):
+    refused = []
+    for name, region in (("seen directly", direct), ("elsewhere", ~direct)):
         if not region.any():
             continue
         old = _metrics.trimmed_mean(stored.variance[region])
         new = _metrics.trimmed_mean(variance[region])
-        share[region] = old / (old + new)
+        part = old / (old + new)
         apart = _metrics.trimmed_mean(((mean - stored.mean) ** 2)[region]) / (old + new)
-        if old / (old + new) > LEAST_SHARE and apart > MOST_APART:
-            raise DevError(
-                f"squares of the differences from the stored one are {apart:.2f} times what both "
-                "errors tell: one of them misses rare light"
+        if part > LEAST_SHARE and apart > MOST_APART:
+            refused.append(
+                f"{name} squares of the differences from the stored one are {apart:.2f} times what "
+                "both errors tell: one of them misses rare light"
             )
+        else:
+            share[region] = part
+    if refused and share.max() <= LEAST_SHARE:
+        raise DevError("; ".join(refused))
+    for line in refused:
+        print(f"left as it is: {line}")
     return (
         (1.0 - share) * stored.mean + share * mean,
         (1.0 - share) ** 2 * stored.variance + share**2 * variance,

@@ -6,11 +6,14 @@ namespace spc {
 Spectrum PathTracer::direct_radiance(const Surface& surface, const CameraApproach& approach,
                                      const Sampler& sampler) {
     if (!has_smooth_closure(surface.closures)) return Spectrum(0.0f);
-    Spectrum sum(0.0f);
-    for (const std::optional<DirectSample>& light :
-         sample_direct_twice(world.lights, scene(), lit_point(surface),
-                             sampler[Domain::light].three(), sampler[Domain::even_light].three()))
-        if (light) sum += direct_radiance(surface, approach, *light);
+    const LitPoint at = lit_point(surface);
+    const std::optional<DirectSample> first =
+        sample_direct_first(world.lights, scene(), at, sampler[Domain::light].three());
+    Spectrum sum = first ? direct_radiance(surface, approach, *first) : Spectrum(0.0f);
+    if (!world.lights.tree.has_second()) return sum;
+    const std::optional<DirectSample> second =
+        sample_direct_second(world.lights, scene(), at, sampler[Domain::even_light].three());
+    if (second) sum += direct_radiance(surface, approach, *second);
     return sum;
 }
 

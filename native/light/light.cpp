@@ -169,19 +169,17 @@ std::optional<DirectSample> sample_direct(const LightSet& lights, const Scene& s
     return sample_leaf(lights, scene, at, lights.tree.sample(at, u.x), {u.y, u.z});
 }
 
-std::array<std::optional<DirectSample>, 2> sample_direct_twice(const LightSet& lights,
-                                                               const Scene& scene,
-                                                               const LitPoint& at, const Vec3& u,
-                                                               const Vec3& v) {
-    constexpr float kSecond = LightTree::kSecond;
-    std::array<std::optional<DirectSample>, 2> samples;
-    if (lights.tree.empty()) return samples;
-    samples[0] = sample_leaf(lights, scene, at, lights.tree.first_of_two(at, u.x), {u.y, u.z});
-    if (lights.tree.has_second() && v.x < kSecond)
-        samples[1] = sample_leaf(lights, scene, at,
-                                 lights.tree.second_of_two(at, std::min(v.x / kSecond, kBelowOne)),
-                                 {v.y, v.z});
-    return samples;
+std::optional<DirectSample> sample_direct_first(const LightSet& lights, const Scene& scene,
+                                                const LitPoint& at, const Vec3& u) {
+    if (lights.tree.empty()) return std::nullopt;
+    return sample_leaf(lights, scene, at, lights.tree.first_of_two(at, u.x), {u.y, u.z});
+}
+
+std::optional<DirectSample> sample_direct_second(const LightSet& lights, const Scene& scene,
+                                                 const LitPoint& at, const Vec3& u) {
+    const float chosen = u.x / LightTree::kSecond;
+    if (!(chosen < 1.0f)) return std::nullopt;
+    return sample_leaf(lights, scene, at, lights.tree.second_of_two(at, chosen), {u.y, u.z});
 }
 
 float pdf_direct_lamp(const LightSet& lights, const LitPoint& at, const Vec3& wi, const Hit& hit) {

@@ -98,11 +98,12 @@ struct DirectSample {
 std::optional<DirectSample> sample_direct(const LightSet& lights, const Scene& scene,
                                           const LitPoint& at, const Vec3& u);
 // In the place of one sample two, in which the choice of the light makes less noise: the sum of
-// weight radiance / density has the same mean. The second, drawn in some cases alone, is mostly empty.
-std::array<std::optional<DirectSample>, 2> sample_direct_twice(const LightSet& lights,
-                                                               const Scene& scene,
-                                                               const LitPoint& at, const Vec3& u,
-                                                               const Vec3& v);
+// weight radiance / density has the same mean. The second, where lights.tree.has_second(), is mostly
+// empty.
+std::optional<DirectSample> sample_direct_first(const LightSet& lights, const Scene& scene,
+                                                const LitPoint& at, const Vec3& u);
+std::optional<DirectSample> sample_direct_second(const LightSet& lights, const Scene& scene,
+                                                 const LitPoint& at, const Vec3& u);
 
 // Density with which sample_direct from there takes the direction `wi` to the point that a ray hit. A
 // ray that leaves the scene meets the world and every one of LightSet::disc_suns that it points at,

@@ -58,7 +58,7 @@ public:
     static constexpr float kSecond = kEvenShare / (1.0f - kEvenShare);
     Sample first_of_two(const LitPoint& at, float u) const;
     Sample second_of_two(const LitPoint& at, float u) const;
-    bool has_second() const { return only_ == kNone; }
+    bool has_second() const { return only_ == kNone && !empty(); }
 
 private:
     struct Node {

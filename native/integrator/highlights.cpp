@@ -100,7 +100,8 @@ public:
         });
         for (uint32_t c = 0; c < chunks; ++c) {
             stats.manifold.add(counted[c]);
-            for (const RandomHighlight& one : found[c]) add_lead(one, stats.manifold);
+            for (const RandomHighlight& one : found[c])
+                if (!cancelled.load()) add_lead(one, stats.manifold);
         }
         return std::any_of(leads_.begin(), leads_.end(),
                            [](const std::vector<HighlightLead>& some) { return !some.empty(); });

@@ -84,12 +84,7 @@ std::function<void(SceneMaker&)> sky(float spot, bool third = false) {
         for (size_t i = 0; i < texels.size(); ++i)
             if (third && (i / 3 + 4) % kWidth > kWidth / 3) texels[i] = 0.0f;
         for (size_t i = 0; i < 3; ++i) texels[(size_t{26} * kWidth + 27) * 3 + i] += spot;
-        const uint32_t image = maker.builder.add_image(image_from_floats(
-            "sky", texels, kWidth, kHeight, 3, ColorSpace::linear, AlphaMode::none));
-        Graph graph = test::background(1, 1, 1);
-        graph.nodes.push_back({"Sky", "environment_texture", image});
-        graph.links.push_back({2, "Color", 1, "Color"});
-        maker.builder.set_environment({maker.builder.add_material(graph), kVisibleAll, true});
+        test::set_world(maker, texels, kWidth, kHeight);
     };
 }
 

@@ -158,12 +158,7 @@ TEST(DirectLight, FallsFasterThanIndependentSamples) {
         for (size_t i = 0; i < texels.size(); ++i)
             texels[i] = 0.5f + 0.5f * float(i / 3 / kWidth) / kHeight;
         for (size_t i = 0; i < 3; ++i) texels[(size_t{26} * kWidth + 27) * 3 + i] += sun;
-        const uint32_t image = maker.builder.add_image(image_from_floats(
-            "sky", texels, kWidth, kHeight, 3, ColorSpace::linear, AlphaMode::none));
-        Graph graph = test::background(1, 1, 1);
-        graph.nodes.push_back({"Sky", "environment_texture", image});
-        graph.links.push_back({2, "Color", 1, "Color"});
-        maker.builder.set_environment({maker.builder.add_material(graph), kVisibleAll, true});
+        test::set_world(maker, texels, kWidth, kHeight);
     };
     for (const float sun : {0.0f, 1000.0f}) {  // by closures alone, and by the map of the world, too
         SceneMaker maker;

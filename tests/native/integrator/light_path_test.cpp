@@ -39,13 +39,7 @@ void set_panorama(SceneMaker& maker) {
             const bool bright = y >= 11 && y < 14 && x >= 6 && x < 11;
             for (int c = 0; c < 3; ++c) texels.push_back(bright ? 20.0f : 0.2f);
         }
-    const uint32_t image = maker.builder.add_image(
-        image_from_floats("sky", texels, 32, 16, 3, ColorSpace::linear, AlphaMode::none));
-    Graph graph = background(1, 1, 1);
-    graph.name = "panorama";
-    graph.nodes.push_back({"Sky", "environment_texture", image});
-    graph.links.push_back({2, "Color", 1, "Color"});
-    maker.builder.set_environment({maker.builder.add_material(graph), kNotDirectly, true});
+    set_world(maker, texels, 32, 16, kNotDirectly);
 }
 
 struct Setup {

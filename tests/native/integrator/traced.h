@@ -353,12 +353,7 @@ inline void add_panorama(SceneMaker& maker) {
             const bool bright = y >= 11 && y < 14 && x >= 6 && x < 11;
             for (int c = 0; c < 3; ++c) texels.push_back(bright ? 20.0f : 0.2f);
         }
-    const uint32_t image = maker.builder.add_image(
-        image_from_floats("sky", texels, kWidth, kHeight, 3, ColorSpace::linear, AlphaMode::none));
-    Graph graph = background(1, 1, 1);
-    graph.nodes.push_back({"Sky", "environment_texture", image});
-    graph.links.push_back({2, "Color", 1, "Color"});
-    maker.builder.set_environment({maker.builder.add_material(graph), kInCasters, true});
+    set_world(maker, texels, kWidth, kHeight, kInCasters);
 }
 inline std::vector<LightCase> lights() {
     const Vec3 above(0.5f, -0.6f, 1.9f), down = normalize(Vec3(-0.4f, 0.5f, -1.0f));

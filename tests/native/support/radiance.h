@@ -108,6 +108,17 @@ inline void set_world(SceneMaker& maker, float radiance, uint32_t visibility = k
     maker.builder.set_environment({sky, visibility, true});
 }
 
+// From an image: RGB, bottom row first.
+inline void set_world(SceneMaker& maker, const std::vector<float>& texels, uint32_t width,
+                      uint32_t height, uint32_t visibility = kVisibleAll) {
+    const uint32_t image = maker.builder.add_image(
+        image_from_floats("sky", texels, width, height, 3, ColorSpace::linear, AlphaMode::none));
+    Graph graph = background(1, 1, 1);
+    graph.nodes.push_back({"Sky", "environment_texture", image});
+    graph.links.push_back({2, "Color", 1, "Color"});
+    maker.builder.set_environment({maker.builder.add_material(graph), visibility, true});
+}
+
 // Of a square's half side and from z = 0 down to -height; outside is front.
 inline Mesh block(float half, float height) {
     Mesh mesh;

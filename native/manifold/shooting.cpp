@@ -8,6 +8,10 @@ namespace spc {
 namespace {
 
 constexpr float kLongestStep = 0.5f;  // rad, at the receiver
+// Where rounding may turn a chain's end further than that, by its bound, a ray may be within the bound
+// of a light that no chain leads to: the bound says how far off it can be, not that it is. A fifth of
+// the sun's radius.
+constexpr float kLargestMiss = 1e-3f;  // rad
 
 // Where a ray that has left the surface at a small angle is past its rounding.
 float leave(const RayStart& from, const Vec3& w) {
@@ -70,7 +74,7 @@ struct Shot {
     Chain chain;
     RayDual ray;
     Miss miss;
-    float noise;           // what rounding leaves of it at an exact solution
+    float noise;           // what rounding leaves of it at an exact solution, up to kLargestMiss
     Vec3 w;                // at the receiver
     float first_distance;  // m, to the first vertex
     float size() const { return miss.c.length(); }
@@ -145,7 +149,7 @@ private:
                 : 1.0f;
         const float at_end =
             kUnitRoundoff * (2.0f + largest_coordinate(last.patch.p) / last_distance) * magnified;
-        return turn * at_start * static_cast<float>(kind_.count) + at_end;
+        return std::min(turn * at_start * static_cast<float>(kind_.count) + at_end, kLargestMiss);
     }
 
     const Scene& scene_;

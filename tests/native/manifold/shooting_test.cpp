@@ -203,6 +203,42 @@ void expect_certain_shots(float thickness) {
 TEST(Shots, NextToAChainOfAWideSlabArriveForCertain) { expect_certain_shots(0.3f); }
 TEST(Shots, NextToAChainOfAThinPaneArriveForCertain) { expect_certain_shots(1e-3f); }
 
+// Two small balls magnify a turn at the receiver ten thousand times and more, and rounding with it. What
+// a shot comes to lies within what rounding may do, but it must lead to the end, not beside it.
+TEST(Shots, LeadToTheirEndHoweverMuchRoundingIsMagnified) {
+    constexpr float kRadius = 0.01f, kBeside = 0.02f, kMiss = 2e-3f;  // m, rad, rad
+    SceneMaker maker;
+    for (const float x : {-0.5f, 0.5f})
+        maker.add(test::sphere(64, double{kRadius}), test::mirror(),
+                  test::translation({x, 0.0f, 1.0f}), CausticsRole::caster);
+    test::add_lamp(maker, {0.0f, 0.0f, 3.0f}, {0.0f, 0.0f, 0.0f}, 0.05f);
+    const RenderScene world = maker.finish();
+    const RayStart x{{0.3f, -0.2f, 0.0f}, {0, 0, 1}, 1e-6f};
+    const Caster& first = world.casters.casters[0];
+    Pcg pcg(11);
+    ManifoldStats stats;
+    int chains = 0, found = 0;
+    while (chains < 100) {
+        const std::optional<Traced> path =
+            follow(world, {x.p, towards_caster(first, x.p, pcg.two()), 1e-5f, kInfinity}, pcg);
+        if (!path || path->kind.count != 2) continue;
+        ++chains;
+        const Vec3 w = normalize(path->vertices[0] - x.p);
+        const Frame frame = Frame::around(path->ray.direction);
+        const Vec3 beside = normalize(path->ray.direction + frame.x * kBeside);
+        const ChainEnd end{false, path->vertices[1] + beside, Vec3(0.0f)};
+        const std::optional<ChainSolution> one =
+            shoot(*world.scene, settings(), x, end, path->kind, w, settings().max_halvings, stats);
+        if (!one) continue;
+        ++found;
+        const CasterPatch& last = one->chain.vertices[1].patch;
+        const Vec3 d = normalize(last.p - one->chain.vertices[0].patch.p);
+        const Vec3 out = d - last.n * (2.0f * dot(d, last.n));
+        EXPECT_LT(length(out - normalize(end.p - last.p)), kMiss);
+    }
+    EXPECT_GT(found, chains / 20);
+}
+
 // Where light of a wavy mirror folds over, two chains of one kind meet: from each a shot across the
 // fold comes to the other.
 TEST(Shots, AcrossAFoldComeBack) {

@@ -314,9 +314,8 @@ private:
     float scale_of_missed(const Connection& connection, const Trial& comes_again) {
         const CausticDensities& p = connection.densities;
         if (!p.missed_are_apart()) return static_cast<float>(connection.scale);
-        // Where directions are blind all is the searches'.
-        const uint32_t most = p.by_directions() > 0.0 ? settings_.weight_trials : 1;
-        const uint32_t trials = count_trials(settings_, most, comes_again);
+        const uint32_t trials =
+            count_trials(settings_, p.telling_trials(settings_.weight_trials), comes_again);
         return static_cast<float>(p.geometry * p.share_of_searches(trials) /
                                   static_cast<double>(y_.pdf));
     }

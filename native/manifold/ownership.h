@@ -258,6 +258,15 @@ struct CausticDensities {
         if (*missed == 0.0) return shared_by_camera();
         return shared_by_camera() * trials * by_directions() / (trials * by_directions() + *missed);
     }
+    // How many trials to count before the shares are known well enough: beyond, next to nothing is left
+    // to searches. One where directions have next to nothing, were it `most`.
+    uint32_t telling_trials(uint32_t most) const {
+        constexpr double kNextToNothing = 1.0 / 16;
+        const double even = *missed / by_directions();  // that give both the same
+        if (!(even < most / kNextToNothing)) return 1;
+        return static_cast<uint32_t>(
+            std::clamp(std::ceil(even / kNextToNothing), 1.0, static_cast<double>(most)));
+    }
     // Of what directions have.
     double share_of_folds() const { return folds > 0.0 ? folds / by_directions() : 0.0; }
     double shared_by_camera() const { return (by_directions() + manifold) / sum(); }

@@ -53,7 +53,7 @@ struct ManifoldSettings {
     // Bernoulli trials; beyond, the estimate keeps what it counted and reports it.
     uint32_t trial_cap = 1u << 16;
     // Trials by which chains that sheets miss are weighed, at most.
-    uint32_t weight_trials = 1u << 8;
+    uint32_t weight_trials = 1u << 16;
     // Once set, estimates end where they are; whoever sets it throws their samples away.
     const std::atomic<bool>* cancelled = nullptr;
 

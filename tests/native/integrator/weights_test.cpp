@@ -149,6 +149,34 @@ TEST(CausticWeightsSlow, OfMissedChainsSumToOne) {
     EXPECT_NEAR(p.share_of_searches(7.0) + p.light_tracing / p.sum(), 1.0, 1e-12);
 }
 
+// Trials are counted as far as they tell: next to nothing is left to searches then, of any chain to
+// which directions come at all.
+TEST(CausticWeights, TrialsThatTellEndWhereSearchesHaveNextToNothing) {
+    constexpr uint32_t kMost = 1 << 16;
+    CausticDensities p;
+    p.manifold = 200.0;
+    p.missed = 50.0;
+    for (const double directions : {0.02, 0.05, 7.0, 300.0}) {
+        p.path_tracing = directions;
+        const uint32_t trials = p.telling_trials(kMost);
+        ASSERT_LT(trials, kMost);
+        EXPECT_LE(p.share_of_searches(trials), 1.0 / 16 * p.shared_by_camera());
+        if (trials > 1) {
+            EXPECT_GT(p.share_of_searches(trials - 1), 1.0 / 17 * p.shared_by_camera());
+        }
+    }
+    p.path_tracing = 2e-3;
+    EXPECT_EQ(p.telling_trials(kMost), kMost);
+    for (const double blind : {0.0, 1e-6}) {
+        p.path_tracing = blind;
+        EXPECT_EQ(p.telling_trials(kMost), 1u);
+        EXPECT_LE(p.share_of_directions(kMost), 1.0 / 16 * p.shared_by_camera());
+    }
+    p.path_tracing = 1.0;
+    p.missed = 0.0;  // fixed starts
+    EXPECT_EQ(p.telling_trials(kMost), 1u);
+}
+
 // What fixed starts miss is path tracing's alone, but for the share of light paths.
 TEST(CausticWeightsSlow, OfChainsThatFixedStartsMissSumToOne) {
     CausticDensities p;

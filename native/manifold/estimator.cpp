@@ -11,8 +11,8 @@ namespace {
 
 // Of a segment that touches a surface: nearer to grazing the margin would swallow the segment.
 constexpr float kLeastCosine = 1e-3f;
-// Of weak chains to have their trials counted.
-constexpr float kLeastChance = 1.0f / 16;
+// Chains of less throughput have their trials counted by chance, of no less than that.
+constexpr float kWeak = 1.0f / 4, kLeastChance = 1.0f / 16;
 
 ReceiverSides sides_of(const Receiver& receiver) {
     return {receiver.ng, receiver.camera == nullptr && has_smooth_transmission(*receiver.closures)};
@@ -207,7 +207,7 @@ private:
     template <class Trial>
     Spectrum counted(const Spectrum& value, float strength, Pcg& pcg, const Trial& comes_again) {
         if (is_black(value)) return value;
-        const float chance = std::clamp(strength, kLeastChance, 1.0f);
+        const float chance = std::clamp(strength / kWeak, kLeastChance, 1.0f);
         if (pcg.one() >= chance) return Spectrum(0.0f);
         return value * (static_cast<float>(trials_until(comes_again)) / chance);
     }

@@ -104,6 +104,21 @@ def test_added_parts_count_where_caustics_are_seen_directly_by_their_variance_th
     np.testing.assert_allclose(mean[~direct], 1.0 / 101.0)
     np.testing.assert_allclose(joint[~direct], 100.0 / 101.0)
     np.testing.assert_array_equal(found, direct)
+    # However little it would count for: nothing that is not true is added.
+    differs = np.where(direct[..., None], 1.0, 50.0) * ones
+    mean, _, _, _, _ = reference.joined(stored, (differs, variance, ones, ones, 8))
+    np.testing.assert_allclose(mean[direct], 1.0 / 2.0)
+    np.testing.assert_array_equal(mean[~direct], 0.0)
+
+
+def test_more_seconds_do_not_make_way_for_fewer(tmp_path):
+    path, zeros = tmp_path / "a.exr", np.zeros(SHAPE)
+    reference.check_worth(path, "1", 1.0)  # there is none
+    _reference.write(path, zeros, zeros, {"sceneDigest": "1", "seconds": "600"}, zeros)
+    reference.check_worth(path, "1", 600.0)
+    reference.check_worth(path, "2", 1.0)  # of what the scene was before
+    with pytest.raises(DevError, match="rendered for 600 s"):
+        reference.check_worth(path, "1", 599.0)
 
 
 def test_a_window_takes_the_place_of_stored_pixels():

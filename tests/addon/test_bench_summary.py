@@ -343,6 +343,12 @@ def test_errors_near_the_reference_s_are_marked(own, marked):
     )
 
 
+def test_a_bias_that_one_seed_cannot_tell_has_no_z_score():
+    unknown = point(bias=0.1, bias_z=None)
+    assert f"+10.00% ({_page.NONE})" in page(scene(lux_cache=[unknown]))
+    assert not difference("lux-cache", unknown)
+
+
 def test_the_page_tells_what_is_measured_from_what_is_promised():
     text = page(named("ring", "direct", sms=100.0, lt=2.0))
     sound, _, promises = text.partition("What methods should do")

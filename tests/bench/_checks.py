@@ -133,7 +133,7 @@ def _biases(scenes: Sequence[SceneResult]) -> list[Check]:
             if method.family != "specula" or not method.unbiased or not sees_all:
                 continue
             errors = curve.points[-1].regions["image"] if curve.points else None
-            if errors and abs(errors.bias_z) > BIAS_Z:
+            if errors and abs(errors.bias_z or 0.0) > BIAS_Z:
                 wrong.append(f"{scene.name} {name} {errors.bias:+.2%} (z = {errors.bias_z:+.1f})")
     title = f"Specula's unbiased methods have the reference's mean (|z| < {BIAS_Z:g})"
     return [Check(title, not wrong, "; ".join(wrong) or "yes")]

@@ -85,7 +85,7 @@ class Method:
     marker: str
     unbiased: bool = True
     path_traced: bool = False  # its error falls as 1/time from the first sample on
-    correlated: bool = False  # errors of neighbouring pixels depend on each other
+    correlated: bool = False  # errors of pixels that are far apart depend on each other
     leaves_out: str = ""  # light paths that it does not have by design
     hidden: bool = False  # runs only if it is named: for tests of the bench itself
     scenes: tuple[str, ...] = ()  # of the example scenes those on which it is anything new; (): all
@@ -104,8 +104,6 @@ def _specula(
 ) -> Method:
     method = settings["method"]
     biased = method.endswith("_BIASED") or settings.get("glint_method") in BIASED_GLINTS
-    # Only the manifold has it as a setting.
-    splats = method == "LT" or settings.get("light_tracing", "OFF") != "OFF"
     job = {"engine": "SPECULA", "method": method, "specula": settings, "light_factor": light_factor}
     if materials:
         job["materials"] = materials
@@ -119,7 +117,6 @@ def _specula(
         marker,
         unbiased=not biased and light_factor == 1.0,
         path_traced=method == "PT",
-        correlated=splats,  # the pixel filter shares them among neighbours
         hidden=light_factor != 1.0,
         scenes=scenes,
     )

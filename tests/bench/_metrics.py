@@ -17,6 +17,7 @@ WORST = 1e-3  # share of the pixels that the trimmed figures leave out
 # nearly black must not decide.
 RELATIVE_FLOOR = 0.01
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+BLOCK = 8  # pixels along a side, within which errors may depend on each other
 CAUSTICS_SHARE = 0.05  # of a pixel's light, from which on it belongs to the caustics
 
 
@@ -54,8 +55,9 @@ def errors(
     signed = difference @ LUMINANCE
     kept_signed = _kept(signed**2 + variance @ LUMINANCE**2)
     brightness = (mean @ LUMINANCE).mean()
-    bias, z = _bias(signed, brightness)
-    bias_trimmed, z_trimmed = _bias(signed[kept_signed], brightness)
+    block = _blocks(image.shape[:2])[inside]
+    bias, z = _bias(signed, block, brightness)
+    bias_trimmed, z_trimmed = _bias(signed[kept_signed], block[kept_signed], brightness)
     return Errors(
         mse=float(squares.mean()),
         mse_error=float(squares.std() / math.sqrt(len(squares))),
@@ -92,13 +94,21 @@ def _kept(badness: np.ndarray) -> np.ndarray:
     return np.argpartition(badness, count - 1)[:count] if count > 0 else np.arange(len(badness))
 
 
-def _bias(signed: np.ndarray, brightness: float) -> tuple[float, float]:
+def _blocks(shape: tuple[int, int]) -> np.ndarray:
+    """Of each pixel, the number of the square of BLOCK x BLOCK that it is in."""
+    row, column = (np.arange(length) // BLOCK for length in shape)
+    return row[:, None] * (column[-1] + 1) + column
+
+
+def _bias(signed: np.ndarray, block: np.ndarray, brightness: float) -> tuple[float, float]:
     """Mean difference, relative; and in its standard deviations.
 
-    Pixels are independent of each other and, without bias, of mean zero: the sum of their squares
-    is the variance of their sum, whatever the distribution, and the reference's noise is in it.
+    Blocks are nearly independent of each other, also where the pixel filter shares what light
+    paths splat among neighbours, and, without bias, of mean zero: the sum of the squares of their
+    sums is the variance of the whole sum, whatever the distribution, and the reference's noise is
+    in it.
     """
-    deviation = math.sqrt(float((signed**2).sum()))
+    deviation = math.sqrt(float((np.bincount(block, signed) ** 2).sum()))
     z = float(signed.sum()) / deviation if deviation > 0.0 else 0.0
     return float(signed.mean()) / brightness if brightness > 0.0 else 0.0, z
 
@@ -119,13 +129,14 @@ def estimate(values: Sequence[float]) -> Estimate:
     return Estimate(float(np.mean(values)), error, count)
 
 
-def cautious_z(pixel_z: float, biases: Sequence[float]) -> float:
-    """z-score of a bias where neighbouring pixels depend on each other, so that `pixel_z` is too
-    large: the smaller of it and that of the mean of `biases`, one for each seed."""
+def cautious_z(block_z: float, biases: Sequence[float]) -> float | None:
+    """z-score of a bias where pixels far from each other depend on each other, so that `block_z` is
+    too large: the smaller of it and that of the mean of `biases`, one for each seed. None for a
+    single one, which knows nothing of its spread."""
     found = estimate(biases)
-    if not found.error:  # a single seed knows nothing of its spread
-        return 0.0
-    return min(pixel_z, found.mean / found.error, key=abs)
+    if not found.error:
+        return None
+    return min(block_z, found.mean / found.error, key=abs)
 
 
 def shared_error(images: Sequence[np.ndarray], mean: np.ndarray) -> tuple[float, float]:

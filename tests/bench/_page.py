@@ -10,7 +10,7 @@ from html import escape
 from pathlib import Path
 from string import Template
 
-from tests.bench._checks import Check
+from tests.bench._checks import BIAS_Z, Check
 from tests.bench._methods import CYCLES, METHODS, SMS
 from tests.bench._metrics import CAUSTICS_SHARE, WORST
 from tests.bench._standings import BASELINES, standing
@@ -141,7 +141,8 @@ def _scene(
         lines.append(f"caustics: {scene.regions['caustics']:.1%} of the pixels")
     lines += scene.notes
     left_out = [
-        f"<li>{escape(METHODS[name].full_label)} is not charted: "
+        f"<li>{escape(METHODS[name].full_label)} is "
+        f"{'incomplete' if curve.charted else 'not charted'}: "
         f"{escape(curve.failure or curve.differs)}</li>"
         for name, curve in scene.curves.items()
         if curve.failure or curve.differs
@@ -200,7 +201,7 @@ def _region_table(scene: SceneResult, budget: float, region: str) -> str:
             number(errors.rel_mse_trimmed),
         ]
         cells.append(_bias(errors.bias, errors.bias_z))
-        cells.append(f"{errors.bias_trimmed:+.2%} ({errors.bias_trimmed_z:+.1f})")
+        cells.append(_with_z(errors.bias_trimmed, errors.bias_trimmed_z))
         for baseline in (CYCLES, lux, SMS):
             value = scene.equal_time(name, baseline, region, budget) if baseline else None
             near = value and scene.near_reference((name, baseline), region, budget)
@@ -264,9 +265,13 @@ def _own_errors(by_region: Mapping[str, float]) -> str:
     return ", ".join(f"{number(mse)} ({title})" for title, mse in shown)
 
 
-def _bias(value: float, z: float) -> str:
-    text = f"{value:+.2%} ({z:+.1f})"
-    return f"<b>{text}</b>" if abs(z) > 4.0 else text
+def _bias(value: float, z: float | None) -> str:
+    text = _with_z(value, z)
+    return f"<b>{text}</b>" if abs(z or 0.0) > BIAS_Z else text
+
+
+def _with_z(value: float, z: float | None) -> str:
+    return f"{value:+.2%} ({NONE if z is None else f'{z:+.1f}'})"
 
 
 def number(value: float | None) -> str:

@@ -32,11 +32,11 @@ def raise_interrupt(*_: object) -> None:
     raise KeyboardInterrupt
 
 
-def run(program: str, main: Callable[[], int]) -> int:
-    """Exit code of `main`, which runs once at a time: two at once would measure each other."""
+def run(main: Callable[[], int]) -> int:
+    """Exit code of `main`; one program of the bench at a time: two would measure each other."""
     signal.signal(signal.SIGTERM, raise_interrupt)
     try:
-        with locked(BUILD / "bench" / f"{program}.lock"):
+        with locked(BUILD / "bench" / "bench.lock"):
             return main()
     except (DevError, MeasurementError) as error:
         print(f"dev: error: {error}", file=sys.stderr)

@@ -113,9 +113,16 @@ def _rows(results: Sequence[SceneResult]) -> Iterator[dict]:
                 regions = values.pop("regions")
                 flip = values.pop("flip")
                 for region, errors in regions.items():
+                    shared, shared_error = errors.pop("shared") or (None, None)
                     yield (
-                        {"scene": result.name, "method": name, "charted": curve.charted}
+                        {
+                            "scene": result.name,
+                            "method": name,
+                            "charted": curve.charted,
+                            "why_not": curve.differs,
+                        }
                         | values
                         | {"flip": flip["mean"], "flip_error": flip["error"], "region": region}
                         | errors
+                        | {"shared": shared, "shared_error": shared_error}
                     )

@@ -37,7 +37,10 @@ class Scene:
 
     @functools.cached_property
     def reference(self) -> _reference.Reference:
-        return _reference.read(self.reference_path)
+        try:
+            return _reference.read(self.reference_path)
+        except OSError as error:
+            raise DevError(f"no reference of ./dev bench reference: {error}") from error
 
     @property
     def is_example(self) -> bool:

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from tests.bench import _store
 from tests.bench._children import Progress
 from tests.bench._luxcore_textures import UntranslatedError
+from tests.bench._machine import BUSY_SHARE
 from tests.bench._methods import other_model, suited
 from tests.bench._ratios import MeasurementError
 from tests.bench._scenes import Scene
@@ -25,9 +26,9 @@ def plan(
     threads: int,
 ) -> list[Task]:
     """All methods take turns within a scene and budget, each time another one first: what else the
-    machine does hits all of them. A seed is complete before the next one starts, so that an
-    interrupted run has whole curves to show. What renders something else, or nothing new, is left
-    out."""
+    machine does hits all of them. A seed is complete before the next one starts, so that of an
+    interrupted run whole curves are there, for fewer seeds. What renders something else, or nothing
+    new, is left out."""
     tasks, turn = [], 0
     for seed in seeds:
         for budget in budgets:
@@ -54,9 +55,12 @@ class Outcome:
 
 
 def render_all(tasks: Sequence[Task]) -> Outcome:
-    """Renders what an earlier run has not left. What failed once is not tried again with another
-    budget or seed."""
-    outcome = Outcome({task: record for task in tasks if (record := _store.find(task))})
+    """Renders what an earlier run has not left, or not undisturbed. What failed once is not tried
+    again with another budget or seed."""
+    left = {task: record for task in tasks if (record := _store.find(task))}
+    outcome = Outcome(
+        {t: record for t, record in left.items() if record.others_share <= BUSY_SHARE}
+    )
     todo = [task for task in tasks if task not in outcome.records]
     progress = Progress("bench", (task.budget + OVERHEAD for task in todo))
     for number, task in enumerate(todo, 1):

@@ -18,6 +18,7 @@ from tests.bench import _children
 from tests.bench._luxcore_textures import UntranslatedError
 from tests.bench._machine import CpuTimes
 from tests.bench._methods import FAMILIES, METHODS
+from tests.bench._ratios import MeasurementError
 from tests.bench._scenes import Scene
 from tools import venvs
 from tools.common import BUILD, ROOT
@@ -97,9 +98,10 @@ class Record:
 def find(wanted: Image) -> Record | None:
     """What an earlier run left."""
     path = _path(wanted)
-    if not path.exists():
+    image = path.with_suffix(".npy")
+    if not path.exists() or not image.exists():
         return None
-    return Record(**json.loads(path.read_text()), image_path=path.with_suffix(".npy"))
+    return Record(**json.loads(path.read_text()), image_path=image)
 
 
 def render(wanted: Image) -> Record:
@@ -117,6 +119,8 @@ def render(wanted: Image) -> Record:
     run = _children.run(path.stem, family.where, family.script, job, FOLDER, limit)
     if "untranslated" in run.report:
         raise UntranslatedError(run.report["untranslated"])
+    if wrong := int(np.count_nonzero(~np.isfinite(np.load(image)))):
+        raise MeasurementError(f"{path.stem}: {wrong} values of the image are not finite")
     stored = {
         "report": run.report,
         "wall_seconds": run.wall_seconds,

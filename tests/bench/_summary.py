@@ -43,9 +43,9 @@ class RegionErrors:
     rel_mse: float
     rel_mse_trimmed: float
     bias: float
-    bias_z: float
+    bias_z: float | None  # None: not to be told of a single seed
     bias_trimmed: float
-    bias_trimmed_z: float
+    bias_trimmed_z: float | None
     # What the seeds share of their squared error, and its standard error; None for a single seed.
     shared: tuple[float, float] | None
     # The reference's own squared error, which is subtracted already.
@@ -183,17 +183,21 @@ def scene_result(
     for name in methods:
         curve = result.curves[name] = Curve(name)
         curve.failure = outcome.failures.get((scene.name, name), "")
+        without_samples = ""
         for budget in sorted(budgets):
-            found = [
+            rendered = [
                 record
                 for task, record in outcome.records.items()
                 if (task.scene.name, task.method, task.budget) == (scene.name, name, budget)
-                and record.report["samples"] > 0  # photons may take all the time there is
             ]
+            found = [record for record in rendered if record.report["samples"] > 0]
             if found:
                 curve.points.append(_point(scene, name, budget, found, factor))
+            elif rendered:  # photons may take all the time there is
+                without_samples = f"it has no sample after {budget:g} s"
         curve.differs = (
             outcome.untranslated.get((scene.name, name), "")
+            or ("" if curve.points else without_samples)
             or other_model(name, scene)
             or _difference(curve, scene)
             or _standstill(curve)
@@ -250,10 +254,10 @@ def _region(
     def mean(key: str) -> float:
         return _metrics.estimate([getattr(errors, key) for errors in each]).mean
 
-    def z(key: str) -> float:
-        pixel_z = getattr(whole, f"{key}_z")
+    def z(key: str) -> float | None:
+        block_z = getattr(whole, f"{key}_z")
         biases = [getattr(errors, key) for errors in each]
-        return _metrics.cautious_z(pixel_z, biases) if correlated else pixel_z
+        return _metrics.cautious_z(block_z, biases) if correlated else block_z
 
     over_seeds = _metrics.estimate([errors.mse for errors in each]).error or 0.0
     over_pixels = mean("mse_error") / math.sqrt(len(each))
@@ -296,7 +300,7 @@ def _difference(curve: Curve, scene: Scene) -> str:
             continue
         errors = regions[name]
         where = {"image": "it", "caustics": "in the caustics it", "rest": "beside caustics it"}
-        if abs(errors.bias) > MODEL_DIFFERENCE and abs(errors.bias_z) > MODEL_Z:
+        if abs(errors.bias) > MODEL_DIFFERENCE and abs(errors.bias_z or 0.0) > MODEL_Z:
             text = (
                 f"{where[name]} differs by {errors.bias:+.1%} on average (z = {errors.bias_z:+.0f})"
             )

@@ -17,6 +17,7 @@ samples per second instead of errors.
 from __future__ import annotations
 
 import argparse
+import math
 import os
 import sys
 import time
@@ -52,7 +53,10 @@ def arguments() -> argparse.Namespace:
     args = parser.parse_args()
     if len(args.blend) != len(args.reference):
         parser.error("each --blend needs a --reference")
-    args.seeds = args.seeds or (QUICK_SEEDS if args.quick else SEEDS)
+    if args.seeds is None:
+        args.seeds = QUICK_SEEDS if args.quick else SEEDS
+    if min(args.seeds, args.threads) < 1:
+        parser.error("--seeds and --threads are 1 or more")
     args.budgets = budgets(parser, args)
     args.named = bool(args.methods)  # whether the user asked for just these
     args.methods = chosen_methods(parser, args)
@@ -66,14 +70,16 @@ def budgets(parser: argparse.ArgumentParser, args: argparse.Namespace) -> list[f
         values = sorted({float(text) for text in args.budgets.split(",")})
     except ValueError:
         parser.error("--budgets are numbers, separated by commas")
-    if values[0] <= 0.0:
-        parser.error("--budgets are positive")
+    if not all(0.0 < value < math.inf for value in values):
+        parser.error("--budgets are positive and finite")
     return values
 
 
 def chosen_methods(parser: argparse.ArgumentParser, args: argparse.Namespace) -> list[str]:
     if args.methods:
         names = split(args.methods)
+        if not names:
+            parser.error("--methods names none")
         for name in names:
             if name not in _methods.METHODS:
                 parser.error(f"no method '{name}'; there are: {' '.join(_methods.METHODS)}")
@@ -153,4 +159,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(_program.run("error", main))
+    sys.exit(_program.run(main))

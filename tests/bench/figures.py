@@ -164,4 +164,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(_program.run("figures", main))
+    sys.exit(_program.run(main))

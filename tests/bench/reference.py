@@ -18,6 +18,7 @@ import argparse
 import hashlib
 import json
 import os
+import re
 import sys
 import time
 from pathlib import Path
@@ -36,8 +37,8 @@ LONG_SIDE = 256  # pixels
 # a part. Its samples are stratified: a long one is better than two of half the length.
 PARTS, PART_SECONDS = 8, 60.0
 LEAST_PARTS = 4  # that tell their variance
-# What counts for more than this share must be no farther from the stored one than so many times the
-# variance of both.
+# What is farther from the stored one than so many times the variance of both is not added, which is
+# worth a word from this share on.
 LEAST_SHARE, MOST_APART = 0.05, 1.4
 FIRST_SEED = 500_000  # far from those of what is measured
 OVERHEAD = 5.0  # s of a child beside rendering
@@ -104,6 +105,7 @@ def render_part(blend: Path, job: dict, parts: Parts) -> None:
         SCRIPT,
         job | {"scene": str(blend), "seed": seed, "image": str(image)},
         parts.folder,
+        _children.CHILD_SECONDS + 2.0 * job["seconds"],
     )
     report = run.report | {"seed": seed}
     path = parts.folder / f"{seed}.json"
@@ -111,6 +113,19 @@ def render_part(blend: Path, job: dict, parts: Parts) -> None:
     fresh.write_text(json.dumps(report))
     fresh.replace(path)  # only what is complete counts
     parts.reports.append(report)
+
+
+def check_worth(path: Path, digest: str, seconds: float) -> None:
+    """Raises DevError if `path` is the same scene's and took longer: an hour of rendering must not
+    make way for a minute."""
+    if not path.is_file():
+        return
+    stored = _reference.read(path).about
+    if stored.get("sceneDigest") == digest and float(stored.get("seconds", 0.0)) > seconds:
+        raise DevError(
+            f"{path} was rendered for {stored['seconds']} s, more than --seconds {seconds:g}: "
+            "add to it (--add), name another file (--out), or remove it"
+        )
 
 
 def stored_reference(path: Path, digest: str, size: tuple[int, int]) -> Reference:
@@ -145,15 +160,15 @@ def joined(stored: Reference, merged: tuple) -> tuple:
         new = _metrics.trimmed_mean(variance[region])
         part = old / (old + new)
         apart = _metrics.trimmed_mean(((mean - stored.mean) ** 2)[region]) / (old + new)
-        if part > LEAST_SHARE and apart > MOST_APART:
+        if apart <= MOST_APART:
+            share[region] = part
+        elif part > LEAST_SHARE:
             refused.append(
                 f"{name} squares of the differences from the stored one are {apart:.2f} times what "
                 "both errors tell: one of them misses rare light"
             )
-        else:
-            share[region] = part
-    if refused and share.max() <= LEAST_SHARE:
-        raise DevError("; ".join(refused))
+    if share.max() <= (LEAST_SHARE if refused else 0.0):
+        raise DevError("; ".join(refused) or "nothing of it would count")
     for line in refused:
         print(f"left as it is: {line}")
     return (
@@ -226,8 +241,10 @@ def seeds_of(stored: Reference) -> list[int]:
 def image_size(text: str, blend: Path) -> tuple[int, int]:
     """Of `--size WxH`, else of the scene, scaled to LONG_SIDE."""
     if text:
-        width, _, height = text.partition("x")
-        return int(width), int(height)
+        found = re.fullmatch(r"([1-9]\d*)x([1-9]\d*)", text)
+        if not found:
+            raise DevError(f"--size {text}: not of the form 320x200")
+        return int(found[1]), int(found[2])
     report = _children.run("size", "bpy", "_size_job.py", {"scene": str(blend)}, FOLDER).report
     width, height = report["size"]
     scale = LONG_SIDE / max(width, height)
@@ -280,6 +297,8 @@ def main() -> int:
     blend = blend.resolve()
     if args.out and args.out.suffix != ".exr":
         raise DevError(f"--out {args.out}: a reference is an .exr file")
+    if not args.out and blend.parent != _scenes.BLENDS.resolve():
+        raise DevError(f"{blend} is no scene of blend_scenes/: name the file to write (--out EXR)")
     method = args.method or ("PT" if blend.stem in PATH_TRACED else "SHEETS")
     FOLDER.mkdir(parents=True, exist_ok=True)
     _program.freeze_library("reference")
@@ -287,6 +306,8 @@ def main() -> int:
     digest = hashlib.sha256(blend.read_bytes()).hexdigest()
     about = {"scene": blend.stem, "sceneDigest": digest, "method": method}
     path = args.out or _scenes.REFERENCES / f"{blend.stem}.exr"
+    if not args.add:
+        check_worth(path, digest, args.seconds)
     stored = stored_reference(path, digest, size) if args.add else None
     first_seed = max(seeds_of(stored)) + 1 if stored else FIRST_SEED
     program = _store.specula_digest(SCRIPTS)[:8]  # a wrong estimator must not leave its parts
@@ -314,4 +335,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(_program.run("reference", main))
+    sys.exit(_program.run(main))

@@ -109,4 +109,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(_program.run("scaling", main))
+    sys.exit(_program.run(main))

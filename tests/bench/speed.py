@@ -486,4 +486,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(_program.run("speed", main))
+    sys.exit(_program.run(main))

@@ -59,6 +59,25 @@ def test_ratio_at_equal_time_says_how_many_times_better():
     assert result.equal_time("cycles-pt", "sms", "image", BUDGET) == 0.25
 
 
+def test_rows_of_the_files_have_what_the_page_has():
+    shared = region(mse=0.5, shared=(0.1, 0.02))
+    result = scene(sms=[point(regions={"image": shared})], cycles_pt=[point(mse=2.0)])
+    ours, theirs = _summary.rows_of([result])
+    assert (ours["method"], ours["region"], ours["mse"], ours["charted"]) == (
+        "sms",
+        "image",
+        0.5,
+        True,
+    )
+    assert (ours["cycles_over_this"], ours["sms_over_this"], ours["luxcore_over_this"]) == (
+        4.0,
+        1.0,
+        None,
+    )
+    assert (ours["shared"], ours["shared_error"], theirs["shared"]) == (0.1, 0.02, None)
+    assert ours.keys() == theirs.keys()
+
+
 @pytest.mark.parametrize(("seconds", "compared"), [(8.39, True), (8.41, False), (7.5, False)])
 def test_times_that_differ_by_more_than_five_percent_are_not_compared(seconds, compared):
     result = scene(sms=[point(seconds=seconds)], cycles_pt=[point()])

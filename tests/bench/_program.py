@@ -9,6 +9,7 @@ import signal
 import sys
 from collections.abc import Callable
 
+from tests.bench import _machine
 from tests.bench._ratios import MeasurementError
 from tools import host
 from tools.common import BUILD, DevError, locked
@@ -16,6 +17,20 @@ from tools.common import BUILD, DevError, locked
 
 def warn(program: str, message: str) -> None:
     print(f"{program}: warning: {message}", file=sys.stderr, flush=True)
+
+
+def load_before(program: str) -> float:
+    """Load average before the start; warns of what is too high."""
+    load = _machine.load_average()
+    if load > _machine.BUSY_LOAD:
+        warn(program, f"the load average is {load:.1f}: other programs disturb the measurement")
+    return load
+
+
+def warn_of_others(program: str, share: float) -> None:
+    """`share`: of the processors' time that other programs took meanwhile."""
+    if share > _machine.BUSY_SHARE:
+        warn(program, f"other programs took {share:.0%} of the processors' time meanwhile")
 
 
 def freeze_library(program: str) -> None:

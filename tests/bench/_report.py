@@ -16,7 +16,7 @@ from tests.bench._page import Picture
 from tests.bench._scenes import Scene
 from tests.bench._standings import BASELINES, standing
 from tests.bench._store import Record, Task
-from tests.bench._summary import REGION_TITLES, SceneResult
+from tests.bench._summary import REGION_TITLES, SceneResult, rows_of
 
 CROP = 96  # pixels, shown twice as large
 
@@ -46,15 +46,16 @@ def write(
             figure = _charts.glints_chart(result, glints, GROUPS["glints"])
             drawings[result.name].append(_charts.save(figure, charts / f"{result.name}_rmse"))
         pictures[result.name] = list(_pictures(scene, result, records, budget))
+    rows = list(rows_of(results))
     document = {
         "about": about,
         "checks": [asdict(check) for check in checks],
         "standings": _standings(results, budget),
         "scenes": [asdict(result) for result in results],
+        "rows": rows,
     }
     (folder / "summary.json").write_text(json.dumps(document, indent=1) + "\n")
     with open(folder / "summary.csv", "w", newline="") as file:
-        rows = list(_rows(results))
         writer = csv.DictWriter(file, rows[0].keys() if rows else ["scene"])
         writer.writeheader()
         writer.writerows(rows)
@@ -102,27 +103,3 @@ def _standings(results: Sequence[SceneResult], budget: float) -> dict:
         }
         for name in names
     }
-
-
-def _rows(results: Sequence[SceneResult]) -> Iterator[dict]:
-    """A row for each scene, method, budget and region."""
-    for result in results:
-        for name, curve in result.curves.items():
-            for point in curve.points:
-                values = asdict(point)
-                regions = values.pop("regions")
-                flip = values.pop("flip")
-                for region, errors in regions.items():
-                    shared, shared_error = errors.pop("shared") or (None, None)
-                    yield (
-                        {
-                            "scene": result.name,
-                            "method": name,
-                            "charted": curve.charted,
-                            "why_not": curve.differs,
-                        }
-                        | values
-                        | {"flip": flip["mean"], "flip_error": flip["error"], "region": region}
-                        | errors
-                        | {"shared": shared, "shared_error": shared_error}
-                    )

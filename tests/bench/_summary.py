@@ -4,13 +4,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass, field
 
 import numpy as np
 
 from tests.bench import _metrics
-from tests.bench._methods import METHODS, other_model
+from tests.bench._methods import CYCLES, METHODS, SMS, other_model
 from tests.bench._metrics import Errors, Estimate
 from tests.bench._scenes import Scene
 from tests.bench._schedule import Outcome
@@ -357,3 +357,39 @@ def _set_targets(result: SceneResult, budget: float) -> None:
             times = [point.render_seconds for point in curve.points]
             values = [point.regions[region].mse for point in curve.points]
             curve.time_to_target[region] = _metrics.time_to_reach(target, times, values)
+
+
+def rows_of(results: Sequence[SceneResult]) -> Iterator[dict]:
+    """Of the CSV: one for each scene, method, budget and region. `cycles_over_this` and the like say
+    how many times smaller the MSE is than that of others after the same time."""
+    for result in results:
+        for name, curve in result.curves.items():
+            for point in curve.points:
+                values = asdict(point)
+                regions = values.pop("regions")
+                flip = values.pop("flip")
+                for region, errors in regions.items():
+                    shared, shared_error = errors.pop("shared") or (None, None)
+                    ratios = {
+                        f"{label}_over_this": other
+                        and result.equal_time(name, other, region, point.budget)
+                        for label, other in (
+                            ("cycles", CYCLES),
+                            ("luxcore", result.best_of("luxcore", region, point.budget)),
+                            ("sms", SMS),
+                        )
+                    }
+                    yield (
+                        {
+                            "scene": result.name,
+                            "method": name,
+                            "charted": curve.charted,
+                            "why_not": curve.differs,
+                        }
+                        | values
+                        | {"flip": flip["mean"], "flip_error": flip["error"], "region": region}
+                        | errors
+                        | {"shared": shared, "shared_error": shared_error}
+                        | ratios
+                        | {"seconds_to_target": curve.time_to_target.get(region)}
+                    )

@@ -19,6 +19,7 @@ from __future__ import annotations
 import argparse
 import math
 import os
+import shlex
 import sys
 import time
 from pathlib import Path
@@ -123,11 +124,7 @@ def main() -> int:
     if not methods:
         raise DevError("none of the methods can run here")
     started = time.time()
-    load = _machine.load_average()
-    if load > _machine.BUSY_LOAD:
-        _program.warn(
-            "bench", f"the load average is {load:.1f}: other programs disturb the measurement"
-        )
+    load = _program.load_before("bench")
     seeds = range(1, args.seeds + 1)
     tasks = _schedule.plan(scenes, methods, args.budgets, seeds, args.threads)
     outcome = _schedule.render_all(tasks)
@@ -147,7 +144,7 @@ def main() -> int:
         "budgets": args.budgets,
         "seeds": args.seeds,
         "quick": args.quick,
-        "command": f"./dev bench {' '.join(sys.argv[1:])}".strip(),
+        "command": f"./dev bench {shlex.join(sys.argv[1:])}".strip(),
         "missing": {_methods.FAMILIES[name].label: why for name, why in missing.items()},
         "minutes": (time.time() - started) / 60.0,
     }

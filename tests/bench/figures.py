@@ -145,8 +145,7 @@ def main() -> int:
     for why in failures:
         _program.warn("figures", why)
     others = max((record.others_share for record in records.values()), default=0.0)
-    if others > _machine.BUSY_SHARE:
-        _program.warn("figures", f"other programs took up to {others:.0%} of the processors' time")
+    _program.warn_of_others("figures", others)
     sheets = {
         figure: sheet(
             figure,

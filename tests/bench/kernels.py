@@ -253,9 +253,7 @@ def main() -> int:
     args = arguments()
     program = build_program()
     names = choose(run(program, "--benchmark_list_tests").split(), args.only)
-    load = _machine.load_average()
-    if load > _machine.BUSY_LOAD:
-        _program.warn("kernels", f"the load average is {load:.1f}: other programs disturb this")
+    load = _program.load_before("kernels")
     minutes = len(names) * args.repetitions * SECONDS / 60.0
     print(
         f"{len(names)} kernels on one core of {_machine.processor()}, {program.name}, "
@@ -265,8 +263,7 @@ def main() -> int:
     started, before = time.time(), _machine.CpuTimes.now()
     kernels = measure(program, names, args.repetitions)
     others = before.others_share(_machine.CpuTimes.now())
-    if others > _machine.BUSY_SHARE:
-        _program.warn("kernels", f"other programs took {others:.0%} of the processors' time")
+    _program.warn_of_others("kernels", others)
     print(table(kernels))
     for line in promises(kernels):
         print(line)

@@ -70,21 +70,14 @@ def arguments() -> argparse.Namespace:
 def main() -> int:
     args = arguments()
     dimensions = _scaling_plan.chosen(args.only, PROCESSORS, args.quick)
-    load = _machine.load_average()
-    if load > _machine.BUSY_LOAD:
-        _program.warn(
-            "scaling", f"the load average is {load:.1f}: other programs disturb the measurement"
-        )
+    load = _program.load_before("scaling")
     FOLDER.mkdir(parents=True, exist_ok=True)
     _program.freeze_library("scaling")
     started, before = time.time(), _machine.CpuTimes.now()
     points = _scaling_plan.points(dimensions, PROCESSORS, args.seconds)
     outcome = _scaling_plan.measure(points, args.rounds, FOLDER)
     others = before.others_share(_machine.CpuTimes.now())
-    if others > _machine.BUSY_SHARE:
-        _program.warn(
-            "scaling", f"other programs took {others:.0%} of the processors' time meanwhile"
-        )
+    _program.warn_of_others("scaling", others)
     for why in outcome.failures.values():
         _program.warn("scaling", why)
     all_series = _scaling_summary.summarize(dimensions, outcome)

@@ -432,18 +432,9 @@ def arguments() -> argparse.Namespace:
     return args
 
 
-def warn_of_load(load: float) -> None:
-    if load > _machine.BUSY_LOAD:
-        _program.warn(
-            "speed",
-            f"the load average is {load:.1f}: other programs will make these numbers worthless",
-        )
-
-
 def main() -> int:
     args = arguments()
-    load = _machine.load_average()
-    warn_of_load(load)
+    load = _program.load_before("speed")
     samples = QUICK_SAMPLES if args.quick else SAMPLES
     measurements = [
         measurement
@@ -465,10 +456,7 @@ def main() -> int:
         progress.clear()
         print(text(results[-1]), flush=True)
     others = before.others_share(_machine.CpuTimes.now())
-    if others > _machine.BUSY_SHARE:
-        _program.warn(
-            "speed", f"other programs took {others:.0%} of the processors' time meanwhile"
-        )
+    _program.warn_of_others("speed", others)
     print(summary(results))
     if args.out:
         document = {

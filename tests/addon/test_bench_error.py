@@ -222,7 +222,8 @@ def test_what_cannot_be_shown_is_no_failure(monkeypatch):
     assert len(rendered) == 4  # what failed is not tried again
 
 
-def test_what_was_disturbed_is_rendered_again(monkeypatch):
+@pytest.mark.parametrize(("undisturbed", "of_sms"), [(False, 0.5), (True, 0.01)])
+def test_what_was_disturbed_is_rendered_again(monkeypatch, undisturbed, of_sms):
     def record(others):
         return _store.Record({}, 1.0, others, Path("image.npy"))
 
@@ -230,9 +231,10 @@ def test_what_was_disturbed_is_rendered_again(monkeypatch):
     monkeypatch.setattr(_store, "find", lambda task: found[task.method])
     monkeypatch.setattr(_store, "render", lambda task: record(0.01))
     scene = Scene("box", Path("box.blend"), None)
-    outcome = _schedule.render_all(_schedule.plan([scene], tuple(found), (1.0,), (1,), 2))
+    tasks = _schedule.plan([scene], tuple(found), (1.0,), (1,), 2)
+    outcome = _schedule.render_all(tasks, undisturbed)
     shares = {task.method: record.others_share for task, record in outcome.records.items()}
-    assert shares == {"pt": 0.0, "sms": 0.01, "lux-light": 0.01}
+    assert shares == {"pt": 0.0, "sms": of_sms, "lux-light": 0.01}
 
 
 def test_an_image_with_a_value_that_is_no_number_is_a_failure(monkeypatch, tmp_path):

@@ -116,6 +116,7 @@ def _quiet(scenes: Sequence[SceneResult]) -> Check:
     points = [p for scene in scenes for curve in scene.curves.values() for p in curve.points]
     disturbed = sum(point.others_share > BUSY_SHARE for point in points)
     text = f"{disturbed} of {len(points)} points were disturbed"
+    text += "; --undisturbed renders them again" if disturbed else ""
     return Check("no other program took the processors' time", disturbed == 0, text)
 
 

@@ -54,13 +54,12 @@ class Outcome:
     untranslated: dict[tuple[str, str], str] = field(default_factory=dict)
 
 
-def render_all(tasks: Sequence[Task]) -> Outcome:
-    """Renders what an earlier run has not left, or not undisturbed. What failed once is not tried
-    again with another budget or seed."""
+def render_all(tasks: Sequence[Task], undisturbed: bool = False) -> Outcome:
+    """Renders what an earlier run has not left; and if `undisturbed`, what other programs disturbed
+    then. What failed once is not tried again with another budget or seed."""
     left = {task: record for task in tasks if (record := _store.find(task))}
-    outcome = Outcome(
-        {t: record for t, record in left.items() if record.others_share <= BUSY_SHARE}
-    )
+    most = BUSY_SHARE if undisturbed else 1.0
+    outcome = Outcome({task: one for task, one in left.items() if one.others_share <= most})
     todo = [task for task in tasks if task not in outcome.records]
     progress = Progress("bench", (task.budget + OVERHEAD for task in todo))
     for number, task in enumerate(todo, 1):

@@ -360,8 +360,8 @@ def _set_targets(result: SceneResult, budget: float) -> None:
 
 
 def rows_of(results: Sequence[SceneResult]) -> Iterator[dict]:
-    """Of the CSV: one for each scene, method, budget and region. `cycles_over_this` and the like say
-    how many times smaller the MSE is than that of others after the same time."""
+    """Of the CSV: one for each scene, method, budget and region. `cycles_over_this` and the like
+    say how many times smaller the MSE is than that of others after the same time."""
     for result in results:
         for name, curve in result.curves.items():
             for point in curve.points:

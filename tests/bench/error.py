@@ -50,6 +50,11 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--methods", help=f"of: {' '.join(_methods.METHODS)}")
     parser.add_argument("--budgets", help="seconds of rendering, separated by commas")
     parser.add_argument("--seeds", type=int, help="renders of each (3, quick 2)")
+    parser.add_argument(
+        "--undisturbed",
+        action="store_true",
+        help="render again what other programs disturbed in an earlier run",
+    )
     parser.add_argument("--threads", type=int, default=len(os.sched_getaffinity(0)))
     args = parser.parse_args()
     if len(args.blend) != len(args.reference):
@@ -127,7 +132,7 @@ def main() -> int:
     load = _program.load_before("bench")
     seeds = range(1, args.seeds + 1)
     tasks = _schedule.plan(scenes, methods, args.budgets, seeds, args.threads)
-    outcome = _schedule.render_all(tasks)
+    outcome = _schedule.render_all(tasks, args.undisturbed)
     for (scene, method), why in outcome.failures.items():
         _program.warn("bench", f"{scene}, {method}: {why}")
     results = [

@@ -123,7 +123,7 @@ def check_worth(path: Path, digest: str, seconds: float) -> None:
     stored = _reference.read(path).about
     if stored.get("sceneDigest") == digest and float(stored.get("seconds", 0.0)) > seconds:
         raise DevError(
-            f"{path} was rendered for {stored['seconds']} s, more than --seconds {seconds:g}: "
+            f"{path} was rendered for {stored['seconds']} s, more than {seconds:g} s: "
             "add to it (--add), name another file (--out), or remove it"
         )
 
@@ -306,8 +306,6 @@ def main() -> int:
     digest = hashlib.sha256(blend.read_bytes()).hexdigest()
     about = {"scene": blend.stem, "sceneDigest": digest, "method": method}
     path = args.out or _scenes.REFERENCES / f"{blend.stem}.exr"
-    if not args.add:
-        check_worth(path, digest, args.seconds)
     stored = stored_reference(path, digest, size) if args.add else None
     first_seed = max(seeds_of(stored)) + 1 if stored else FIRST_SEED
     program = _store.specula_digest(SCRIPTS)[:8]  # a wrong estimator must not leave its parts
@@ -318,6 +316,8 @@ def main() -> int:
     folder = FOLDER / f"{name}-{first_seed}"
     folder.mkdir(exist_ok=True)
     parts = Parts(folder, first_seed)
+    if not args.add:  # the same again is no worse
+        check_worth(path, digest, max(args.seconds, round(parts.seconds)))
     job = {"size": size, "method": method, "threads": args.threads, "window": args.window}
     todo = args.seconds - parts.seconds
     length = max(args.seconds / PARTS, PART_SECONDS)

@@ -109,10 +109,10 @@ float PathTracer::weight_of_chain(const LightEnd& end) const {
     const double own = from_folds ? p->share_of_folds() : 1.0 - p->share_of_folds();
     if (own == 0.0) return 0.0f;
     const uint32_t trials =
-        p->missed_are_apart() ? trials_if_missed(techniques, pass.sheets, path, end,
-                                                 p->telling_trials(settings.manifold.weight_trials),
-                                                 pcg, stats.manifold)
-                              : 0;
+        p->missed_are_apart()
+            ? trials_if_missed(techniques, pass.sheets, path, end,
+                               p->telling_trials(settings.manifold.trial_cap), pcg, stats.manifold)
+            : 0;
     return static_cast<float>(
         own * (trials > 0 ? p->share_of_directions(trials) : p->by_directions() / p->sum()));
 }

@@ -315,7 +315,7 @@ private:
         const CausticDensities& p = connection.densities;
         if (!p.missed_are_apart()) return static_cast<float>(connection.scale);
         const uint32_t trials =
-            count_trials(settings_, p.telling_trials(settings_.weight_trials), comes_again);
+            count_trials(settings_, p.telling_trials(settings_.trial_cap), comes_again);
         return static_cast<float>(p.geometry * p.share_of_searches(trials) /
                                   static_cast<double>(y_.pdf));
     }

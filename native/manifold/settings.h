@@ -50,10 +50,9 @@ struct ManifoldSettings {
     float search_chance = 1.0f / 4;
     // Two solutions closer than this many of their resolutions are one.
     float identity_factor = 4.0f;
-    // Bernoulli trials; beyond, the estimate keeps what it counted and reports it.
+    // Bernoulli trials; beyond, the estimate keeps what it counted and reports it. Those by which
+    // chains are weighed that leads miss end there, too.
     uint32_t trial_cap = 1u << 16;
-    // Trials by which chains that sheets miss are weighed, at most.
-    uint32_t weight_trials = 1u << 16;
     // Once set, estimates end where they are; whoever sets it throws their samples away.
     const std::atomic<bool>* cancelled = nullptr;
 

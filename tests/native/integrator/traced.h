@@ -67,7 +67,7 @@ public:
         settings_.manifold = unbiased_manifold();
         settings_.manifold.two_stage = false;
         settings_.manifold.finder = finder;
-        settings_.manifold.weight_trials = 1;  // else sums of weights are one on average alone
+        settings_.manifold.trial_cap = 1;  // else sums of weights are one on average alone
         settings_.light_tracing = {&guide_, kPaths, 1.0, kEffort, 1.0, kWalks};
         if (finder != ChainFinder::sheets) return;
         constexpr uint32_t kSeed = 5;
@@ -267,7 +267,7 @@ inline std::optional<ByManifold> by_manifold(const Bench& bench, const Traced& p
     ManifoldStats stats;
     Pcg pcg(11);
     return ByManifold{*p, trials_if_missed(bench.techniques(), bench.sheets(), record, end,
-                                           settings.weight_trials, pcg, stats)};
+                                           settings.trial_cap, pcg, stats)};
 }
 
 // What a light path makes of it that leaves the light for its last vertex. Its rays meet the path's

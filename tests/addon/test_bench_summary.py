@@ -135,8 +135,8 @@ def test_a_flat_caustic_in_place_of_a_net_is_something_else(shared, error, other
 @pytest.mark.parametrize(
     ("method", "budgets", "left", "other"),
     [
-        ("cycles-mnee", (2.0, 8.0), 0.85, True),
-        ("cycles-mnee", (2.0, 8.0), 0.75, False),
+        ("cycles-mnee", (2.0, 8.0), 0.55, True),
+        ("cycles-mnee", (2.0, 8.0), 0.45, False),
         ("cycles-mnee", (4.0, 8.0), 0.85, False),
         ("cycles-pt", (2.0, 8.0), 0.85, False),
         ("sms", (2.0, 8.0), 0.85, False),

@@ -20,8 +20,9 @@ TIME_TOLERANCE = 0.05  # within which two times are equal
 BUDGET_TOLERANCE = TIME_TOLERANCE / 2.0  # two of them may be off in opposite directions
 # From where on another renderer's mean is that of another model, not noise.
 MODEL_DIFFERENCE, MODEL_STRUCTURE, MODEL_Z = 0.02, 0.05, 4.0
-# What errors keep, at least, after so many times the time, if they are not noise.
-STANDSTILL, STANDSTILL_TIMES = 0.8, 4.0
+# What errors keep, at least, after so many times the time, if they are not noise: that would
+# keep a quarter.
+STANDSTILL, STANDSTILL_TIMES = 0.5, 4.0
 # The regions that are shown, of those that a scene has.
 REGION_TITLES = {
     "image": "whole image",

@@ -34,8 +34,9 @@ from tools.common import BUILD, ROOT, DevError
 FOLDER = BUILD / "bench" / "references"
 LONG_SIDE = 256  # pixels
 # Into how many parts rendering is cut, of which an interrupt can lose one, and the least seconds of
-# a part. Its samples are stratified: a long one is better than two of half the length.
-PARTS, PART_SECONDS = 8, 60.0
+# a part. Its samples are stratified: a long one is better than two of half the length. The few
+# pixels of a window have many samples soon.
+PARTS, PART_SECONDS, WINDOW_PART_SECONDS = 8, 60.0, 5.0
 LEAST_PARTS = 4  # that tell their variance
 # What is farther from the stored one than so many times the variance of both is not added, which is
 # worth a word from this share on.
@@ -320,7 +321,8 @@ def main() -> int:
         check_worth(path, digest, max(args.seconds, round(parts.seconds)))
     job = {"size": size, "method": method, "threads": args.threads, "window": args.window}
     todo = args.seconds - parts.seconds
-    length = max(args.seconds / PARTS, PART_SECONDS)
+    least = WINDOW_PART_SECONDS if args.window else PART_SECONDS
+    length = max(args.seconds / PARTS, least)
     progress = Progress("reference", [todo * (1.0 + OVERHEAD / length)])
     while (left := args.seconds - parts.seconds) > 0.05 * length or not parts.reports:
         progress.show(f"{blend.stem}, {method}, {parts.seconds:.0f} of {args.seconds:.0f} s")

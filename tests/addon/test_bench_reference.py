@@ -122,17 +122,19 @@ def test_more_seconds_do_not_make_way_for_fewer(tmp_path):
 
 
 def test_a_window_takes_the_place_of_stored_pixels():
-    zeros, ones = np.zeros(SHAPE), np.ones((2, 1, 3))
-    stored = _reference.Reference(zeros, zeros, {"samples": "8"}, zeros, zeros[..., 0] > 1.0)
+    zeros, threes, ones = np.zeros(SHAPE), np.full(SHAPE, 3.0), np.ones((2, 1, 3))
+    stored = _reference.Reference(zeros, threes, {"samples": "8"}, zeros, zeros[..., 0] > 1.0)
     mean, variance, caustics, direct, samples = reference.replaced(
         stored, (ones, 2.0 * ones, ones, ones, 99), (3, 1, 1, 2)
     )
     inside = np.zeros(SHAPE)
     inside[1:3, 3:4] = 1.0
     np.testing.assert_array_equal(mean, inside)
-    np.testing.assert_array_equal(variance, 2.0 * inside)
+    np.testing.assert_array_equal(variance, 3.0 - inside)
     assert (samples, caustics is stored.caustics, direct is stored.direct) == (8, True, True)
     assert not stored.mean.any()
+    with pytest.raises(DevError, match="render it longer"):
+        reference.replaced(stored, (ones, 4.0 * ones, ones, ones, 99), (3, 1, 1, 2))
     with pytest.raises(DevError, match="not within 4x3"):
         reference.window_edges((3, 1, 1, 3), (4, 3))
 

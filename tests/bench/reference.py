@@ -185,10 +185,16 @@ def replaced(stored: Reference, merged: tuple, window: Window) -> tuple:
     """As `Parts.merged`, of a stored reference with other pixels in a window.
 
     They are chosen by how the stored ones look, which would weigh them: none of those is kept.
+    Light paths rarely meet a small window, so what they make may have more noise than before.
     """
     left, bottom, width, height = window
     pixels = np.s_[bottom : bottom + height, left : left + width]
     mean, variance = stored.mean.copy(), stored.variance.copy()
+    before, after = variance[pixels].mean(), merged[1].mean()
+    if after > before:
+        raise DevError(
+            f"--window: mean squared error {after:.3g}, stored is {before:.3g}: render it longer"
+        )
     mean[pixels], variance[pixels] = merged[:2]
     return mean, variance, stored.caustics, stored.direct, stored.samples
 

@@ -185,7 +185,7 @@ def replaced(stored: Reference, merged: tuple, window: Window) -> tuple:
     """As `Parts.merged`, of a stored reference with other pixels in a window.
 
     They are chosen by how the stored ones look, which would weigh them: none of those is kept.
-    Light paths rarely meet a small window, so what they make may have more noise than before.
+    Raises DevError if the window has more noise than what is stored.
     """
     left, bottom, width, height = window
     pixels = np.s_[bottom : bottom + height, left : left + width]

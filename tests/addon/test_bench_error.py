@@ -225,7 +225,7 @@ def test_what_cannot_be_shown_is_no_failure(monkeypatch):
 @pytest.mark.parametrize(("undisturbed", "of_sms"), [(False, 0.5), (True, 0.01)])
 def test_what_was_disturbed_is_rendered_again(monkeypatch, undisturbed, of_sms):
     def record(others):
-        return _store.Record({}, 1.0, others, Path("image.npy"))
+        return _store.Record({}, 1.0, others, "one", Path("image.npy"))
 
     found = {"pt": record(0.0), "sms": record(0.5), "lux-light": None}
     monkeypatch.setattr(_store, "find", lambda task: found[task.method])

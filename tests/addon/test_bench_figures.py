@@ -135,7 +135,9 @@ def test_crops_lie_around_their_centre():
 
 
 def record(**stats):
-    return Record({"samples": 12.5, "render_seconds": 8.04, "stats": stats}, 9.0, 0.0, Path())
+    return Record(
+        {"samples": 12.5, "render_seconds": 8.04, "stats": stats}, 9.0, 0.0, "one", Path()
+    )
 
 
 def test_captions_tell_what_walks_did():

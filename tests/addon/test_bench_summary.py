@@ -32,6 +32,7 @@ def point(budget=BUDGET, seconds=None, regions=None, **errors):
         samples=64.0,
         peak_memory=1e8,
         others_share=0.0,
+        processors=("one",),
         flip=Estimate(0.1, 0.01, 2),
         regions=regions,
         success_rate=None,
@@ -192,6 +193,7 @@ def test_error_that_does_not_fall_as_time_fails(exponent, passes):
     [
         ({"render_seconds": 8.5}, "times"),
         ({"others_share": 0.2}, "other program"),
+        ({"processors": ("one", "two")}, "same processor"),
         ({"regions": {"image": region(mse=1e-3)}}, "references"),
         ({"regions": {"image": region(mse=0.1, bias=0.02, bias_z=5.0)}}, "reference's mean"),
         ({"regions": {"image": region(mse=0.1, shared=(0.02, 1e-3))}}, "seeds"),

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -39,6 +40,7 @@ def checks(scenes: Sequence[SceneResult], budget: float) -> list[Check]:
         _times(scenes, budget),
         _references(scenes),
         _quiet(scenes),
+        _one_machine(scenes),
     ]
     return [*found, *_biases(scenes), *_promises(scenes, budget)]
 
@@ -118,6 +120,14 @@ def _quiet(scenes: Sequence[SceneResult]) -> Check:
     text = f"{disturbed} of {len(points)} points were disturbed"
     text += "; --undisturbed renders them again" if disturbed else ""
     return Check("no other program took the processors' time", disturbed == 0, text)
+
+
+def _one_machine(scenes: Sequence[SceneResult]) -> Check:
+    """What was rendered elsewhere and found again had other time."""
+    points = [p for scene in scenes for curve in scene.curves.values() for p in curve.points]
+    counts = Counter(name for point in points for name in point.processors)
+    text = "; ".join(f"{count} points on {name}" for name, count in counts.most_common())
+    return Check("everything was rendered on the same processor", len(counts) <= 1, text)
 
 
 def _biases(scenes: Sequence[SceneResult]) -> list[Check]:

@@ -14,7 +14,7 @@ from typing import Protocol
 
 import numpy as np
 
-from tests.bench import _children
+from tests.bench import _children, _machine
 from tests.bench._luxcore_textures import UntranslatedError
 from tests.bench._machine import CpuTimes
 from tests.bench._methods import FAMILIES, METHODS
@@ -88,6 +88,7 @@ class Record:
     report: dict  # of the child: load_seconds, render_seconds, samples, peak_memory, stats
     wall_seconds: float
     others_share: float  # of the processors' time that other programs took meanwhile
+    processor: str  # what it was rendered on
     image_path: Path
 
     def image(self) -> np.ndarray:
@@ -125,6 +126,7 @@ def render(wanted: Image) -> Record:
         "report": run.report,
         "wall_seconds": run.wall_seconds,
         "others_share": before.others_share(CpuTimes.now()),
+        "processor": _machine.processor(),
     }
     fresh = path.with_suffix(".new")
     fresh.write_text(json.dumps(stored))

@@ -79,6 +79,7 @@ class Point:
     samples: float
     peak_memory: float  # bytes
     others_share: float  # the largest of any seed
+    processors: tuple[str, ...]  # that the seeds were rendered on
     flip: Estimate
     regions: dict[str, RegionErrors]
     success_rate: float | None  # of walks
@@ -241,6 +242,7 @@ def _point(
         samples=mean("samples"),
         peak_memory=mean("peak_memory"),
         others_share=max(record.others_share for record in records),
+        processors=tuple(sorted({record.processor for record in records})),
         flip=_metrics.estimate([_metrics.flip(im, reference.mean, factor) for im in images]),
         regions=regions,
         success_rate=share(records, "walks_converged", "walks"),

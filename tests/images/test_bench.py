@@ -11,6 +11,7 @@ import pytest
 
 from tests.images._cases import CORNELL
 from tests.images._reference import FOLDER
+from tools import venvs
 from tools.common import ROOT
 
 DIM = 0.98  # on the light of the method pt-dim
@@ -64,6 +65,14 @@ def test_renders_keep_to_their_time_and_errors_fall(curves):
     assert last["samples"] > 1.2 * first["samples"]
     assert last["regions"]["image"]["mse"] < first["regions"]["image"]["mse"]
     assert last["flip"]["mean"] < first["flip"]["mean"]
+
+
+def test_the_build_that_is_compared_with_has_path_guiding():
+    """Without it Cycles would ignore the setting, and path tracing be charted twice."""
+    code = "import bpy, _cycles; print(_cycles.with_path_guiding)"
+    command = [str(venvs.bpy_python()), "-c", code]
+    output = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    assert output.split()[-1] == "True"
 
 
 def test_the_page_holds_everything(folder):

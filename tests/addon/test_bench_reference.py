@@ -139,6 +139,28 @@ def test_a_window_takes_the_place_of_stored_pixels():
         reference.window_edges((3, 1, 1, 3), (4, 3))
 
 
+def test_what_is_added_later_leaves_windows_as_they_are(tmp_path):
+    zeros, ones, path = np.zeros(SHAPE), np.ones(SHAPE), tmp_path / "a.exr"
+    about = {"samples": "8", "seeds": "500000", "seconds": "600", "method": "SHEETS"}
+    stored = _reference.Reference(zeros, ones, about, zeros)
+    for window, folder in (((3, 1, 1, 2), "first"), ((0, 0, 2, 1), "second")):
+        (tmp_path / folder).mkdir()
+        _, _, width, height = window
+        for seed in range(reference.LEAST_PARTS):
+            part = np.full((8, height, width, 3), 5.0)
+            add_part(tmp_path / folder, seed, part, part[0])
+        parts = reference.Parts(tmp_path / folder)
+        reference.write(path, {"method": "PT"}, parts, stored, window)
+        stored = _reference.read(path)
+    assert reference.windows_of(stored) == [(3, 1, 1, 2), (0, 0, 2, 1)]
+    mean, variance, _, _, _ = reference.joined(stored, (ones, ones, zeros, zeros, 8))
+    windows = np.zeros(SHAPE, bool)
+    windows[1:3, 3] = windows[0, 0:2] = True
+    np.testing.assert_array_equal(mean[windows], 5.0)
+    np.testing.assert_array_equal(variance[windows], stored.variance[windows])
+    np.testing.assert_allclose(mean[~windows], 0.5)
+
+
 def test_parts_are_added_to_the_same_picture_alone(tmp_path):
     path, zeros = tmp_path / "a.exr", np.zeros(SHAPE)
     height, width, _ = SHAPE

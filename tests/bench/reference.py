@@ -8,8 +8,8 @@ that of rounding to half floats included, is estimated from how they differ, of 
 from their samples. With --add they join the reference that is stored, whichever program and method
 rendered that: light tracing (LT) is the cheapest where the camera sees caustics directly, and
 counts for next to nothing elsewhere. With --window they are of some pixels alone, in which they
-take the place of the stored ones: for those few whose light is hardly ever found. Such parts come
-last, since what is added to the whole picture counts in them too.
+take the place of the stored ones: for those few whose light is hardly ever found. What is added to
+the whole picture later leaves such windows as they are.
 """
 
 from __future__ import annotations
@@ -148,13 +148,16 @@ def joined(stored: Reference, merged: tuple) -> tuple:
     Each counts by the inverse of its variance, of which there is one where the camera sees caustics
     directly and one elsewhere, so that light tracing may help the first alone: by a pixel's own it
     would count the more the fewer bright samples it has met there. Where the two differ by more
-    than their errors tell, what is stored stays.
+    than their errors tell, what is stored stays, as it does in windows.
     """
     mean, variance, _, _, count = merged
     share = np.zeros((*mean.shape[:2], 1))  # the new one's
     direct = stored.direct if stored.direct is not None else np.zeros(mean.shape[:2], bool)
+    free = np.ones(mean.shape[:2], bool)
+    for window in windows_of(stored):
+        free[pixels_of(window)] = False
     refused = []
-    for name, region in (("seen directly", direct), ("elsewhere", ~direct)):
+    for name, region in (("seen directly", direct & free), ("elsewhere", ~direct & free)):
         if not region.any():
             continue
         old = _metrics.trimmed_mean(stored.variance[region])
@@ -187,8 +190,7 @@ def replaced(stored: Reference, merged: tuple, window: Window) -> tuple:
     They are chosen by how the stored ones look, which would weigh them: none of those is kept.
     Raises DevError if the window has more noise than what is stored.
     """
-    left, bottom, width, height = window
-    pixels = np.s_[bottom : bottom + height, left : left + width]
+    pixels = pixels_of(window)
     mean, variance = stored.mean.copy(), stored.variance.copy()
     before, after = variance[pixels].mean(), merged[1].mean()
     if after > before:
@@ -243,6 +245,18 @@ def write(
 
 def seeds_of(stored: Reference) -> list[int]:
     return [int(seed) for seed in stored.about["seeds"].split()]
+
+
+def windows_of(stored: Reference) -> list[Window]:
+    """As `write` notes them, such as `124,176,3x3: 5000`, the last being the samples per pixel."""
+    notes = stored.about.get("windows", "")
+    found = re.findall(r"(\d+),(\d+),(\d+)x(\d+): \d+", notes)
+    return [tuple(map(int, numbers)) for numbers in found]
+
+
+def pixels_of(window: Window) -> tuple[slice, slice]:
+    left, bottom, width, height = window
+    return np.s_[bottom : bottom + height, left : left + width]
 
 
 def image_size(text: str, blend: Path) -> tuple[int, int]:

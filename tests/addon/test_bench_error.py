@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What `./dev bench` makes of images and times, and the order in which it renders."""
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -245,8 +246,16 @@ def test_an_image_with_a_value_that_is_no_number_is_a_failure(monkeypatch, tmp_p
     monkeypatch.setattr(_children, "run", run)
     monkeypatch.setattr(_store, "FOLDER", tmp_path)
     task = _store.Task(_scenes.named("cornell"), "cycles-pt", 1.0, 1, 2)
+    earlier = {"report": {}, "wall_seconds": 1.0, "others_share": 0.5, "processor": "one"}
+    record = _store._path(task)
+    np.save(record.with_suffix(".npy"), np.ones((2, 2, 3)))
+    record.write_text(json.dumps(earlier))
+    assert _store.find(task).processor == "one"
     with pytest.raises(MeasurementError, match="1 values"):
         _store.render(task)
+    assert _store.find(task) is None
+    del earlier["processor"]  # as another version of the bench would store it
+    record.write_text(json.dumps(earlier))
     assert _store.find(task) is None
 
 

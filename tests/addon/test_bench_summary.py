@@ -102,11 +102,13 @@ def test_the_best_of_a_renderer_can_be_compared(change):
 FLAT = SimpleNamespace(  # of mean 2 and variance 0.01
     regions={"image": None, "caustics": None, "rest": None},
     reference=SimpleNamespace(mean=np.full((4, 4, 3), 2.0), variance=np.full((4, 4, 3), 0.01)),
+    caustics_known=True,
 )
 
 
-def difference(method, *points):
-    return _summary._difference(Curve(method, list(points)), FLAT)
+def difference(method, *points, **changes):
+    flat = SimpleNamespace(**vars(FLAT) | changes)
+    return _summary._difference(Curve(method, list(points)), flat)
 
 
 @pytest.mark.parametrize(
@@ -123,6 +125,8 @@ def test_path_tracers_are_judged_beside_the_caustics():
     missed = point(regions={"image": dark, "caustics": dark, "rest": region()})
     assert not difference("cycles-pt", missed)
     assert "normal maps" in difference("cycles-mnee", missed)
+    nowhere_known = {"regions": {"image": None}, "caustics_known": False}
+    assert not difference("cycles-pt", point(regions={"image": dark}), **nowhere_known)
 
 
 @pytest.mark.parametrize(
@@ -175,6 +179,13 @@ def falling(exponent, budgets=(2.0, 4.0, 8.0), **errors):
 
 def test_a_sound_measurement_passes_all_checks():
     assert failing(scene(pt=falling(-1.0, shared=(5e-5, 1e-3)))) == []
+
+
+def test_path_tracers_are_not_checked_where_there_may_be_caustics():
+    result = scene(pt=falling(0.5, bias=-0.5, bias_z=-50.0))
+    assert len(failing(result)) == 2  # 1/time and the mean
+    result.caustics_known = False
+    assert failing(result) == []
 
 
 def test_a_point_with_a_single_seed_does_not_hide_what_others_share():

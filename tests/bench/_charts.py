@@ -173,10 +173,11 @@ def _guides(axis, scene: SceneResult, region: str, times, errors, root: bool) ->
 
 def save(figure: plt.Figure, path: Path) -> str:
     """Writes PATH.png and PATH.svg; returns the SVG's text."""
-    figure.savefig(path.with_suffix(".png"), dpi=150, bbox_inches="tight")
-    figure.savefig(path.with_suffix(".svg"), metadata={"Date": None}, bbox_inches="tight")
+    png, svg = (path.with_name(f"{path.name}.{kind}") for kind in ("png", "svg"))
+    figure.savefig(png, dpi=150, bbox_inches="tight")
+    figure.savefig(svg, metadata={"Date": None}, bbox_inches="tight")
     plt.close(figure)
-    return path.with_suffix(".svg").read_text()
+    return svg.read_text()
 
 
 def png(image: np.ndarray, exposure: float, scale: int = 1) -> bytes:

@@ -50,7 +50,7 @@ def _path_traced(scenes: Sequence[SceneResult]) -> Iterator[tuple[str, SceneResu
     for scene in scenes:
         for name, curve in scene.curves.items():
             points = [p for p in curve.points if p.regions["image"].measurable()]
-            if METHODS[name].path_traced and "caustics" not in scene.regions and points:
+            if METHODS[name].path_traced and scene.path_tracing_suffices and points:
                 yield f"{scene.name}, {METHODS[name].full_label}", scene, points
 
 
@@ -113,19 +113,25 @@ def _references(scenes: Sequence[SceneResult]) -> Check:
     return Check(title, not near, "; ".join(near) or "yes")
 
 
+def _points(scenes: Sequence[SceneResult]) -> Iterator[Point]:
+    for scene in scenes:
+        for curve in scene.curves.values():
+            yield from curve.points
+
+
 def _quiet(scenes: Sequence[SceneResult]) -> Check:
     """Who else was busy."""
-    points = [p for scene in scenes for curve in scene.curves.values() for p in curve.points]
+    points = list(_points(scenes))
     disturbed = sum(point.others_share > BUSY_SHARE for point in points)
     text = f"{disturbed} of {len(points)} points were disturbed"
     text += "; --undisturbed renders them again" if disturbed else ""
-    return Check("no other program took the processors' time", disturbed == 0, text)
+    title = f"no other program took more than {BUSY_SHARE:.0%} of the processors' time"
+    return Check(title, disturbed == 0, text)
 
 
 def _one_machine(scenes: Sequence[SceneResult]) -> Check:
     """What was rendered elsewhere and found again had other time."""
-    points = [p for scene in scenes for curve in scene.curves.values() for p in curve.points]
-    counts = Counter(name for point in points for name in point.processors)
+    counts = Counter(name for point in _points(scenes) for name in point.processors)
     text = "; ".join(f"{count} points on {name}" for name, count in counts.most_common())
     return Check("everything was rendered on the same processor", len(counts) <= 1, text)
 
@@ -140,7 +146,7 @@ def _biases(scenes: Sequence[SceneResult]) -> list[Check]:
     for scene in scenes:
         for name, curve in scene.curves.items():
             method = METHODS[name]
-            sees_all = not method.path_traced or "caustics" not in scene.regions
+            sees_all = not method.path_traced or scene.path_tracing_suffices
             if method.family != "specula" or not method.unbiased or not sees_all:
                 continue
             errors = curve.points[-1].regions["image"] if curve.points else None
@@ -229,7 +235,7 @@ def _concerns(promise: Promise, scene: SceneResult) -> bool:
         return name in scene.curves and scene.curves[name].charted
 
     return (
-        (not promise.scenes or scene.name in promise.scenes)
+        (not promise.scenes or (scene.is_example and scene.name in promise.scenes))
         and promise.region in scene.regions
         and any(map(there, promise.methods))
         and all(map(there, promise.against))

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
-from tests.bench import _scenes
+from tests.bench import _program, _scenes
 from tests.bench._scenes import Scene
 from tools.common import DevError
 
@@ -309,9 +309,11 @@ FIGURES = {
 
 def chosen(names: str | None) -> list[Figure]:
     """Those of a list separated by commas; all of them for None."""
-    if not names:
+    if names is None:
         return list(FIGURES.values())
-    wanted = list(dict.fromkeys(name.strip() for name in names.split(",") if name.strip()))
+    wanted = _program.split(names)
+    if not wanted:
+        raise DevError("--figures names none")
     for name in wanted:
         if name not in FIGURES:
             raise DevError(f"no figure '{name}'; there are: {' '.join(FIGURES)}")

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 WORST = 1e-3  # share of the pixels that the trimmed figures leave out
-# The denominator's floor of the relative error, as a share of the reference's mean square: what is
-# nearly black must not decide.
+# What the denominator of the relative error has beside the square, as a share of the reference's
+# mean square: what is nearly black must not decide.
 RELATIVE_FLOOR = 0.01
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 BLOCK = 8  # pixels along a side, within which errors may depend on each other

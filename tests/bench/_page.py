@@ -11,7 +11,7 @@ from pathlib import Path
 from string import Template
 
 from tests.bench._checks import BIAS_Z, Check
-from tests.bench._methods import CYCLES, METHODS, SMS
+from tests.bench._methods import METHODS
 from tests.bench._metrics import CAUSTICS_SHARE, WORST
 from tests.bench._standings import BASELINES, standing
 from tests.bench._summary import REFERENCE_FACTOR, REGION_TITLES, Curve, Point, SceneResult
@@ -184,7 +184,6 @@ def data_url(content: bytes, kind: str) -> str:
 
 def _region_table(scene: SceneResult, budget: float, region: str) -> str:
     """Errors in one region after the longest time, and what they are against others'."""
-    lux = scene.best_of("luxcore", region, budget)
     target = scene.target.get(region)
     head = ["method", "MSE", "MSE,<br>trimmed", "relMSE", "relMSE,<br>trimmed"]
     head += ["bias (z)", "bias (z),<br>trimmed"]
@@ -202,7 +201,8 @@ def _region_table(scene: SceneResult, budget: float, region: str) -> str:
         ]
         cells.append(_bias(errors.bias, errors.bias_z))
         cells.append(_with_z(errors.bias_trimmed, errors.bias_trimmed_z))
-        for baseline in (CYCLES, lux, SMS):
+        for against in BASELINES:
+            baseline = scene.baseline(against, region, budget)
             value = scene.equal_time(name, baseline, region, budget) if baseline else None
             near = value and scene.near_reference((name, baseline), region, budget)
             cells.append(ratio(value) + _near(near) if value else NONE)

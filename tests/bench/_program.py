@@ -33,6 +33,11 @@ def warn_of_others(program: str, share: float) -> None:
         warn(program, f"other programs took {share:.0%} of the processors' time meanwhile")
 
 
+def split(text: str) -> list[str]:
+    """Names, separated by commas, each once."""
+    return list(dict.fromkeys(name.strip() for name in text.split(",") if name.strip()))
+
+
 def freeze_library(program: str) -> None:
     """Children load a copy of the native library: a build meanwhile must not change what is
     measured."""

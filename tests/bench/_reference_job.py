@@ -22,7 +22,7 @@ import numpy as np
 from specula.export.desc import LightTracing, Method
 from specula.export.log import ExportLog
 from specula.export.scene import export_scene
-from specula.export.settings import export_settings
+from specula.export.settings import export_settings, film_exposure
 from specula.upload import upload
 from tests.bench._image_job import set_border
 from tests.images._render import prepare, render
@@ -63,7 +63,11 @@ def main(job: dict) -> None:
         of_light_paths = rendered(native_scene, DIRECT_SAMPLES, method=Method.LT)
         arrays[f"{NAME}/direct"] = of_light_paths[f"{NAME}/caustics"]
     stats = json.loads(arrays.pop(f"{NAME}/stats"))
-    np.savez(job["image"], **{key.rpartition("/")[2]: value for key, value in arrays.items()})
+    layers = {key.rpartition("/")[2]: value for key, value in arrays.items()}
+    exposure = film_exposure(scene)  # which every picture that Blender receives has
+    factors = {"variance": exposure**2}
+    layers = {name: factors.get(name, exposure) * values for name, values in layers.items()}
+    np.savez(job["image"], **layers)
     report = {"samples": samples, "seconds": stats["seconds"], "stats": stats}
     with open(job["result"], "w") as file:
         json.dump(report | {"warnings": log.warnings}, file)

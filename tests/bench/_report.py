@@ -16,7 +16,13 @@ from tests.bench._page import Picture
 from tests.bench._scenes import Scene
 from tests.bench._standings import BASELINES, standing
 from tests.bench._store import Record, Task
-from tests.bench._summary import REGION_TITLES, SceneResult, rows_of
+from tests.bench._summary import (
+    REGION_TITLES,
+    SceneResult,
+    rows_of,
+    seeds_of,
+    with_samples,
+)
 
 CROP = 96  # pixels, shown twice as large
 
@@ -78,15 +84,10 @@ def _pictures(
     yield Picture("reference, whole", _charts.png(mean, result.exposure))
     yield Picture("reference", crop(mean))
     for name, curve in result.curves.items():
-        first = next((r for t, r in records.items() if _is(t, scene, name, budget)), None)
-        point = curve.at(budget)
-        if first and point:
+        if point := curve.at(budget):
+            first = with_samples(seeds_of(records, scene.name, name, budget))[0]
             label = f"{METHODS[name].full_label}, {point.render_seconds:.1f}\u00a0s"
             yield Picture(label, crop(first.image()), f"FLIP {point.flip.mean:.3f}")
-
-
-def _is(task: Task, scene: Scene, method: str, budget: float) -> bool:
-    return (task.scene.name, task.method, task.budget) == (scene.name, method, budget)
 
 
 def _standings(results: Sequence[SceneResult], budget: float) -> dict:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from math import isqrt
 from pathlib import Path
 
-from tests.bench import _children
+from tests.bench import _children, _program
 from tests.bench._children import Progress, Run
 from tests.bench._methods import BLACK, BLUE, GREEN, PURPLE, VERMILLION
 from tests.bench._ratios import MeasurementError, seconds_per_sample
@@ -103,13 +103,13 @@ def chosen(text: str | None, processors: int, quick: bool) -> list[Dimension]:
     """Of names separated by commas, each once; None: all. Where it is quick the first three values
     of each. DevError if there is no such dimension, or none is named."""
     known = dimensions(processors)
-    names = list(known) if text is None else [n.strip() for n in text.split(",") if n.strip()]
+    names = list(known) if text is None else _program.split(text)
     for name in names:
         if name not in known:
             raise DevError(f"no dimension '{name}'; there are: {' '.join(known)}")
     if not names:
         raise DevError("--only names no dimension")
-    found = [known[name] for name in dict.fromkeys(names)]
+    found = [known[name] for name in names]
     return [shortened(dimension) for dimension in found] if quick else found
 
 

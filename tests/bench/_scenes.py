@@ -17,7 +17,9 @@ from tools.common import ROOT, DevError
 BLENDS = ROOT / "blend_scenes"
 REFERENCES = ROOT / "tests" / "bench" / "references"
 QUICK = ("cornell", "ring", "swimming_pool")
-# Columns and rows, from the bottom left, of the insets that are looked at for their glints.
+# Columns and rows, from the bottom left, of the insets that are looked at for their glints, and the
+# longer side of the picture that they are of.
+GLINTS_SIDE = 256
 GLINTS = {"shoes": (57, 108, 68, 160), "kettle": (84, 186, 100, 150)}
 # Of the pixels: smaller caustics are not looked at by themselves.
 LEAST_CAUSTICS = 0.002
@@ -53,6 +55,14 @@ class Scene:
         height, width, _ = self.reference.mean.shape
         return width, height
 
+    @property
+    def caustics_known(self) -> bool:
+        """Whether the reference tells where there are some. Path tracing alone has no manifold,
+        whose share that is; the example that is rendered so has no caustics."""
+        if self.reference.caustics is None:
+            return False
+        return self.is_example or self.reference.about.get("method") != "PT"
+
     @functools.cached_property
     def caustics(self) -> np.ndarray | None:
         """(H, W) mask of the pixels with caustics; None if there are next to none."""
@@ -69,8 +79,8 @@ class Scene:
             masks |= {"caustics": self.caustics, "rest": ~self.caustics}
             if self.reference.direct is not None:
                 masks["direct"] = self.caustics & self.reference.direct
-        if self.is_example and self.name in GLINTS:
-            width, height = self.size
+        width, height = self.size
+        if self.is_example and self.name in GLINTS and max(width, height) == GLINTS_SIDE:
             left, right, bottom, top = GLINTS[self.name]
             masks["glints"] = np.zeros((height, width), bool)
             masks["glints"][bottom:top, left:right] = True

@@ -7,7 +7,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from tests.bench._methods import CYCLES, METHODS, SMS
+from tests.bench._methods import CYCLES, SMS
 from tests.bench._summary import SceneResult
 
 BASELINES = {CYCLES: "Cycles PT", "luxcore": "LuxCore's best", SMS: "SMS unbiased"}
@@ -30,9 +30,7 @@ def standing(
     """Of `method` against a method, or against the best of a renderer ("luxcore")."""
     ratios, near = [], 0
     for scene in scenes:
-        baseline = against
-        if against not in METHODS:
-            baseline = scene.best_of(against, region, budget)
+        baseline = scene.baseline(against, region, budget)
         if baseline and (ratio := scene.equal_time(method, baseline, region, budget)):
             ratios.append(ratio)
             near += scene.near_reference((method, baseline), region, budget)

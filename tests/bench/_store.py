@@ -8,7 +8,7 @@ import hashlib
 import json
 import os
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Protocol
 
@@ -89,20 +89,26 @@ class Record:
     wall_seconds: float
     others_share: float  # of the processors' time that other programs took meanwhile
     processor: str  # what it was rendered on
-    image_path: Path
+    image_path: Path  # not stored
 
     def image(self) -> np.ndarray:
         """(H, W, 3) float64."""
         return np.load(self.image_path).astype(np.float64)
 
 
+STORED = {field.name for field in fields(Record)} - {"image_path"}
+
+
 def find(wanted: Image) -> Record | None:
-    """What an earlier run left."""
+    """What an earlier run of this version of the bench left."""
     path = _path(wanted)
     image = path.with_suffix(".npy")
     if not path.exists() or not image.exists():
         return None
-    return Record(**json.loads(path.read_text()), image_path=image)
+    stored = json.loads(path.read_text())
+    if stored.keys() != STORED:
+        return None
+    return Record(**stored, image_path=image)
 
 
 def render(wanted: Image) -> Record:
@@ -116,6 +122,7 @@ def render(wanted: Image) -> Record:
     if family.described:
         job["description"] = str(_description(wanted.scene))
     before = CpuTimes.now()
+    path.unlink(missing_ok=True)  # what it tells of is written over from here on
     limit = PATIENCE + PATIENCE_FACTOR * wanted.budget
     run = _children.run(path.stem, family.where, family.script, job, FOLDER, limit)
     if "untranslated" in run.report:

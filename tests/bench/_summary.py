@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 
 import numpy as np
@@ -14,7 +14,7 @@ from tests.bench._methods import CYCLES, METHODS, SMS, other_model
 from tests.bench._metrics import Errors, Estimate
 from tests.bench._scenes import Scene
 from tests.bench._schedule import Outcome
-from tests.bench._store import Record
+from tests.bench._store import Record, Task
 
 TIME_TOLERANCE = 0.05  # within which two times are equal
 BUDGET_TOLERANCE = TIME_TOLERANCE / 2.0  # two of them may be off in opposite directions
@@ -121,6 +121,16 @@ class SceneResult:
     curves: dict[str, Curve]
     target: dict[str, float] = field(default_factory=dict)  # MSE by region
     notes: list[str] = field(default_factory=list)
+    is_example: bool = True  # one of blend_scenes/
+    caustics_known: bool = True  # else the regions say nothing of them
+
+    @property
+    def path_tracing_suffices(self) -> bool:
+        return self.caustics_known and "caustics" not in self.regions
+
+    def baseline(self, name: str, region: str, budget: float) -> str | None:
+        """A method, or the best of a renderer ("luxcore")."""
+        return name if name in METHODS else self.best_of(name, region, budget)
 
     def equal_time(
         self, method: str, baseline: str, region: str, budget: float, trimmed: bool = False
@@ -178,7 +188,14 @@ def scene_result(
         },
         factor,
         {},
+        is_example=scene.is_example,
+        caustics_known=scene.caustics_known,
     )
+    if not scene.caustics_known:
+        result.notes.append(
+            "the reference does not tell where caustics are, so that path tracers, which may miss "
+            "them, are not checked against it"
+        )
     digest = reference.about.get("sceneDigest")
     if digest and digest != scene.digest:
         result.notes.append("the reference was made of another version of the .blend file")
@@ -187,15 +204,10 @@ def scene_result(
         curve.failure = outcome.failures.get((scene.name, name), "")
         without_samples = ""
         for budget in sorted(budgets):
-            rendered = [
-                record
-                for task, record in outcome.records.items()
-                if (task.scene.name, task.method, task.budget) == (scene.name, name, budget)
-            ]
-            found = [record for record in rendered if record.report["samples"] > 0]
-            if found:
+            rendered = seeds_of(outcome.records, scene.name, name, budget)
+            if found := with_samples(rendered):
                 curve.points.append(_point(scene, name, budget, found, factor))
-            elif rendered:  # photons may take all the time there is
+            elif rendered:
                 without_samples = f"it has no sample after {budget:g} s"
         curve.differs = (
             outcome.untranslated.get((scene.name, name), "")
@@ -206,6 +218,22 @@ def scene_result(
         )
     _set_targets(result, max(budgets))
     return result
+
+
+def seeds_of(
+    records: Mapping[Task, Record], scene: str, method: str, budget: float
+) -> list[Record]:
+    """All of one point."""
+    return [
+        record
+        for task, record in records.items()
+        if (task.scene.name, task.method, task.budget) == (scene, method, budget)
+    ]
+
+
+def with_samples(records: Sequence[Record]) -> list[Record]:
+    """Those with a picture: photons may take all the time there is."""
+    return [record for record in records if record.report["samples"] > 0]
 
 
 def _inside(image: np.ndarray, mask: np.ndarray | None) -> np.ndarray:
@@ -296,6 +324,8 @@ def _difference(curve: Curve, scene: Scene) -> str:
     method = METHODS[curve.method]
     if method.family == "specula" or not curve.points:
         return ""
+    if method.unbiased and not scene.caustics_known:
+        return ""
     regions = curve.points[-1].regions
     looked_at = ["rest"] if method.unbiased and "rest" in regions else ["image", "caustics"]
     for name in looked_at:
@@ -368,19 +398,15 @@ def rows_of(results: Sequence[SceneResult]) -> Iterator[dict]:
     for result in results:
         for name, curve in result.curves.items():
             for point in curve.points:
-                values = asdict(point)
+                values = asdict(point) | {"processors": "; ".join(point.processors)}
                 regions = values.pop("regions")
                 flip = values.pop("flip")
                 for region, errors in regions.items():
                     shared, shared_error = errors.pop("shared") or (None, None)
                     ratios = {
-                        f"{label}_over_this": other
+                        f"{label}_over_this": (other := result.baseline(key, region, point.budget))
                         and result.equal_time(name, other, region, point.budget)
-                        for label, other in (
-                            ("cycles", CYCLES),
-                            ("luxcore", result.best_of("luxcore", region, point.budget)),
-                            ("sms", SMS),
-                        )
+                        for label, key in (("cycles", CYCLES), ("luxcore", "luxcore"), ("sms", SMS))
                     }
                     yield (
                         {

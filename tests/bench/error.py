@@ -83,7 +83,7 @@ def budgets(parser: argparse.ArgumentParser, args: argparse.Namespace) -> list[f
 
 def chosen_methods(parser: argparse.ArgumentParser, args: argparse.Namespace) -> list[str]:
     if args.methods:
-        names = split(args.methods)
+        names = _program.split(args.methods)
         if not names:
             parser.error("--methods names none")
         for name in names:
@@ -104,18 +104,13 @@ def chosen_scenes(args: argparse.Namespace) -> list[_scenes.Scene]:
     if args.scenes or not args.blend:
         available = _scenes.with_references()
         quick = [name for name in _scenes.QUICK if name in available]
-        names = split(args.scenes) if args.scenes else quick if args.quick else available
+        names = _program.split(args.scenes) if args.scenes else quick if args.quick else available
         scenes += [_scenes.named(name) for name in names]
     if not scenes:
         raise DevError("no scene has a reference; ./dev bench reference NAME makes one")
     if len({scene.name for scene in scenes}) < len(scenes):
         raise DevError("two scenes have the same name")
     return scenes
-
-
-def split(text: str) -> list[str]:
-    """Names, separated by commas, each once."""
-    return list(dict.fromkeys(name.strip() for name in text.split(",") if name.strip()))
 
 
 def main() -> int:

@@ -233,7 +233,10 @@ def write(
         "date": time.strftime("%Y-%m-%d"),
     }
     path.parent.mkdir(parents=True, exist_ok=True)
-    _reference.write(path, mean, variance, about, caustics, seen_directly)
+    try:
+        _reference.write(path, mean, variance, about, caustics, seen_directly)
+    except ValueError as error:  # the parts stay, but the scene shows a sun, say
+        raise DevError(str(error)) from error
     stored = _reference.read(path)
     relative = np.sqrt(stored.variance.mean() / (stored.mean**2).mean())
     print(
@@ -288,8 +291,8 @@ def arguments() -> argparse.Namespace:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("scene", help="a name of blend_scenes/, or a .blend file")
-    parser.add_argument("--seconds", type=float, default=600.0, help="of rendering in all")
-    parser.add_argument("--method", choices=METHODS, help="default: PT where it converges")
+    parser.add_argument("--seconds", type=float, default=600.0, help="of rendering, with --add beside what is stored")
+    parser.add_argument("--method", choices=METHODS, help=f"default: PT for {', '.join(PATH_TRACED)}, else SHEETS")
     parser.add_argument("--size", default="", metavar="WxH", help="pixels (long side 256)")
     parser.add_argument("--threads", type=int, default=len(os.sched_getaffinity(0)))
     parser.add_argument("--add", action="store_true", help="to the stored one")

@@ -394,7 +394,7 @@ def test_a_picture_has_our_orientation_and_units(method, tmp_path):
         "description": str(tmp_path / "scene.pickle"),
         "method": method,
         "size": [SIZE, SIZE],
-        "filter": "BOX",
+        "settings": {"bounces": 12, "filter": ["BOX", 1.0], "exposure": 0.5},
         "threads": 2,
         "seconds": RENDER_SECONDS,
         "seed": 0,
@@ -420,5 +420,5 @@ def test_a_picture_has_our_orientation_and_units(method, tmp_path):
     radiance = np.where(x < 0.0, 0.8, 0.4) * cosine**4 / 4.0 / math.pi
     blocks = (SIZE // 4, 4, SIZE // 4, 4)
     expected = radiance.reshape(blocks).mean(axis=(1, 3))
-    found = pixels.mean(axis=2).reshape(blocks).mean(axis=(1, 3))
+    found = 2.0 * pixels.mean(axis=2).reshape(blocks).mean(axis=(1, 3))
     assert found == pytest.approx(expected, rel=UNIT_TOLERANCE)

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Runs in a child process, in today's Blender with the addon: writes what Specula is told of a
-scene to a file, for another renderer to read.
+scene to a file, for another renderer to read, and reports how it is to be rendered.
 
 The last argument is a JSON file, the job: `scene` (path), `size` ([width, height], pixels),
 `description` (file to write: the pickle of a `specula.export.desc.SceneDesc`, its images decoded),
-`result` (the JSON file to write: `warnings`, what the export says it falls back from).
+`result` (the JSON file to write: `warnings`, what the export says it falls back from, and
+`settings`: `bounces`, `filter` ([name, width in pixels]), `exposure`).
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ import numpy as np
 from specula.export import desc
 from specula.export.log import ExportLog
 from specula.export.scene import export_scene
+from specula.export.settings import export_settings, film_exposure
 
 
 def decode(description) -> None:
@@ -50,8 +52,17 @@ def main(job: dict) -> None:
     decode(description)
     with open(job["description"], "wb") as file:
         pickle.dump(description, file)
+    settings = export_settings(scene)
+    report = {
+        "warnings": log.warnings,
+        "settings": {
+            "bounces": settings.max_bounces,
+            "filter": [settings.pixel_filter.name, settings.filter_width],
+            "exposure": film_exposure(scene),
+        },
+    }
     with open(job["result"], "w") as file:
-        json.dump({"warnings": log.warnings}, file)
+        json.dump(report, file)
 
 
 if __name__ == "__main__":

@@ -5,8 +5,8 @@ The last argument is a JSON file, the job: `description` (what _export_job.py wr
 METHODS), `size` ([width, height], pixels; the description's), `threads`, `seconds` (of rendering),
 `seed`, `image` (.npy to write: (H, W, 3) float32, linear Rec.709, W/m^2/sr, bottom row first),
 `result` (JSON file to write: `load_seconds`, `render_seconds`, `samples` per pixel, `peak_memory`
-in bytes; or `untranslated` alone, why LuxCore cannot show the scene); optionally `bounces` and
-`filter` ("BLACKMAN_HARRIS" or "BOX").
+in bytes; or `untranslated` alone, why LuxCore cannot show the scene), and the `settings` that
+_export_job.py reports.
 """
 
 from __future__ import annotations
@@ -27,14 +27,10 @@ from tests.bench import _description, _luxcore  # noqa: E402
 from tests.bench._machine import peak_memory  # noqa: E402
 
 POLL = 0.02  # s between looks at the clock
-BOUNCES = 12  # as the example scenes have it
-# Specula's pixel filters. The first, over 1.5 pixels to either side, is the default of both Blender
-# and this job. What LuxCore splats (all of lux-bidir-*, the caustics of lux-light) it spreads
-# further than the filter says: a pixel next to an edge has 18% from beyond it in place of 12%.
-FILTERS = {
-    "BLACKMAN_HARRIS": {"film.filter.type": "BLACKMANHARRIS", "film.filter.width": 1.5},
-    "BOX": {"film.filter.type": "NONE"},
-}
+# Specula's pixel filters that LuxCore has, too. What it splats (all of lux-bidir-*, the caustics of
+# lux-light) it spreads further than the filter says: over 1.5 pixels to either side, Blender's
+# default, a pixel next to an edge has 18% from beyond it in place of 12%.
+FILTERS = {"BLACKMAN_HARRIS": "BLACKMANHARRIS", "BOX": "NONE"}
 
 PATH = {"renderengine.type": "PATHCPU", "sampler.type": "SOBOL"}
 # Without Russian roulette: with it LuxCore 2.11's bidirectional tracer gains light, 10% of the
@@ -60,14 +56,17 @@ PHOTONS = 2_000_000
 def configuration(job: dict, view_width: float) -> dict:
     """LuxCore's render settings, its own where nothing stands here; nothing is clamped, denoised or
     tone mapped. `view_width`: of the picture at the casters, metres."""
-    bounces = job.get("bounces", BOUNCES)
+    bounces, (pixel_filter, width) = job["settings"]["bounces"], job["settings"]["filter"]
+    if pixel_filter not in FILTERS:
+        raise _luxcore.UntranslatedError(f"the pixel filter {pixel_filter}")
     return {
         **METHODS[job["method"]],
         "native.threads.count": job["threads"],
         "renderengine.seed": 1 + job["seed"],  # 0 is refused
         "film.width": job["size"][0],
         "film.height": job["size"][1],
-        **FILTERS[job.get("filter", "BLACKMAN_HARRIS")],
+        "film.filter.type": FILTERS[pixel_filter],
+        "film.filter.width": width,
         "film.outputs.0.type": "RGB_IMAGEPIPELINE",
         "film.imagepipelines.0.0.type": "NOP",
         "path.clamping.variance.maxvalue": 0.0,
@@ -144,7 +143,7 @@ def measure(job: dict) -> dict:
     scene = build(translation)
     load_seconds = time.perf_counter() - start
     pixels, seconds, samples = render(scene, _luxcore.view_width(description, translation), job)
-    np.save(job["image"], pixels)
+    np.save(job["image"], pixels * np.float32(job["settings"]["exposure"]))
     return {
         "load_seconds": load_seconds,
         "render_seconds": seconds,

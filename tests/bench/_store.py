@@ -120,7 +120,7 @@ def render(wanted: Image) -> Record:
     image = path.with_suffix(".npy")
     job = wanted.job | {"image": str(image)}
     if family.described:
-        job["description"] = str(_description(wanted.scene))
+        job |= _description(wanted.scene)
     before = CpuTimes.now()
     path.unlink(missing_ok=True)  # what it tells of is written over from here on
     limit = PATIENCE + PATIENCE_FACTOR * wanted.budget
@@ -179,15 +179,18 @@ def _digest(paths: Iterable[Path]) -> str:
     return whole.hexdigest()
 
 
-def _description(scene: Scene) -> Path:
-    """The pickle of what Specula exports of the scene, for renderers that read no .blend."""
+def _description(scene: Scene) -> dict:
+    """For renderers that read no .blend, as parts of their job: `description`, the pickle of what
+    Specula exports of the scene, and `settings`."""
     width, height = scene.size
     program = program_digest("luxcore")[:8]
     stem = f"{scene.name}_{width}x{height}_{scene.digest[:8]}_{program}"
     path = FOLDER / f"{stem}.pickle"
+    settings = path.with_suffix(".settings")
     if not path.exists():
         fresh = path.with_suffix(".new")
         job = {"scene": str(scene.blend), "size": scene.size, "description": str(fresh)}
-        _children.run(f"export_{stem}", "specula in bpy", EXPORT_SCRIPT, job, FOLDER)
+        run = _children.run(f"export_{stem}", "specula in bpy", EXPORT_SCRIPT, job, FOLDER)
+        settings.write_text(json.dumps(run.report["settings"]))
         fresh.replace(path)
-    return path
+    return {"description": str(path), "settings": json.loads(settings.read_text())}

@@ -291,8 +291,15 @@ def arguments() -> argparse.Namespace:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("scene", help="a name of blend_scenes/, or a .blend file")
-    parser.add_argument("--seconds", type=float, default=600.0, help="of rendering, with --add beside what is stored")
-    parser.add_argument("--method", choices=METHODS, help=f"default: PT for {', '.join(PATH_TRACED)}, else SHEETS")
+    parser.add_argument(
+        "--seconds",
+        type=float,
+        default=600.0,
+        help="of rendering, with --add beside what is stored",
+    )
+    parser.add_argument(
+        "--method", choices=METHODS, help=f"default: PT for {', '.join(PATH_TRACED)}, else SHEETS"
+    )
     parser.add_argument("--size", default="", metavar="WxH", help="pixels (long side 256)")
     parser.add_argument("--threads", type=int, default=len(os.sched_getaffinity(0)))
     parser.add_argument("--add", action="store_true", help="to the stored one")

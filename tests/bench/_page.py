@@ -62,7 +62,7 @@ def _about(about: dict) -> str:
     quick = " A quick look: few seeds and short times." if about["quick"] else ""
     return escape(
         f"{about['date']}, {about['processor']}, {about['threads']} threads, load average "
-        f"{about['load_average']:.1f} at the start. Times: {seconds} s; {about['seeds']} seeds."
+        f"{about['load_average']:.1f} at the start. Times: {seconds} s; seeds: {about['seeds']}."
         f"{quick}{missing} Command: {about['command']}"
     )
 

@@ -235,7 +235,7 @@ def write(
     path.parent.mkdir(parents=True, exist_ok=True)
     try:
         _reference.write(path, mean, variance, about, caustics, seen_directly)
-    except ValueError as error:  # the parts stay, but the scene shows a sun, say
+    except ValueError as error:  # a sun that the camera sees, say; the parts stay
         raise DevError(str(error)) from error
     stored = _reference.read(path)
     relative = np.sqrt(stored.variance.mean() / (stored.mean**2).mean())

@@ -13,6 +13,7 @@ from tests.bench._methods import GROUPS, METHODS, suited
 from tests.bench._metrics import Slope
 from tests.bench._ratios import MeasurementError
 from tests.bench._scenes import BLENDS, Scene
+from tests.images import _reference
 
 SHAPE = (64, 64, 3)
 
@@ -257,6 +258,25 @@ def test_an_image_with_a_value_that_is_no_number_is_a_failure(monkeypatch, tmp_p
     del earlier["processor"]  # as another version of the bench would store it
     record.write_text(json.dumps(earlier))
     assert _store.find(task) is None
+
+
+@pytest.mark.parametrize(
+    ("method", "layer", "known"),
+    [("SHEETS PT", True, True), ("PT", True, False), ("", False, False)],
+)
+def test_path_tracing_does_not_tell_where_caustics_are(method, layer, known, tmp_path):
+    zeros, path = np.zeros((2, 2, 3)), tmp_path / "a.exr"
+    _reference.write(path, zeros, zeros, {"method": method}, zeros if layer else None)
+    assert Scene("box", tmp_path / "box.blend", path).caustics_known == known
+    if layer:  # of those of blend_scenes/ the one that is path traced has none
+        assert Scene("cornell", BLENDS / "cornell.blend", path).caustics_known
+
+
+def test_insets_of_glints_are_of_pictures_of_their_size(tmp_path):
+    zeros, path = np.zeros((128, 128, 3)), tmp_path / "a.exr"
+    _reference.write(path, zeros, zeros, {}, zeros)
+    assert "glints" not in Scene("kettle", BLENDS / "kettle.blend", path).regions
+    assert "glints" in _scenes.named("kettle").regions
 
 
 def test_light_tracing_is_where_the_name_says():

@@ -71,6 +71,8 @@ def test_figures_are_chosen_by_name():
     assert [figure.name for figure in _figure_plan.chosen("slab, ring,slab")] == ["slab", "ring"]
     with pytest.raises(DevError, match="no figure 'rings'"):
         _figure_plan.chosen("rings")
+    with pytest.raises(DevError, match="names none"):
+        _figure_plan.chosen(",")
 
 
 def test_stored_references_are_not_rendered():

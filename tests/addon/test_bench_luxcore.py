@@ -383,30 +383,42 @@ def floor_scene():
     return base
 
 
+def run_job(folder, method, pixel_filter):
+    """LuxCore's report on the floor, in half the light."""
+    base = floor_scene()
+    base.camera = camera(width=SIZE, height=SIZE, crop=(0, 0, SIZE, SIZE))
+    (folder / "scene.pickle").write_bytes(pickle.dumps(base))
+    job = {
+        "description": str(folder / "scene.pickle"),
+        "method": method,
+        "size": [SIZE, SIZE],
+        "settings": {"bounces": 12, "filter": [pixel_filter, 1.0], "exposure": 0.5},
+        "threads": 2,
+        "seconds": RENDER_SECONDS,
+        "seed": 0,
+        "image": str(folder / "image.npy"),
+        "result": str(folder / "result.json"),
+    }
+    (folder / "job.json").write_text(json.dumps(job))
+    script = ROOT / "tests" / "bench" / "_luxcore_job.py"
+    command = [str(venvs.luxcore_python()), str(script), str(folder / "job.json")]
+    run = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    assert run.returncode == 0, run.stderr[-1000:]
+    return json.loads((folder / "result.json").read_text())
+
+
+@needs_luxcore
+def test_a_pixel_filter_that_luxcore_does_not_have_is_told(tmp_path):
+    assert run_job(tmp_path, "lux-light", "GAUSSIAN") == {
+        "untranslated": "the pixel filter GAUSSIAN"
+    }
+
+
 @needs_luxcore
 @pytest.mark.slow
 @pytest.mark.parametrize("method", ["lux-light", "lux-bidir-sobol", "lux-bidir-metropolis"])
 def test_a_picture_has_our_orientation_and_units(method, tmp_path):
-    base = floor_scene()
-    base.camera = camera(width=SIZE, height=SIZE, crop=(0, 0, SIZE, SIZE))
-    (tmp_path / "scene.pickle").write_bytes(pickle.dumps(base))
-    job = {
-        "description": str(tmp_path / "scene.pickle"),
-        "method": method,
-        "size": [SIZE, SIZE],
-        "settings": {"bounces": 12, "filter": ["BOX", 1.0], "exposure": 0.5},
-        "threads": 2,
-        "seconds": RENDER_SECONDS,
-        "seed": 0,
-        "image": str(tmp_path / "image.npy"),
-        "result": str(tmp_path / "result.json"),
-    }
-    (tmp_path / "job.json").write_text(json.dumps(job))
-    script = ROOT / "tests" / "bench" / "_luxcore_job.py"
-    command = [str(venvs.luxcore_python()), str(script), str(tmp_path / "job.json")]
-    run = subprocess.run(command, capture_output=True, text=True, timeout=120)
-    assert run.returncode == 0, run.stderr[-1000:]
-    report = json.loads((tmp_path / "result.json").read_text())
+    report = run_job(tmp_path, method, "BOX")
     assert report["render_seconds"] >= RENDER_SECONDS
     assert report["samples"] > 0
     assert report["peak_memory"] > 2**20

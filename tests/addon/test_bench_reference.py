@@ -161,6 +161,14 @@ def test_what_is_added_later_leaves_windows_as_they_are(tmp_path):
     np.testing.assert_allclose(mean[~windows], 0.5)
 
 
+def test_a_pixel_too_bright_to_be_stored_is_told(tmp_path):
+    sun = np.full((8, *SHAPE), 1e5)
+    add_part(tmp_path, 1, sun, sun[0])
+    about = {"method": "PT"}
+    with pytest.raises(DevError, match="too bright"):
+        reference.write(tmp_path / "a.exr", about, reference.Parts(tmp_path), None)
+
+
 def test_parts_are_added_to_the_same_picture_alone(tmp_path):
     path, zeros = tmp_path / "a.exr", np.zeros(SHAPE)
     height, width, _ = SHAPE

@@ -243,6 +243,14 @@ def promised(*scenes):
     return {check.name: (check.passed, check.text) for check in found}
 
 
+def test_a_scene_of_the_users_by_the_same_name_promises_nothing_of_its_own():
+    ours = named("ring", "direct", sms=100.0, lt=0.9)
+    titles = promised(ours)
+    ours.is_example = False
+    assert any("1/100" in title for title in titles)
+    assert not any("1/100" in title for title in promised(ours))
+
+
 BOTH = "SMS unbiased + LT: at most 1.15x the better of SMS and LT's error, whole image"
 
 

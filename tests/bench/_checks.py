@@ -130,7 +130,7 @@ def _quiet(scenes: Sequence[SceneResult]) -> Check:
 
 
 def _one_machine(scenes: Sequence[SceneResult]) -> Check:
-    """What was rendered elsewhere and found again had other time."""
+    """What is found again may have been rendered on a faster or a slower one."""
     counts = Counter(name for point in _points(scenes) for name in point.processors)
     text = "; ".join(f"{count} points on {name}" for name, count in counts.most_common())
     return Check("everything was rendered on the same processor", len(counts) <= 1, text)

@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A `SceneDesc` as LuxCore takes it: camera, meshes, lights; nothing here needs LuxCore.
 
-Pixels, units (metres, W/m^2/sr) and the pixel filter (Blackman-Harris over 1.5 pixels to either
-side) are the same in both.
+Pixels and units (metres, W/m^2/sr) are the same in both.
 """
 
 from __future__ import annotations

@@ -5,8 +5,9 @@ Each sheet puts crops of one scene side by side, rendered in the same time by di
 settings, with the success rate of the walks and the mean number of Bernoulli trials below. At the
 end it writes DIR/NAME.png for each figure and DIR/index.html with all of them.
 
-What is rendered is kept in build/bench/error and found again. Rows without a stored reference end
-with a render of eight times the seconds. The exit code is 0 if every render came to an image.
+What is rendered is kept in build/bench/error and found again. Where no reference is stored, there
+is a render of the whole picture in eight times the seconds. The exit code is 0 if every render came
+to an image.
 """
 
 from __future__ import annotations

@@ -18,7 +18,8 @@ from ctypes import (
 )
 from enum import IntEnum
 
-API_VERSION = 7  # SPC_API_VERSION that this file mirrors
+API_VERSION = 8  # SPC_API_VERSION that this file mirrors
+STAGE_COUNT = 6  # SPC_STAGE_COUNT
 
 STATUS_NAMES = (
     "OK",
@@ -227,6 +228,9 @@ RenderProgress = _struct(
     ("samples_done", c_uint32),
     ("fraction", c_float),
     ("seconds", c_double),
+    ("stage", c_uint32),
+    ("stage_fraction", c_float),
+    ("seconds_left", c_double),
 )
 
 RenderStats = _struct(
@@ -256,6 +260,8 @@ RenderStats = _struct(
     ("glint_points", c_uint64),
     ("glint_capped", c_uint64),
     ("glint_bytes", c_uint64),
+    ("stage_seconds", c_double * STAGE_COUNT),
+    ("first_sample_seconds", c_double),
 )
 
 _HANDLE = c_void_p
@@ -283,6 +289,7 @@ PROTOTYPES = {
     "spc_scene_report": (c_char_p, (_HANDLE,)),
     "spc_render_settings_init": (None, (POINTER(RenderSettings),)),
     "spc_render_start": (c_int, (_HANDLE, POINTER(RenderSettings), POINTER(_HANDLE))),
+    "spc_render_report": (c_char_p, (_HANDLE,)),
     "spc_render_wait": (c_int, (_HANDLE, c_uint32, POINTER(RenderProgress))),
     "spc_render_cancel": (c_int, (_HANDLE,)),
     "spc_render_get_stats": (c_int, (_HANDLE, POINTER(RenderStats))),

@@ -241,6 +241,11 @@ class Session:
         _check(library().spc_render_get_stats(self.handle, byref(stats)))
         return struct_values(stats)
 
+    def report(self) -> list[str]:
+        """Lines about what the method has chosen for the casters; complete once samples are taken."""
+        text = library().spc_render_report(self.handle)
+        return text.decode().splitlines() if text else []
+
     def close(self) -> None:
         library().spc_session_destroy(self.handle)
         self.handle = c_void_p()

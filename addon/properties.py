@@ -12,7 +12,11 @@ from bpy.props import (
 )
 
 METHODS = (
-    ("AUTO", "Automatic", "The best that there is: light sheets, today"),
+    (
+        "AUTO",
+        "Automatic",
+        "Light sheets, light paths and path tracing, each where it pays",
+    ),
     ("PT", "Path Tracing", "Path tracing alone, without manifold sampling"),
     ("SMS_UNBIASED", "SMS Unbiased", "Specular Manifold Sampling with a random number of trials"),
     (

@@ -6,6 +6,7 @@ from __future__ import annotations
 import time
 
 from . import native, passes, statistics
+from .export.desc import Stage
 from .export.log import ExportLog
 from .export.scene import export_scene
 from .export.settings import export_settings, film_exposure, method_label
@@ -13,7 +14,13 @@ from .upload import upload
 
 POLL_MILLISECONDS = 100
 SHOW_SECONDS = 1.0  # between partial results
-MIN_FRACTION = 0.005  # of the render, before which its end is not foretold
+STAGE_NAMES = {
+    Stage.MAPS: "reading normal maps",
+    Stage.SHEETS: "tracing light sheets",
+    Stage.LIGHT_PATHS: "learning light paths",
+    Stage.CAMERA_CHAINS: "finding lights in glass and metal",
+    Stage.PROBES: "measuring noise",
+}
 
 
 def render_view_layer(engine, depsgraph) -> statistics.Statistics | None:
@@ -51,6 +58,7 @@ def render_view_layer(engine, depsgraph) -> statistics.Statistics | None:
             stats.pixels = film.pixel_count
             stats.render_seconds = completed.seconds
             stats.render_stats = session.stats()
+            stats.report += session.report()
     return None if completed.state == native.RENDER_CANCELLED else stats
 
 
@@ -72,15 +80,21 @@ def _poll(engine, session, settings, film: Film):
 
 
 def progress_text(progress, samples: float, wanted: int) -> str:
-    """Such as "Specula: sample 12.3/64 | 0:05, 0:21 left".
+    """Such as "Specula: sample 12.3/64 | 0:05, 0:21 left", or the stage before the first sample.
 
     `samples` is the mean over the pixels: it moves while all pixels wait for the slowest. What is
-    left is told once enough is done to judge by.
+    left is told once something tells.
     """
-    text = f"Specula: sample {samples:.1f}/{wanted} | {_clock(progress.seconds)}"
-    if progress.fraction < MIN_FRACTION:
+    stage = Stage(progress.stage)
+    doing = (
+        f"sample {samples:.1f}/{wanted}"
+        if stage == Stage.SAMPLES
+        else f"{STAGE_NAMES[stage]}, {progress.stage_fraction:.0%}"
+    )
+    text = f"Specula: {doing} | {_clock(progress.seconds)}"
+    if progress.seconds_left < 0.0:
         return text
-    return f"{text}, {_clock(progress.seconds * (1.0 / progress.fraction - 1.0))} left"
+    return f"{text}, {_clock(progress.seconds_left)} left"
 
 
 def _clock(seconds: float) -> str:

@@ -15,7 +15,7 @@ class Statistics:
     scene: str = ""
     view_layer: str = ""
     version: str = ""
-    method: str = ""  # identifier of the method that rendered, never AUTO
+    method: str = ""  # identifier of the method that rendered
     method_label: str = ""  # what the user chose, as the interface calls it
     samples_done: int = 0  # of the pixel that has the fewest
     pixels: int = 1
@@ -114,9 +114,10 @@ class Statistics:
 
     def _times(self) -> str:
         commit = self.scene_stats["commit_seconds"]
+        prepared = sum(self.render_stats["stage_seconds"][:-1])
         return (
             f"{self.export_seconds:.2f} s export, {commit:.2f} s commit, "
-            f"{self.render_seconds:.2f} s render"
+            f"{self.render_seconds:.2f} s render, {prepared:.2f} s of it preparation"
         )
 
     def _dropped(self) -> str:

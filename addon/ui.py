@@ -134,10 +134,6 @@ class SPECULA_PT_sampling(SpeculaPanel, bpy.types.Panel):
         draw_overrides(column, scene, ("samples", "time_limit", "seed"))
         column.separator()
         column.prop(scene.specula, "method")
-        if scene.specula.method == "AUTO" and not problem:
-            from .export.settings import resolved_method
-
-            draw_note(column, resolved_method(scene))
         if scene.specula.method == "SMS_BIASED":
             column.prop(scene.specula, "set_size")
         if scene.specula.method not in ("PT", "LT"):

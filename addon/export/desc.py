@@ -82,6 +82,18 @@ class Method(IntEnum):
     SHEETS = 4
     MNEE = 5
     MNEE_BIASED = 6
+    AUTO = 7
+
+
+class Stage(IntEnum):
+    """What a render does, in this order."""
+
+    MAPS = 0
+    SHEETS = 1
+    LIGHT_PATHS = 2
+    CAMERA_CHAINS = 3
+    PROBES = 4
+    SAMPLES = 5
 
 
 class LightTracing(IntEnum):

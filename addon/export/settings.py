@@ -6,7 +6,6 @@ from __future__ import annotations
 from . import compat
 from .desc import Constraint, GlintMethod, LightTracing, Method, PixelFilter, RenderSettings
 
-AUTO_METHOD = Method.SHEETS
 PREVIEW_SAMPLES = 16  # of the little renders of material and world previews
 
 # Field of RenderSettings = Specula's property -> (Cycles' property, "not set").
@@ -33,7 +32,7 @@ def export_settings(scene, is_preview: bool = False) -> RenderSettings:
     """Settings for a final render of `scene`, or for a preview with few samples."""
     own = scene.specula
     settings = RenderSettings(
-        method=AUTO_METHOD if own.method == "AUTO" else Method[own.method],
+        method=Method[own.method],
         light_tracing=LightTracing[own.light_tracing],
         constraint=Constraint[own.constraint],
         two_stage=own.two_stage,
@@ -61,14 +60,8 @@ def export_settings(scene, is_preview: bool = False) -> RenderSettings:
 
 
 def method_label(scene) -> str:
-    """The chosen method as the interface names it, and what it stands for if it is automatic."""
-    chosen, resolved = _method_name(scene, scene.specula.method), resolved_method(scene)
-    return chosen if chosen == resolved else f"{chosen} ({resolved})"
-
-
-def resolved_method(scene) -> str:
-    """The interface's name of the method that renders."""
-    return _method_name(scene, export_settings(scene).method.name)
+    """The chosen method as the interface names it."""
+    return _method_name(scene, scene.specula.method)
 
 
 def _method_name(scene, identifier: str) -> str:

@@ -15,4 +15,5 @@ struct spc_scene {
 
 struct spc_session {
     spc::Session session;
+    std::string report{};
 };

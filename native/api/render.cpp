@@ -21,7 +21,7 @@ constexpr uint32_t kMostWalks = 4096;
 constexpr float kWidestFilter = 1000.0f;
 
 void check_settings(const spc_render_settings& s) {
-    require(s.method <= SPC_METHOD_MNEE_BIASED, fmt::format("unknown method {}", s.method));
+    require(s.method <= SPC_METHOD_AUTO, fmt::format("unknown method {}", s.method));
     require(s.light_tracing <= SPC_LIGHT_TRACING_OFF,
             fmt::format("unknown light tracing {}", s.light_tracing));
     require(s.constraint <= SPC_CONSTRAINT_ANGLE_DIFFERENCE,
@@ -44,6 +44,7 @@ void check_settings(const spc_render_settings& s) {
 
 ChainFinder finder_of(uint32_t method) {
     switch (method) {
+        case SPC_METHOD_AUTO:
         case SPC_METHOD_SHEETS: return ChainFinder::sheets;
         case SPC_METHOD_MNEE:
         case SPC_METHOD_MNEE_BIASED: return ChainFinder::mnee;
@@ -85,6 +86,7 @@ RenderSettings to_settings(const spc_render_settings& s) {
     integrator.glints.set_size = s.set_size;
     settings.light_tracing =
         s.method == SPC_METHOD_LT || (manifold.enabled && s.light_tracing != SPC_LIGHT_TRACING_OFF);
+    settings.leaves_crowds = s.method == SPC_METHOD_AUTO;
     settings.first_sample = s.first_sample;
     settings.samples = s.samples;
     settings.time_limit = s.time_limit;
@@ -158,8 +160,10 @@ spc_status spc_render_wait(spc_session* session, uint32_t milliseconds,
         if (progress != nullptr) checked(progress, "progress");
         const spc::RenderProgress now = s.wait(std::chrono::milliseconds(milliseconds));
         if (progress != nullptr)
-            *progress = {sizeof(*progress), static_cast<uint32_t>(now.state), now.samples_done,
-                         now.fraction, now.seconds};
+            *progress = {sizeof(*progress),  static_cast<uint32_t>(now.state),
+                         now.samples_done,   now.fraction,
+                         now.seconds,        static_cast<uint32_t>(now.stage),
+                         now.stage_fraction, now.seconds_left};
         if (now.state == spc::RenderState::failed) std::rethrow_exception(s.failure());
     });
 }
@@ -198,9 +202,23 @@ spc_status spc_render_get_stats(spc_session* session, spc_render_stats* stats) {
                   s.path.glints.nodes,
                   s.path.glints.points,
                   s.path.glints.capped,
-                  s.glint_bytes};
+                  s.glint_bytes,
+                  {},
+                  s.first_sample_seconds};
         std::ranges::copy(m.trial_histogram, stats->trial_histogram);
+        static_assert(std::size(decltype(stats->stage_seconds){}) == spc::kRenderStages &&
+                      spc::kRenderStages == SPC_STAGE_COUNT);
+        std::ranges::copy(s.stage_seconds, stats->stage_seconds);
     });
+}
+
+const char* spc_render_report(spc_session* session) {
+    const spc_status status = gate("spc_render_report", [&] {
+        const std::vector<std::string> lines = session_of(session).report();
+        session->report.clear();
+        for (const std::string& line : lines) session->report += line + "\n";
+    });
+    return status == SPC_OK ? session->report.c_str() : nullptr;
 }
 
 uint32_t spc_pass_channels(uint32_t pass) {

@@ -163,6 +163,30 @@ Film::SplatMean Film::SplatLayer::mean(size_t pixel) const {
     return result;
 }
 
+void Film::set_preview(uint32_t block, std::vector<std::array<float, 4>> colors) {
+    const std::lock_guard lock(splat_mutex_);
+    preview_ = std::move(colors);
+    preview_block_ = block;
+}
+
+// Where there is no sample. What splats there is part of the preview already.
+void Film::show_preview(std::span<float> combined) const {
+    const uint32_t across = (width_ + preview_block_ - 1) / preview_block_;
+    for (uint32_t t = 0; t < tile_count(); ++t) {
+        const TileBounds b = bounds(t);
+        const std::span<const PixelSums> pixels = tile_pixels(t);
+        const std::lock_guard lock(mutexes_[t]);
+        for (uint32_t i = 0; i < pixels.size(); ++i) {
+            if (pixels[i].count > 0) continue;
+            const uint32_t x = b.x0 + i % b.width, y = b.y0 + i / b.width;
+            const std::array<float, 4>& color =
+                preview_[static_cast<size_t>(y / preview_block_) * across + x / preview_block_];
+            std::copy(color.begin(), color.end(),
+                      combined.begin() + 4 * (static_cast<ptrdiff_t>(y) * width_ + x));
+        }
+    }
+}
+
 void Film::read(Pass pass, std::span<float> out) const {
     const size_t channels = pass_channels(pass);
     SPC_ASSERT(out.size() == channels * width_ * height_);
@@ -191,6 +215,7 @@ void Film::read(Pass pass, std::span<float> out) const {
                     static_cast<float>(pass == Pass::variance ? mean.variance[c] : mean.value[c]);
         }
     }
+    if (pass == Pass::combined && preview_block_ > 0) show_preview(out);
 }
 
 }  // namespace spc

@@ -87,10 +87,15 @@ public:
     void add_splats(SplatSource source, std::span<const Splat> splats, const PixelFilter& filter,
                     uint64_t estimates, double per_picture);
 
+    // A coarse picture, which stands for pixels that have no sample yet: one RGBA for each block of so
+    // many pixels, row after row. Not to be called twice.
+    void set_preview(uint32_t block, std::vector<std::array<float, 4>> colors);
+
     // float[height][width][channels], bottom row first.
     void read(Pass pass, std::span<float> out) const;
 
 private:
+    void show_preview(std::span<float> combined) const;
     std::span<PixelSums> tile_pixels(uint32_t tile);
     std::span<const PixelSums> tile_pixels(uint32_t tile) const;
 
@@ -110,8 +115,10 @@ private:
         double estimates = 0.0, pictures = 0.0;
         SplatMean mean(size_t pixel) const;
     };
-    mutable std::mutex splat_mutex_;    // guards them
+    mutable std::mutex splat_mutex_;    // guards them, and the preview
     std::array<SplatLayer, 3> splats_;  // of each SplatSource
+    uint32_t preview_block_ = 0;        // pixels; 0: there is none
+    std::vector<std::array<float, 4>> preview_;
 };
 
 }  // namespace spc

@@ -88,20 +88,20 @@ public:
     }
 
     // Of the walks numbered from `first` to `end`. Returns whether there are any leads by now.
-    bool walk(uint32_t first, uint32_t end, uint32_t threads, const std::atomic<bool>& cancelled,
+    bool walk(uint32_t first, uint32_t end, uint32_t threads, const Budget& budget,
               PathStats& stats) {
         const uint32_t chunks = (end - first + kChunk - 1) / kChunk;
         std::vector<std::vector<RandomHighlight>> found(chunks);
         std::vector<ManifoldStats> counted(chunks);
         parallel_for(threads, chunks, [&](uint32_t c) {
             const uint32_t begin = first + c * kChunk;
-            for (uint32_t i = begin; i < std::min(begin + kChunk, end) && !cancelled.load(); ++i)
+            for (uint32_t i = begin; i < std::min(begin + kChunk, end) && !budget.must_end(); ++i)
                 walk(i, found[c], counted[c]);
         });
         for (uint32_t c = 0; c < chunks; ++c) {
             stats.manifold.add(counted[c]);
             for (const RandomHighlight& one : found[c])
-                if (!cancelled.load()) add_lead(one, stats.manifold);
+                if (!budget.must_end()) add_lead(one, stats.manifold);
         }
         return std::any_of(leads_.begin(), leads_.end(),
                            [](const std::vector<HighlightLead>& some) { return !some.empty(); });
@@ -159,10 +159,9 @@ private:
 std::unique_ptr<const Highlights> learn_highlights(const RenderScene& world,
                                                    IntegratorSettings settings, uint32_t walks,
                                                    uint32_t seed, uint32_t threads,
-                                                   const std::atomic<bool>& cancelled,
-                                                   PathStats& stats) {
+                                                   const Budget& budget, PathStats& stats) {
     const Scene& scene = *world.scene;
-    if (world.casters.empty() || world.lights.caustic_selection.empty() ||
+    if (settings.casters_of(world).empty() || world.lights.caustic_selection.empty() ||
         scene.camera.projection != Projection::perspective)
         return nullptr;
     const double shots = std::max(1.0, kShots * pixel_count(scene.camera));
@@ -177,12 +176,14 @@ std::unique_ptr<const Highlights> learn_highlights(const RenderScene& world,
                       seed);
     // Each round has as many walks as all before, which spare it what they have found.
     uint32_t end = 0;
+    const uint64_t work_before = stats.manifold.work();
     for (uint32_t round = kChunk; end < walks; round *= 2) {
         const uint32_t first = end;
         end = std::min(walks, round);
-        if (!search.walk(first, end, threads, cancelled, stats) && end >= walks / kHopeless) break;
-        if (cancelled.load()) return nullptr;
+        if (!search.walk(first, end, threads, budget, stats) && end >= walks / kHopeless) break;
+        if (budget.is_spent(stats.manifold.work() - work_before)) break;
     }
+    if (budget.is_cancelled()) return nullptr;
     auto result = std::make_unique<Highlights>();
     result->leads = search.take();
     double leads = 0.0;  // that an estimate shoots on average

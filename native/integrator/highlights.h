@@ -2,20 +2,18 @@
 // Chains from the camera through casters to the lights that it sees in them: manifold/highlights.h.
 #pragma once
 
+#include "core/budget.h"
 #include "film/film.h"
 #include "integrator/path.h"
 
-#include <atomic>
-
 namespace spc {
 
-// Looks for them by so many random walks. Does not depend on `threads`. Null where there are none, or `cancelled`
-// was set meanwhile.
+// Looks for them by so many random walks, or as many as the budget allows. Does not depend on `threads`.
+// Null where there are none, or the budget was cancelled.
 std::unique_ptr<const Highlights> learn_highlights(const RenderScene& world,
                                                    IntegratorSettings settings, uint32_t walks,
                                                    uint32_t seed, uint32_t threads,
-                                                   const std::atomic<bool>& cancelled,
-                                                   PathStats& stats);
+                                                   const Budget& budget, PathStats& stats);
 
 // One estimate of those that leads come to; appends what it adds within the camera's crop and `margin`
 // pixels around it.

@@ -18,6 +18,7 @@ struct Effort {
     void add(const Effort& other) {
         light += other.light;
         trials += other.trials;
+        searches.add(other.searches);
     }
 };
 
@@ -250,8 +251,11 @@ constexpr std::array<double, 4> kGenerations{0.125, 0.125, 0.25, 0.5};
 constexpr double kFewComeThrough = 1.0 / 32;
 constexpr uint32_t kPilotChunk = 1u << 11;
 // Of all of the pilot's paths so many tell how well sheets lead to their chains: each searches for its
-// own, which is slow.
+// own, which is slow. Those of a chunk stop where that has taken as much work as the chunk's paths may.
 constexpr uint32_t kAsked = 1u << 11;
+constexpr uint64_t kWorkOfAsked = 16 * kPilotChunk;
+// Chunks between two looks at what is left of the budget.
+constexpr uint32_t kPilotRound = 16;
 // One lucky path must not draw all others to it.
 constexpr float kLargestWeight = 32.0f;  // times the mean
 
@@ -259,44 +263,65 @@ constexpr float kLargestWeight = 32.0f;  // times the mean
 struct Generation {
     uint64_t first;
     uint32_t chunks, ask_every;
-
     uint64_t count() const { return uint64_t{chunks} * kPilotChunk; }
 };
 
-std::vector<EmissionSample> pilot(const RenderScene& world, const IntegratorSettings& settings,
-                                  const LightSheets& sheets, float margin,
-                                  const Generation& generation, uint32_t seed, uint32_t threads,
-                                  const std::atomic<bool>& cancelled, LightPathStats& stats,
-                                  CoarsePicture& moments, Effort& effort) {
-    const uint32_t chunks = generation.chunks;
-    std::vector<std::vector<EmissionSample>> found(chunks);
-    std::vector<LightPathStats> counted(chunks);
-    std::vector<CoarsePicture> of_chunks(chunks, moments);
-    std::vector<Effort> efforts(chunks);
-    parallel_for(threads, chunks, [&](uint32_t c) {
-        std::vector<Splat> splats;
-        for (uint32_t i = 0; i < kPilotChunk && !cancelled.load(); ++i) {
-            const uint64_t index = generation.first + uint64_t{c} * kPilotChunk + i;
-            splats.clear();
-            const Sampler sampler = light_sampler(~seed, index);
-            LightTracer path(world, settings, margin, sampler, splats, counted[c]);
-            if (i % generation.ask_every == 0 && !sheets.all.empty()) path.ask(sheets, efforts[c]);
-            std::optional<EmissionSample> sample = path.trace();
-            if (!sample) continue;
-            for (const Splat& splat : splats) {
-                sample->place.weight += luminance(splat.value);
-                of_chunks[c].add(
-                    splat.film, static_cast<double>(dot(splat.value, splat.value) * (1.0f / 3.0f)));
-            }
-            if (sample->place.weight > 0.0f) found[c].push_back(*sample);
+// What paths of the pilot have found.
+struct PilotRecord {
+    explicit PilotRecord(const std::array<uint32_t, 4>& crop) : moments(crop) {}
+    std::vector<EmissionSample> found;
+    LightPathStats counted;
+    CoarsePicture moments;
+    Effort effort;
+
+    void add(const PilotRecord& other) {
+        found.insert(found.end(), other.found.begin(), other.found.end());
+        counted.add(other.counted);
+        moments.add(other.moments);
+        effort.add(other.effort);
+    }
+    uint64_t work() const { return counted.rays + effort.searches.work(); }
+};
+
+// Paths numbered from `first` on, up to a chunk of them.
+void trace_chunk(const RenderScene& world, const IntegratorSettings& settings,
+                 const LightSheets& sheets, float margin, uint64_t first, uint32_t ask_every,
+                 uint32_t seed, const Budget& budget, PilotRecord& record) {
+    constexpr uint32_t kUntilLook = 16;
+    std::vector<Splat> splats;
+    for (uint32_t i = 0; i < kPilotChunk; ++i) {
+        if (i % kUntilLook == 0 && budget.must_end()) return;
+        splats.clear();
+        const Sampler sampler = light_sampler(~seed, first + i);
+        LightTracer path(world, settings, margin, sampler, splats, record.counted);
+        if (i % ask_every == 0 && !sheets.all.empty() && record.effort.searches.work() < kWorkOfAsked)
+            path.ask(sheets, record.effort);
+        std::optional<EmissionSample> sample = path.trace();
+        if (!sample) continue;
+        for (const Splat& splat : splats) {
+            sample->place.weight += luminance(splat.value);
+            record.moments.add(splat.film,
+                               static_cast<double>(dot(splat.value, splat.value) * (1.0f / 3.0f)));
         }
-    });
-    std::vector<EmissionSample> all;
-    for (uint32_t c = 0; c < chunks; ++c) {
-        all.insert(all.end(), found[c].begin(), found[c].end());
-        stats.add(counted[c]);
-        moments.add(of_chunks[c]);
-        effort.add(efforts[c]);
+        if (sample->place.weight > 0.0f) record.found.push_back(*sample);
+    }
+}
+
+// `work_before`: of earlier generations.
+PilotRecord pilot(const RenderScene& world, const IntegratorSettings& settings,
+                  const LightSheets& sheets, float margin, const Generation& generation,
+                  uint32_t seed, uint32_t threads, const Budget& budget, uint64_t work_before) {
+    const PilotRecord none(world.scene->camera.crop);
+    PilotRecord all = none;
+    for (uint32_t begin = 0; begin < generation.chunks; begin += kPilotRound) {
+        if (budget.is_spent(work_before + all.work())) break;
+        std::vector<PilotRecord> parts(std::min(kPilotRound, generation.chunks - begin), none);
+        parallel_for(threads, static_cast<uint32_t>(parts.size()), [&](uint32_t c) {
+            trace_chunk(world, settings, sheets, margin,
+                        generation.first + uint64_t{begin + c} * kPilotChunk, generation.ask_every,
+                        seed, budget, parts[c]);
+        });
+        for (const PilotRecord& part : parts) all.add(part);
     }
     return all;
 }
@@ -342,8 +367,7 @@ std::unique_ptr<const LightPilot> learn_emission(const RenderScene& world,
                                                  IntegratorSettings settings,
                                                  const LightSheets& sheets, float margin,
                                                  uint32_t paths, uint32_t seed, uint32_t threads,
-                                                 const std::atomic<bool>& cancelled,
-                                                 LightPathStats& stats) {
+                                                 const Budget& budget, LightPathStats& stats) {
     if (world.casters.aims().empty() || world.lights.caustic_selection.empty() ||
         !world.scene->same_for_scattered_rays)
         return nullptr;
@@ -354,24 +378,31 @@ std::unique_ptr<const LightPilot> learn_emission(const RenderScene& world,
     Generation generation{0, 0, std::max(1u, paths / kAsked)};
     Effort effort;
     double come_through = 1.0;  // share of the generation before
+    uint64_t work = 0;
     for (size_t i = 0; i < kGenerations.size(); ++i) {
         if (i > 1 && come_through < kFewComeThrough) break;
+        if (i > 0 && budget.is_spent(work)) break;
         generation.chunks = static_cast<uint32_t>(std::ceil(kGenerations[i] * paths / kPilotChunk));
         settings.light_tracing = {.guide = &result->guide,
                                   .paths = static_cast<double>(generation.count()),
                                   .goes_on = result->goes_on,
                                   .effort = result->effort,
                                   .beside_glints = result->beside_glints};
-        LightPathStats counted;
-        CoarsePicture moments(world.scene->camera.crop);
-        std::vector<EmissionSample> learned =
-            pilot(world, settings, sheets, margin, generation, seed, threads, cancelled, counted,
-                  moments, effort);
+        PilotRecord record =
+            pilot(world, settings, sheets, margin, generation, seed, threads, budget, work);
         generation.first += generation.count();
-        come_through = static_cast<double>(learned.size()) / static_cast<double>(generation.count());
+        work += record.work();
+        std::vector<EmissionSample>& learned = record.found;
+        const LightPathStats& counted = record.counted;
         stats.add(counted);
-        if (learned.empty() || cancelled.load()) return nullptr;
-        measure(counted, moments, *result);
+        effort.add(record.effort);
+        if (budget.is_cancelled()) return nullptr;
+        if (learned.empty()) {
+            if (i == 0) return nullptr;
+            break;
+        }
+        come_through = static_cast<double>(learned.size()) / static_cast<double>(counted.paths);
+        measure(counted, record.moments, *result);
         if (effort.light > 0.0) result->effort = effort.trials / effort.light;
         limit_weights(learned);
         result->guide =

@@ -2,11 +2,10 @@
 // Paths from the light through casters to a surface that the camera sees.
 #pragma once
 
+#include "core/budget.h"
 #include "film/coarse_picture.h"
 #include "film/film.h"
 #include "integrator/path.h"
-
-#include <atomic>
 
 namespace spc {
 
@@ -58,13 +57,12 @@ struct LightPilot {
 constexpr uint32_t kLeastPilotPaths = 1u << 16;
 // Sends so many light paths, a quarter or half of them where few come through to the camera, to learn
 // where those begin that add to the picture, and which of their chains `sheets` lead to, if there are
-// any. Does not depend on `threads`. Null where no light reaches the camera that way, or `cancelled` was
-// set meanwhile.
+// any. Where the budget is spent before, it ends with what it has by then. Does not depend on `threads`.
+// Null where no light reaches the camera that way, or the budget was cancelled.
 std::unique_ptr<const LightPilot> learn_emission(const RenderScene& world,
                                                  IntegratorSettings settings,
                                                  const LightSheets& sheets, float margin,
                                                  uint32_t paths, uint32_t seed, uint32_t threads,
-                                                 const std::atomic<bool>& cancelled,
-                                                 LightPathStats& stats);
+                                                 const Budget& budget, LightPathStats& stats);
 
 }  // namespace spc

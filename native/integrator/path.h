@@ -24,13 +24,24 @@ struct IntegratorSettings {
     ManifoldSettings manifold;
     LightTracing light_tracing;
     const Highlights* highlights = nullptr;  // null: path tracing alone finds them
+    // Where the manifold looks for chains; null: on all casters of the scene.
+    const CasterSet* searched = nullptr;
     GlintSettings glints;
+
+    const CasterSet& casters_of(const RenderScene& world) const {
+        return searched != nullptr ? *searched : world.casters;
+    }
 };
 
 inline Techniques techniques_of(const RenderScene& world, const IntegratorSettings& settings) {
-    return {
-        *world.scene,      world.lights,           world.casters,       world.rough_chain_casters,
-        settings.manifold, settings.light_tracing, settings.highlights, settings.limits};
+    return {*world.scene,
+            world.lights,
+            settings.casters_of(world),
+            world.rough_chain_casters,
+            settings.manifold,
+            settings.light_tracing,
+            settings.highlights,
+            settings.limits};
 }
 
 // Receivers by how often the path has scattered before: 0, 1, 2 or more times.

@@ -48,7 +48,7 @@ Spectrum PathTracer::caustic_radiance(const Surface& surface, const CameraApproa
     Spectrum sum(0.0f);
     const size_t depth = receiver_depth(bounces.total);
     const Techniques techniques = techniques_of(world, settings);
-    if (!world.casters.empty())
+    if (!techniques.casters.empty())
         sum += estimate(surface, approach, depth, sampler[Domain::manifold_activation].one(),
                         [&](const Receiver& receiver, bool draws) {
                             ManifoldRadiance result = manifold_radiance(

@@ -413,21 +413,22 @@ std::vector<Square> first_squares(std::span<const Vec2> places, size_t most) {
 std::vector<TracedTile> trace_tiles(const SheetWorld& world, const LightPoint& y,
                                     std::span<const LightPoint> around, size_t budget) {
     std::vector<TracedTile> tiles;
-    const auto is_cancelled = [&] {
-        return world.cancelled != nullptr && world.cancelled->load(std::memory_order_relaxed);
-    };
+    double rays = 0.0;
     const auto add = [&](const std::vector<Square>& squares) {
         std::vector<TracedTile> traced(squares.size());
         parallel_for(world.threads, static_cast<uint32_t>(squares.size()), [&](uint32_t i) {
-            if (is_cancelled()) return;
+            if (world.budget.must_end()) return;
             traced[i] = Tile(world, y, around, squares[i]).take();
         });
-        for (TracedTile& tile : traced)
+        for (TracedTile& tile : traced) {
+            rays += static_cast<double>(tile.beams.set.rays);
             if (!tile.beams.set.edges.empty()) tiles.push_back(std::move(tile));
+        }
     };
     const std::vector<Vec2> places = places_of_casters(world, y);
     add(first_squares(places, budget / 4));
-    while (!tiles.empty() && tiles.size() < budget && !is_cancelled()) {
+    while (!tiles.empty() && tiles.size() < budget && rays < world.most_rays &&
+           !world.budget.must_end()) {
         const auto by_need = [](const TracedTile& a, const TracedTile& b) {
             return a.irregular < b.irregular;
         };

@@ -2,10 +2,9 @@
 // Rays from one point of a light through the casters to receivers, and what lies between them.
 #pragma once
 
+#include "core/budget.h"
 #include "manifold/emission.h"
 #include "manifold/shooting.h"
-
-#include <atomic>
 
 namespace spc {
 
@@ -17,8 +16,9 @@ struct SheetWorld {
     const EmissionGuide& guide;
     uint32_t longest_chain;
     uint32_t threads;  // that build one; 0: all
-    // Once set, sheets end where they are; whoever sets it throws them away.
-    const std::atomic<bool>* cancelled = nullptr;
+    // Of all sheets; one takes so many rays at most, up to what its first tiles and a round need.
+    const Budget& budget;
+    double most_rays = std::numeric_limits<double>::infinity();
 };
 
 // A ray behind its last caster.

@@ -254,7 +254,17 @@ CasterSet build_casters(const Scene& scene) {
         const MapSlopes slopes = measure_slopes(scene, caster, kPoints);
         caster.slope_mean = slopes.mean;
         caster.slope_deviation = slopes.deviation;
+        caster.slope_bends = slopes.bends;
     }
+    return set;
+}
+
+CasterSet without(const CasterSet& casters, const std::vector<bool>& left_out) {
+    CasterSet set;
+    set.rough = casters.rough;
+    set.of_instance.assign(casters.of_instance.size(), kNone);
+    for (size_t i = 0; i < casters.casters.size(); ++i)
+        if (!left_out[i]) add_caster(set, casters.casters[i]);
     return set;
 }
 

@@ -19,6 +19,7 @@ struct Caster {
     // Slopes of the mapped normal over the smooth one, in Frame::around(smooth normal): mean and
     // standard deviation [Olano10], for the first of two stages.
     Vec2 slope_mean{0.0f}, slope_deviation{0.0f};
+    double slope_bends = 0.0;  // 1/m^2: mean |det d slope / d p| of the map; 0 without one
 };
 
 // Spheres and boxes around several casters, by lanes: what choose_caster() looks at of each.
@@ -40,6 +41,8 @@ struct CasterSet {
     std::vector<const Caster*> aims() const;
 };
 CasterSet build_casters(const Scene& scene);
+// All of them but those that are left out; those with narrow lobes stay.
+CasterSet without(const CasterSet& casters, const std::vector<bool>& left_out);
 // Those, and what has a rough interface, if anything has: where chains with rough vertices turn. Not
 // where a fine map makes too many chains. The report tells of maps.
 CasterSet build_rough_chain_casters(const Scene& scene, std::vector<std::string>& report);

@@ -49,6 +49,15 @@ bool light_paths_may_find(const Techniques& techniques, const CausticPath& path)
     return techniques.light_tracing.guide != nullptr && path.film_per_area > 0.0f;
 }
 
+// Whether the manifold looks for chains on all casters of the path.
+bool searches_all(const Techniques& techniques, const CausticPath& path) {
+    const std::span vertices(path.vertices.data(), path.count);
+    return std::all_of(vertices.begin(), vertices.end(), [&](const CausticVertex& vertex) {
+        const CasterSet& set = vertex.rough ? techniques.rough_chain_casters : techniques.casters;
+        return set.of_instance[vertex.hit.instance] != kNone;
+    });
+}
+
 // Whether an estimate comes to the path's first caster by choose_caster().
 bool chooses_caster(const ManifoldSettings& settings, const CausticPath& path) {
     if (path.count != 1) return false;
@@ -182,7 +191,7 @@ uint32_t most_scatterings(const BounceLimits& limits) {
 
 bool manifold_owns(const Techniques& techniques, const CausticPath& path) {
     return techniques.manifold.enabled && path.receiver && !path.through_caster &&
-           looks_for(techniques.manifold, path) &&
+           looks_for(techniques.manifold, path) && searches_all(techniques, path) &&
            (!path.is_rough() ||
             (path.begins_rough && techniques.manifold.finder != ChainFinder::mnee &&
              !light_paths_may_find(techniques, path))) &&

@@ -72,7 +72,7 @@ struct LightTracing {
 struct Techniques {
     const Scene& scene;
     const LightSet& lights;
-    const CasterSet& casters;
+    const CasterSet& casters;  // where the manifold looks for chains: some of the scene's, or all
     const CasterSet& rough_chain_casters;
     const ManifoldSettings& manifold;
     const LightTracing& light_tracing;

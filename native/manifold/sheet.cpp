@@ -2,6 +2,7 @@
 #include "manifold/sheet.h"
 
 #include "core/parallel.h"
+#include "math/warp.h"
 
 #include <utility>
 
@@ -161,6 +162,29 @@ bool LightSheet::find_folds(const Vec3& x, size_t most,
         return few;
     });
     return few;
+}
+
+std::vector<Vec3> LightSheet::lit_points(uint32_t count, Pcg& pcg) const {
+    std::vector<const Beam*> beams;
+    std::vector<float> light;
+    const auto corner = [&](const Beam& beam, size_t i) { return all_.edges[beam.edges[i]].landed; };
+    for (const Layer& layer : layers_)
+        for (const Entry& entry : layer.entries) {
+            if (!entry.inside) continue;
+            const Vec3 p = corner(entry.beam, 0);
+            beams.push_back(&entry.beam);
+            light.push_back(entry.beam.density *
+                            length(cross(corner(entry.beam, 1) - p, corner(entry.beam, 2) - p)));
+        }
+    const DiscreteDistribution by_light(light);
+    std::vector<Vec3> points;
+    for (uint32_t k = 0; k < count && !by_light.empty(); ++k) {
+        const Beam& beam = *beams[by_light.sample(pcg.one()).index];
+        const Vec2 b = uniform_triangle(pcg.two());
+        const Vec3 p = corner(beam, 0);
+        points.push_back(p + (corner(beam, 1) - p) * b.x + (corner(beam, 2) - p) * b.y);
+    }
+    return points;
 }
 
 Vec3 shift_between(const LightPoint& from, const LightPoint& to) {

@@ -59,6 +59,8 @@ public:
                     std::vector<Lead>& leads) const;
     // Those of the three rays of the lead's beam, where the lead itself does not lead to a chain.
     std::array<Vec3, 3> directions_around(const Lead& lead, const Vec3& x, const Vec3& shift) const;
+    // Points where beams landed, drawn in proportion to the light that they brought there.
+    std::vector<Vec3> lit_points(uint32_t count, Pcg& pcg) const;
     // Adds the patches of beams at folds and ends that x lies in for any light point within reach.
     // False where that makes more than `most`.
     bool find_folds(const Vec3& x, size_t most, std::vector<const FoldPatch*>& patches) const;

@@ -110,7 +110,7 @@ const LightSheet* nearest_sheet(const LightSheets& sheets, const LightPoint& y) 
 
 SheetPool build_sheets(const Scene& scene, const LightSet& lights, const CasterSet& casters,
                        const ManifoldSettings& settings, uint32_t seed, uint32_t tiles,
-                       uint32_t threads) {
+                       uint32_t threads, const Budget& budget) {
     if (casters.empty() || lights.caustic_selection.empty()) return {};
     std::vector<uint32_t> feeding;
     for (uint32_t i = 0; i < lights.count(); ++i)
@@ -127,13 +127,23 @@ SheetPool build_sheets(const Scene& scene, const LightSet& lights, const CasterS
         const std::vector<Site> more = sites_of(points_of(scene, lights, light, seed), guide, most);
         sites.insert(sites.end(), more.begin(), more.end());
     }
-    const SheetWorld world{
-        scene, lights, casters, guide, settings.longest_chain, threads, settings.cancelled};
     const auto count = static_cast<uint32_t>(sites.size());
+    const SheetWorld world{scene,
+                           lights,
+                           casters,
+                           guide,
+                           settings.longest_chain,
+                           threads,
+                           budget,
+                           budget.work() / static_cast<double>(count)};
     SheetPool sheets;
-    for (const Site& site : sites)
+    uint64_t rays = 0;
+    for (const Site& site : sites) {
+        if (budget.is_spent(rays)) break;
         sheets.push_back(std::make_unique<const LightSheet>(
             world, site.y, std::max(kFewestTiles, tiles / count), site.reach, site.around));
+        rays += sheets.back()->rays();
+    }
     return sheets;
 }
 

@@ -39,6 +39,11 @@ std::optional<double> variance_of(std::span<const PixelSums> pixels) {
     return sum / (3.0 * static_cast<double>(pixels.size()));
 }
 
+IntegratorSettings without_searches(IntegratorSettings settings) {
+    settings.manifold.enabled = false;
+    return settings;
+}
+
 uint32_t worker_count(uint32_t asked) {
     return asked > 0 ? asked : std::max(1u, std::thread::hardware_concurrency());
 }
@@ -54,6 +59,7 @@ void RenderStats::add(const RenderStats& other) {
     path.glints.add(other.path.glints);
     light.add(other.light);
     glint_bytes += other.glint_bytes;
+    for (size_t i = 0; i < kRenderStages; ++i) stage_seconds[i] += other.stage_seconds[i];
     for (size_t i = 0; i < kEstimates; ++i) path.evidence[i].add(other.path.evidence[i]);
     path.work_of_leads += other.path.work_of_leads;
 }
@@ -61,26 +67,30 @@ void RenderStats::add(const RenderStats& other) {
 Session::Session(const RenderScene& world, const RenderSettings& settings)
     : world_(world),
       settings_(settings),
+      path_tracing_(without_searches(settings.integrator)),
       filter_(settings.filter, settings.filter_width),
       film_(world.scene->camera.crop[2], world.scene->camera.crop[3]),
       pass_count_(count_passes(settings.samples)),
       tile_passes_(film_.tile_count()),
       evidence_(film_.tile_count()),
       start_(Clock::now()) {
-    settings_.integrator.manifold.cancelled = &cancelled_;
-    active_workers_ = worker_count(settings.threads);
-    const uint32_t count = active_workers_;
+    settings_.integrator.manifold.cancelled = &cut_short_;
+    settings_.threads = worker_count(settings.threads);
+    const uint32_t count = active_workers_ = settings_.threads;
     try {
-        for (uint32_t i = 0; i < count; ++i) workers_.emplace_back([this, i] { work(i == 0); });
+        for (uint32_t i = 0; i < count; ++i) workers_.emplace_back([this, i] { work(i); });
     } catch (...) {  // no more threads to be had: those that run must not run to the end
-        cancelled_ = true;
+        cancel();
         throw;
     }
 }
 
 Session::~Session() { cancel(); }  // the workers join before anything that they use goes
 
-void Session::cancel() { cancelled_ = true; }
+void Session::cancel() {
+    cancelled_ = true;
+    cut_short_ = true;
+}
 
 uint32_t Session::pass_begin(uint32_t pass) const {
     const uint64_t begin = pass <= kDoublings
@@ -99,10 +109,18 @@ bool Session::must_stop() const {
 bool Session::should_stop() const {
     return must_stop() || out_of_time_.load(std::memory_order_relaxed);
 }
-// Not before the second pass: however short the time, each pixel gets its first samples.
-void Session::look_at_clock(uint32_t pass) {
-    const bool limited = settings_.time_limit > 0.0f && pass > 0;
-    if (limited && seconds() > static_cast<double>(settings_.time_limit)) out_of_time_ = true;
+// However short the time, each pixel gets its first sample, unless that takes much longer: then it shows
+// the preview. A sample that takes as long, of thousands of trials, is given up.
+void Session::look_at_clock() {
+    constexpr double kGrace = 0.5, kShare = 0.03;  // s, and of the limit
+    const auto limit = static_cast<double>(settings_.time_limit);
+    if (!(limit > 0.0)) return;
+    const double now = seconds();
+    if (now > limit) out_of_time_ = true;
+    if (now > limit * (1.0 + kShare) + kGrace) cut_short_ = true;
+}
+bool Session::stops_in(uint32_t pass) const {
+    return pass > 0 ? should_stop() : must_stop() || cut_short_.load(std::memory_order_relaxed);
 }
 
 void TileEvidence::add(const RenderStats& stats) {
@@ -138,24 +156,18 @@ Activation activation_for(const TileEvidence& evidence, std::span<const PixelSum
     return variance ? activation_for(evidence, *variance, kLeastChance, 1.0) : before;
 }
 
-void Session::work(bool first) {
+void Session::work(uint32_t worker) {
     // Denormals cost hundreds of cycles each and carry no light; Embree asks for the same.
     _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
     _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
+    const bool prepares = worker == 0;
     try {
-        if (first) {
-            prepare_flakes();
-            prepare_sheets();
-            learn_light_paths();
-            find_highlights();
-            weigh_noise();
-            weigh_estimates();
-            count_splats();
-        }
+        if (worker == settings_.threads - 1) render_preview();
+        if (prepares) prepare();
     } catch (...) {
         fail();
     }
-    if (first) prepared_.count_down();
+    if (prepares) prepared_.count_down();
     prepared_.wait();
     try {
         run_jobs();
@@ -199,7 +211,7 @@ bool Session::render_tile(uint32_t pass, uint32_t tile, RenderStats& stats) {
     // Samples of a pixel are added in order: wait for whoever still works on this tile's previous
     // pass.
     while (tile_passes_[tile].load() != pass) {
-        if (should_stop()) return false;
+        if (stops_in(pass)) return false;
         std::this_thread::yield();
     }
     std::vector<PixelSums> pixels = film_.copy_tile(tile);
@@ -208,6 +220,10 @@ bool Session::render_tile(uint32_t pass, uint32_t tile, RenderStats& stats) {
     if (!complete) return false;
     evidence_[tile].add(stats);
     tile_passes_[tile].store(pass + 1);
+    if (pass == 0 && tiles_begun_.fetch_add(1) + 1 == film_.tile_count()) {
+        const std::lock_guard lock(mutex_);
+        stats_.first_sample_seconds = seconds();
+    }
     return true;
 }
 
@@ -227,7 +243,6 @@ GlintEffort Session::glint_effort(const PixelSums& pixel, double variance_of_til
 
 // A part of the light paths, the estimates of highlights and the searches for them of a pass.
 bool Session::render_splats(uint32_t pass, uint32_t part, RenderStats& stats) {
-    const auto stop = [&] { return pass > 0 ? should_stop() : must_stop(); };
     const auto& crop = world_.scene->camera.crop;
     const Vec2 corner(static_cast<float>(crop[0]), static_cast<float>(crop[1]));
     struct Part {
@@ -242,8 +257,8 @@ bool Session::render_splats(uint32_t pass, uint32_t part, RenderStats& stats) {
                        end = before + count * (part + 1) / splat_jobs_;
         Part result{{}, end - begin};
         for (uint64_t i = begin; i < end; ++i) {
-            if (i % kUntilClock == 0) look_at_clock(pass);
-            if (stop()) return std::nullopt;
+            if (i % kUntilClock == 0) look_at_clock();
+            if (stops_in(pass)) return std::nullopt;
             estimate(i, result.splats);
         }
         for (Splat& splat : result.splats) splat.film -= corner;
@@ -289,21 +304,23 @@ bool Session::render_pixels(uint32_t tile, uint32_t pass, std::vector<PixelSums>
             PixelSums& pixel = pixels[static_cast<size_t>(y) * b.width + x];
             if (may_glint) state.glints = glint_effort(pixel, variance);
             for (uint32_t i = 0; i < count; ++i) {
-                if (pass > 0 ? should_stop() : must_stop()) return false;
-                const FilmSample sample =
-                    take_sample(crop[0] + b.x0 + x, crop[1] + b.y0 + y,
-                                settings_.first_sample + first + i, state, stats);
-                if (cancelled_.load(std::memory_order_relaxed)) return false;  // cut short, perhaps
+                if (stops_in(pass)) return false;
+                const FilmSample sample = take_sample(crop[0] + b.x0 + x, crop[1] + b.y0 + y,
+                                                      settings_.first_sample + first + i,
+                                                      settings_.integrator, state, stats);
+                if (cut_short_.load(std::memory_order_relaxed))
+                    return false;  // so is this, perhaps
                 accumulate(pixel, sample);
             }
         }
-        look_at_clock(pass);
+        look_at_clock();
     }
     return true;
 }
 
 // x and y in the full frame: a crop is a window into the same picture.
-FilmSample Session::take_sample(uint32_t x, uint32_t y, uint32_t index, const PassState& state,
+FilmSample Session::take_sample(uint32_t x, uint32_t y, uint32_t index,
+                                const IntegratorSettings& integrator, const PassState& state,
                                 RenderStats& stats) const {
     const Camera& camera = world_.scene->camera;
     const Sampler sampler(settings_.seed, y * camera.width + x, index);
@@ -314,7 +331,7 @@ FilmSample Session::take_sample(uint32_t x, uint32_t y, uint32_t index, const Pa
     const PixelKernel pixel{&filter_, film, offset};
     const ManifoldStats before = stats.path.manifold;
     PathSample path =
-        path_radiance(world_, settings_.integrator, state, ray, lens, sampler, stats.path, &pixel);
+        path_radiance(world_, integrator, state, ray, lens, sampler, stats.path, &pixel);
     ++stats.samples;
     if (!is_finite(path.radiance) || !is_finite(path.caustics) || !is_finite(path.position) ||
         !is_finite(path.normal) || !std::isfinite(path.alpha)) {
@@ -334,10 +351,14 @@ FilmSample Session::take_sample(uint32_t x, uint32_t y, uint32_t index, const Pa
 }
 
 RenderProgress Session::wait(std::chrono::milliseconds patience) {
+    if (settings_.time_limit > 0.0f) look_at_clock();
     std::unique_lock lock(mutex_);
     ended_.wait_for(lock, patience, [this] { return active_workers_ == 0; });
-    RenderProgress progress{RenderState::running, 0, 0.0f,
-                            active_workers_ == 0 ? seconds_at_end_ : seconds()};
+    RenderProgress progress{};
+    progress.state = RenderState::running;
+    progress.seconds = active_workers_ == 0 ? seconds_at_end_ : seconds();
+    progress.stage = stage_;
+    progress.stage_fraction = budget_ ? static_cast<float>(budget_->fraction()) : 0.0f;
     uint64_t tile_samples = 0;
     progress.samples_done = settings_.samples;
     for (const std::atomic<uint32_t>& passes : tile_passes_) {
@@ -351,6 +372,14 @@ RenderProgress Session::wait(std::chrono::milliseconds patience) {
                                ? progress.seconds / static_cast<double>(settings_.time_limit)
                                : 0.0;
     progress.fraction = static_cast<float>(std::clamp(std::max(by_samples, by_time), 0.0, 1.0));
+    // Samples alone tell how long they take; before them the limit is all that is known.
+    const double limit = settings_.time_limit > 0.0f ? static_cast<double>(settings_.time_limit)
+                                                     : std::numeric_limits<double>::infinity();
+    double left = std::max(limit - progress.seconds, 0.0);
+    if (by_samples > 0.0)
+        left = std::min(left, (progress.seconds - stage_begin_) * (1.0 / by_samples - 1.0));
+    progress.seconds_left = std::isfinite(left) ? left : -1.0;
+    if (stage_ == RenderStage::samples) progress.stage_fraction = progress.fraction;
     if (active_workers_ > 0) return progress;
     const bool complete = progress.samples_done == settings_.samples;
     progress.state = failure_                  ? RenderState::failed
@@ -362,6 +391,11 @@ RenderProgress Session::wait(std::chrono::milliseconds patience) {
 RenderStats Session::stats() const {
     const std::lock_guard lock(mutex_);
     return stats_;
+}
+
+std::vector<std::string> Session::report() const {
+    const std::lock_guard lock(mutex_);
+    return report_;
 }
 
 std::exception_ptr Session::failure() const {

@@ -3,6 +3,7 @@
 // done, the time is up, or somebody cancels.
 #pragma once
 
+#include "core/budget.h"
 #include "core/parallel.h"
 #include "film/film.h"
 #include "film/filter.h"
@@ -22,6 +23,8 @@ struct RenderSettings {
     // But for `light_tracing`, `highlights` and the flakes of glints, which the session sets.
     IntegratorSettings integrator;
     bool light_tracing = false;  // where there is a caster that a light reaches
+    // Whether casters that make too many chains at once are left to light paths and path tracing.
+    bool leaves_crowds = false;
     uint32_t first_sample = 0, samples = 64;
     float time_limit = 0.0f;  // s, 0 = none
     uint32_t seed = 0;
@@ -30,6 +33,11 @@ struct RenderSettings {
     float filter_width = 1.5f;
 };
 
+// What a render does, in this order. The stages of its preparation take a part of its time each, and
+// end early where that is over.
+enum class RenderStage : uint8_t { maps, sheets, light_paths, camera_chains, probes, samples };
+inline constexpr size_t kRenderStages = 6;
+
 struct RenderStats {
     uint64_t samples = 0;
     uint64_t nan_samples = 0;
@@ -37,6 +45,8 @@ struct RenderStats {
     PathStats path;
     LightPathStats light;
     uint64_t glint_bytes = 0;  // of slope fields and flakes
+    std::array<double, kRenderStages> stage_seconds{};
+    double first_sample_seconds = 0.0;  // until each pixel had one; 0: not yet
     void add(const RenderStats& other);
 };
 
@@ -47,6 +57,9 @@ struct RenderProgress {
     uint32_t samples_done;
     float fraction;
     double seconds;
+    RenderStage stage;
+    float stage_fraction;
+    double seconds_left;  // negative: not known yet
 };
 
 // What is known of the estimates of a tile, from all its samples so far.
@@ -80,17 +93,27 @@ public:
     RenderProgress wait(std::chrono::milliseconds patience);
     RenderStats stats() const;
     const Film& film() const { return film_; }
+    // A line for each caster that the render has a choice about; complete once samples are taken.
+    std::vector<std::string> report() const;
     // What made a render fail, else null.
     std::exception_ptr failure() const;
 
 private:
     using Clock = std::chrono::steady_clock;
-    void work(bool first);
+    void work(uint32_t worker);
     void run_jobs();
     void fail();
+    // A coarse picture by path tracing alone, for as long as there is nothing better.
+    void render_preview();
     // Before the first pass, in this order: session_plan.cpp.
+    void prepare();
+    // The stage's budget: so much work, and of a limited time such a share.
+    const Budget& begin(RenderStage stage, double work, double share);
+    void end_stage();
     void prepare_flakes();
+    void choose_casters();
     void prepare_sheets();
+    void leave_out(const std::vector<double>& chains, const char* what);
     void learn_light_paths();
     void find_highlights();
     void weigh_noise();
@@ -106,7 +129,7 @@ private:
         TileEvidence evidence;
         std::array<double, CoarsePicture::kCells> variances;
     };
-    Probe probe(uint32_t most, uint32_t rare);
+    Probe probe(uint32_t most, uint32_t rare, const Budget& budget);
     static Probe with_chances(const Probe& whole, const Activation& from, const Activation& to);
     uint64_t light_paths_that_pay(const LightPilot& pilot, const Probe& camera) const;
     static double walks_that_pay(const Probe& least_walks);
@@ -116,21 +139,25 @@ private:
     bool render_pixels(uint32_t tile, uint32_t pass, std::vector<PixelSums>& pixels,
                        RenderStats& stats);
     GlintEffort glint_effort(const PixelSums& pixel, double variance_of_tile) const;
-    FilmSample take_sample(uint32_t x, uint32_t y, uint32_t index, const PassState& state,
+    FilmSample take_sample(uint32_t x, uint32_t y, uint32_t index,
+                           const IntegratorSettings& integrator, const PassState& state,
                            RenderStats& stats) const;
     uint32_t pass_begin(
         uint32_t pass) const;  // relative sample index; of pass_count_ the number of samples
     bool must_stop() const;    // whatever has been done
     bool should_stop() const;  // that, or time is up
-    void look_at_clock(uint32_t pass);
+    bool stops_in(uint32_t pass) const;
+    void look_at_clock();
     double seconds() const;
 
     const RenderScene& world_;
-    RenderSettings settings_;  // constant once prepared_
+    RenderSettings settings_;                // constant once prepared_
+    const IntegratorSettings path_tracing_;  // of the preview
     const PixelFilter filter_;
     Film film_;
     const uint32_t pass_count_;
     std::vector<std::atomic<uint32_t>> tile_passes_;  // passes that each tile has had
+    std::atomic<uint32_t> tiles_begun_{0};            // those that have had one
     std::vector<TileEvidence> evidence_;              // of each tile, from those passes
     Activation first_chances_ = kAlways;              // of tiles whose samples tell nothing yet
     // Of each pass, beside its tiles. Splats are added to the film in the order of these, too.
@@ -138,6 +165,7 @@ private:
     uint64_t light_paths_ = 0, highlight_estimates_ = 0,
              highlight_searches_ = 0;  // for each sample of the picture
     InOrder splats_in_order_;
+    CasterSet searched_;  // where some casters are left to others
     std::unique_ptr<const LightPilot> light_pilot_;
     std::unique_ptr<const Highlights> highlights_;
     SheetPool sheet_pool_;
@@ -148,7 +176,8 @@ private:
     FlakeSet flakes_;
     std::latch prepared_{1};
     std::atomic<uint64_t> next_job_{0};
-    std::atomic<bool> cancelled_{false}, out_of_time_{false}, failed_{false};
+    // `cut_short_`: what is under way is not worth its end.
+    std::atomic<bool> cancelled_{false}, out_of_time_{false}, cut_short_{false}, failed_{false};
     const Clock::time_point start_;
 
     mutable std::mutex mutex_;  // guards the rest
@@ -157,6 +186,10 @@ private:
     double seconds_at_end_ = 0.0;
     RenderStats stats_;
     std::exception_ptr failure_;
+    RenderStage stage_ = RenderStage::maps;
+    std::shared_ptr<const Budget> budget_;  // of the stage
+    double stage_begin_ = 0.0;              // s
+    std::vector<std::string> report_;
 
     std::vector<std::jthread> workers_;  // last: they use all of the above
 };

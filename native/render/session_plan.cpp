@@ -3,6 +3,9 @@
 #include "render/session.h"
 
 #include "core/parallel.h"
+#include "manifold/crowding.h"
+
+#include <fmt/format.h>
 
 #include <numeric>
 
@@ -38,12 +41,81 @@ constexpr double kNodesOfRay = 8.0, kRaysOfGlint = 3.0;
 // With what is done for each, a light path's ray takes the time of so many of other work.
 constexpr double kWorkOfLightRay = 2.0;
 
+// Of one point by way of one caster: where there are more, sheets find each of them so rarely, and search
+// so long for what they miss, that light paths and path tracing have less error in the same time.
+constexpr double kMostChains = 64.0;
+
+// Of a probed pixel, where it is much; of a limited time.
+constexpr double kWorkOfProbe = 0x1p14, kShareOfProbes = 0.08;
+
+// Index of the preview's samples: no pixel takes as many.
+constexpr uint32_t kPreviewSample = 0x7fffffff;
+
 double glint_work(const GlintStats& stats) {
     return static_cast<double>(stats.nodes + stats.points) / kNodesOfRay +
            kRaysOfGlint * static_cast<double>(stats.estimates);
 }
 
 }  // namespace
+
+const Budget& Session::begin(RenderStage stage, double work, double share) {
+    // Of a render without a limit: longer than what its work takes, so that its picture does not depend
+    // on the machine.
+    constexpr double kGuard = 20.0;  // s
+    const auto limit = static_cast<double>(settings_.time_limit);
+    auto budget =
+        std::make_shared<const Budget>(work, limit > 0.0 ? share * limit : kGuard, cut_short_);
+    const std::lock_guard lock(mutex_);
+    budget_ = budget;
+    stage_ = stage;
+    stage_begin_ = seconds();
+    return *budget;
+}
+
+void Session::end_stage() {
+    const std::lock_guard lock(mutex_);
+    stats_.stage_seconds[static_cast<size_t>(stage_)] += seconds() - stage_begin_;
+}
+
+// Shares of a limited time: what stages usually take is a third of that.
+void Session::prepare() {
+    constexpr double kMost = std::numeric_limits<double>::infinity();
+    begin(RenderStage::maps, kMost, 1.0);
+    prepare_flakes();
+    choose_casters();
+    end_stage();
+    prepare_sheets();
+    end_stage();
+    learn_light_paths();
+    end_stage();
+    find_highlights();
+    end_stage();
+    weigh_noise();
+    weigh_estimates();
+    end_stage();
+    count_splats();
+    begin(RenderStage::samples, kMost, 1.0);
+}
+
+void Session::render_preview() {
+    constexpr double kMostSamples = 0x1p16;
+    const auto& [x0, y0, width, height] = world_.scene->camera.crop;
+    const double pixels = static_cast<double>(width) * static_cast<double>(height);
+    const auto block =
+        static_cast<uint32_t>(std::max(1.0, std::ceil(std::sqrt(pixels / kMostSamples))));
+    const uint32_t across = (width + block - 1) / block, down = (height + block - 1) / block;
+    std::vector<std::array<float, 4>> colors(static_cast<size_t>(across) * down);
+    RenderStats stats;
+    for (uint32_t i = 0; i < colors.size(); ++i) {
+        if (must_stop() || prepared_.try_wait()) return;
+        const uint32_t x = std::min(i % across * block + block / 2, width - 1),
+                       y = std::min(i / across * block + block / 2, height - 1);
+        const FilmSample sample =
+            take_sample(x0 + x, y0 + y, kPreviewSample, path_tracing_, {}, stats);
+        colors[i] = {sample.radiance.x, sample.radiance.y, sample.radiance.z, sample.alpha};
+    }
+    film_.set_preview(block, std::move(colors));
+}
 
 void Session::prepare_flakes() {
     GlintSettings& glints = settings_.integrator.glints;
@@ -52,7 +124,7 @@ void Session::prepare_flakes() {
     if (glints.method == GlintMethod::yan) {
         for (const SlopeField& field : world_.glints.fields) {
             if (must_stop()) return;
-            stats.glint_bytes += flakes_.emplace_back(field, active_workers_).memory_bytes();
+            stats.glint_bytes += flakes_.emplace_back(field, settings_.threads).memory_bytes();
         }
         glints.flakes = &flakes_;
     }
@@ -60,44 +132,87 @@ void Session::prepare_flakes() {
     stats_.add(stats);
 }
 
+// Which casters the manifold searches: not those that make more chains at once than a search is worth.
+void Session::choose_casters() {
+    if (!settings_.leaves_crowds || !settings_.light_tracing) return;
+    leave_out(chains_by_maps(*world_.scene, world_.lights, world_.casters, settings_.seed),
+              "by its map");
+}
+
+void Session::leave_out(const std::vector<double>& chains, const char* what) {
+    const CasterSet& all = settings_.integrator.casters_of(world_);
+    std::vector<bool> crowded(chains.size());
+    std::vector<std::string> lines;
+    for (size_t i = 0; i < chains.size(); ++i) {
+        if (chains[i] <= 1.0) continue;
+        crowded[i] = chains[i] > kMostChains;
+        lines.push_back(
+            fmt::format("{}: some {:.2g} chains at once {}, {} {:.0f}: {}",
+                        world_.scene->instances[all.casters[i].instance].name, chains[i], what,
+                        crowded[i] ? "more than" : "of at most", kMostChains,
+                        crowded[i] ? "left to light paths and path tracing" : "searched"));
+    }
+    if (std::find(crowded.begin(), crowded.end(), true) != crowded.end()) {
+        searched_ = without(all, crowded);
+        settings_.integrator.searched = &searched_;
+    }
+    const std::lock_guard lock(mutex_);
+    report_.insert(report_.end(), lines.begin(), lines.end());
+}
+
 void Session::prepare_sheets() {
     constexpr double kPixelsOfTile = 64.0, kSamplesOfTile = 4096.0, kSecondsOfTile = 0.04;
     constexpr double kLeastTiles = 64.0, kMostTiles = 2048.0;
+    constexpr double kRaysOfTile = 0x1p14, kShare = 0.15;
     const ManifoldSettings& manifold = settings_.integrator.manifold;
-    if (manifold.finder != ChainFinder::sheets) return;
     // As large as leaves their making a small part of the work.
     const auto& crop = world_.scene->camera.crop;
     const auto pixels = static_cast<double>(uint64_t{crop[2]} * crop[3]);
     double tiles = std::min(pixels / kPixelsOfTile, pixels * settings_.samples / kSamplesOfTile);
     if (settings_.time_limit > 0.0f) {
-        const double seconds = static_cast<double>(settings_.time_limit) * active_workers_;
+        const double seconds = static_cast<double>(settings_.time_limit) * settings_.threads;
         tiles = std::min(tiles, seconds / kSecondsOfTile);
     }
     tiles = std::clamp(tiles, kLeastTiles, kMostTiles);
-    sheet_pool_ = build_sheets(*world_.scene, world_.lights, world_.casters, manifold,
-                               settings_.seed, static_cast<uint32_t>(tiles), active_workers_);
-    sheets_.all = sheet_pool_;
+    const Budget& budget = begin(RenderStage::sheets, tiles * kRaysOfTile, kShare);
+    if (manifold.finder != ChainFinder::sheets) return;
     RenderStats stats;
-    for (const auto& sheet : sheet_pool_) stats.path.manifold.rays += sheet->rays();
+    const auto build = [&] {
+        sheet_pool_ = build_sheets(
+            *world_.scene, world_.lights, settings_.integrator.casters_of(world_), manifold,
+            settings_.seed, static_cast<uint32_t>(tiles), settings_.threads, budget);
+        for (const auto& sheet : sheet_pool_) stats.path.manifold.rays += sheet->rays();
+    };
+    build();
+    if (settings_.leaves_crowds && settings_.light_tracing) {
+        const CasterSet* before = settings_.integrator.searched;
+        leave_out(
+            chains_by_sheets(settings_.integrator.casters_of(world_), sheet_pool_, settings_.seed),
+            "by light sheets");
+        if (settings_.integrator.searched != before) build();
+    }
+    sheets_.all = sheet_pool_;
     const std::lock_guard lock(mutex_);
     stats_.add(stats);
 }
 
 void Session::learn_light_paths() {
     constexpr double kSamplesOfPath = 16.0, kSecondsOfPath = 1.25e-4, kMostPaths = 0x1p19;
-    if (!settings_.light_tracing) return;
+    constexpr double kRaysOfPath = 64.0, kShare = 0.15;
     // As many as are a small part of the work.
     const auto& crop = world_.scene->camera.crop;
     const auto pixels = static_cast<double>(uint64_t{crop[2]} * crop[3]);
     double paths = pixels * settings_.samples / kSamplesOfPath;
     if (settings_.time_limit > 0.0f)
         paths = std::min(
-            paths, static_cast<double>(settings_.time_limit) * active_workers_ / kSecondsOfPath);
+            paths, static_cast<double>(settings_.time_limit) * settings_.threads / kSecondsOfPath);
     paths = std::clamp(paths, double{kLeastPilotPaths}, kMostPaths);
+    const Budget& budget = begin(RenderStage::light_paths, paths * kRaysOfPath, kShare);
+    if (!settings_.light_tracing) return;
     RenderStats stats;
     light_pilot_ = learn_emission(world_, settings_.integrator, sheets_, filter_.reach(),
-                                  static_cast<uint32_t>(paths), settings_.seed, active_workers_,
-                                  cancelled_, stats.light);
+                                  static_cast<uint32_t>(paths), settings_.seed, settings_.threads,
+                                  budget, stats.light);
     if (light_pilot_)
         settings_.integrator.light_tracing = {.guide = &light_pilot_->guide,
                                               .paths = pixels,
@@ -112,20 +227,22 @@ void Session::learn_light_paths() {
 // Beside sheets or light paths: walks alone are as others have them.
 void Session::find_highlights() {
     constexpr double kSamplesOfWalk = 8.0, kSecondsOfWalk = 5e-5, kLeastWalks = 1024.0,
-                     kMostWalks = 0x1p28;
-    const bool walks_alone = sheets_.all.empty() && !settings_.light_tracing;
-    if (!settings_.integrator.manifold.enabled || walks_alone) return;
+                     kMostWalks = 0x1p21;
+    constexpr double kWorkOfWalk = 256.0, kShare = 0.05;
     // As many as are a small part of the work.
     const auto& crop = world_.scene->camera.crop;
     const auto pixels = static_cast<double>(uint64_t{crop[2]} * crop[3]);
     double walks = std::min(kMostWalks, pixels * settings_.samples / kSamplesOfWalk);
     if (settings_.time_limit > 0.0f)
         walks = std::min(
-            walks, static_cast<double>(settings_.time_limit) * active_workers_ / kSecondsOfWalk);
+            walks, static_cast<double>(settings_.time_limit) * settings_.threads / kSecondsOfWalk);
+    walks = std::max(walks, kLeastWalks);
+    const Budget& budget = begin(RenderStage::camera_chains, walks * kWorkOfWalk, kShare);
+    const bool walks_alone = sheets_.all.empty() && !settings_.light_tracing;
+    if (!settings_.integrator.manifold.enabled || walks_alone) return;
     RenderStats stats;
-    highlights_ = learn_highlights(world_, settings_.integrator,
-                                   static_cast<uint32_t>(std::max(walks, kLeastWalks)),
-                                   settings_.seed, active_workers_, cancelled_, stats.path);
+    highlights_ = learn_highlights(world_, settings_.integrator, static_cast<uint32_t>(walks),
+                                   settings_.seed, settings_.threads, budget, stats.path);
     settings_.integrator.highlights = highlights_.get();
     const std::lock_guard lock(mutex_);
     stats_.add(stats);
@@ -138,8 +255,9 @@ void Session::weigh_noise() {
     // Few: until the chains are weighed, all of them are looked for.
     constexpr uint32_t kPixels = 512, kRare = 128;
     constexpr double kShotOverSample = 0.5;
+    const Budget& budget = begin(RenderStage::probes, kPixels * kWorkOfProbe, kShareOfProbes);
     if (sheets_.all.empty() && world_.glints.fields.empty()) return;
-    const Probe one = probe(kPixels, kRare);
+    const Probe one = probe(kPixels, kRare, budget);
     variance_ = one.variance;
     if (one.glint_work > 0.0) work_by_glint_ = one.work / one.glint_work;
     sheets_.sure = static_cast<float>(std::sqrt(kShotOverSample * variance_));
@@ -154,7 +272,8 @@ void Session::weigh_estimates() {
     LightTracing& paths = settings_.integrator.light_tracing;
     const bool walks_share = light_pilot_ && manifold.finder == ChainFinder::walks;
     if (walks_share) paths.walks = paths.worth_of_walks = kLeastWalks;
-    const Probe camera = probe(kPixels, kRare);
+    const Budget& budget = begin(RenderStage::probes, kPixels * kWorkOfProbe, kShareOfProbes);
+    const Probe camera = probe(kPixels, kRare, budget);
     first_chances_ = activation_for(camera.evidence, camera.variance, kLeastChance, 1.0);
     if (light_pilot_)
         light_paths_ =
@@ -189,8 +308,8 @@ void Session::count_splats() {
     settings_.integrator.light_tracing.paths = static_cast<double>(light_paths_);
 }
 
-Session::Probe Session::probe(uint32_t most, uint32_t rare) {
-    constexpr uint32_t kFewest = 256;
+Session::Probe Session::probe(uint32_t most, uint32_t rare, const Budget& budget) {
+    constexpr uint32_t kFewest = 256, kRound = 64;
 
     const auto& [x0, y0, width, height] = world_.scene->camera.crop;
     const uint64_t pixels = uint64_t{width} * height;
@@ -199,21 +318,44 @@ Session::Probe Session::probe(uint32_t most, uint32_t rare) {
     always.sheets = sheets_;
     always.activation[receiver_depth(0)] /=
         static_cast<float>(settings_.integrator.light_tracing.walks);
-    const auto count = static_cast<uint32_t>(std::clamp<uint64_t>(pixels / 16, kFewest, most));
-    std::vector<double> squares(count);  // of differences, mean of the channels
-    std::vector<RenderStats> stats(count);
-    parallel_for(active_workers_, count, [&](uint32_t i) {
-        if (must_stop()) return;
-        const auto pixel = static_cast<uint32_t>(pixels * i / count);
-        const auto take = [&](uint32_t index) {
-            return take_sample(x0 + pixel % width, y0 + pixel / width, index, always, stats[i]).radiance;
-        };
-        const Spectrum difference = take(~i) - take(~i ^ (1u << 30));
-        squares[i] = static_cast<double>(dot(difference, difference) * (1.0f / 3.0f));
-    });
+    const auto wanted = static_cast<uint32_t>(std::clamp<uint64_t>(pixels / 16, kFewest, most));
+    // Spread over the picture however early the probe ends: a step prime to their number.
+    uint32_t step = static_cast<uint32_t>(0.618 * wanted) | 1u;
+    while (std::gcd(step, wanted) > 1) step += 2;
+    const auto pixel_of = [&](uint32_t i) {
+        return static_cast<uint32_t>(pixels * (uint64_t{i} * step % wanted) / wanted);
+    };
+    std::vector<double> squares;  // of differences, mean of the channels
+    std::vector<uint32_t> probed;
+    RenderStats all;
+    for (uint32_t begin = 0; begin < wanted; begin += kRound) {
+        const uint32_t size = std::min(kRound, wanted - begin);
+        std::vector<RenderStats> stats(size);
+        std::vector<double> found(size, -1.0);
+        parallel_for(settings_.threads, size, [&](uint32_t k) {
+            if (budget.must_end()) return;
+            const uint32_t i = begin + k, pixel = pixel_of(i);
+            const auto take = [&](uint32_t index) {
+                return take_sample(x0 + pixel % width, y0 + pixel / width, index,
+                                   settings_.integrator, always, stats[k])
+                    .radiance;
+            };
+            const Spectrum difference = take(~i) - take(~i ^ (1u << 30));
+            found[k] = static_cast<double>(dot(difference, difference) * (1.0f / 3.0f));
+        });
+        for (uint32_t k = 0; k < size; ++k) {
+            if (found[k] < 0.0) continue;
+            squares.push_back(found[k]);
+            probed.push_back(pixel_of(begin + k));
+            all.add(stats[k]);
+        }
+        if (budget.is_spent(all.path.rays + all.path.manifold.work())) break;
+    }
+    const auto count = static_cast<uint32_t>(squares.size());
+    if (count == 0) return Probe{};
     CoarsePicture sums(world_.scene->camera.crop), counts = sums;
     for (uint32_t i = 0; i < count; ++i) {
-        const auto pixel = static_cast<uint32_t>(pixels * i / count);
+        const uint32_t pixel = probed[i];
         const Vec2 film(static_cast<float>(x0 + pixel % width) + 0.5f,
                         static_cast<float>(y0 + pixel / width) + 0.5f);
         sums.add(film, 0.5 * squares[i]);
@@ -221,8 +363,6 @@ Session::Probe Session::probe(uint32_t most, uint32_t rare) {
     }
     std::sort(squares.begin(), squares.end());
     squares.resize(squares.size() - (squares.size() + rare - 1) / rare);
-    RenderStats all;
-    for (const RenderStats& one : stats) all.add(one);
     {
         const std::lock_guard lock(mutex_);
         stats_.path.manifold.add(all.path.manifold);

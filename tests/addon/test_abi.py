@@ -48,6 +48,7 @@ ENUMS = {
     "SPC_CONSTRAINT_": desc.Constraint,
     "SPC_FILTER_": desc.PixelFilter,
     "SPC_PASS_": abi.Pass,
+    "SPC_STAGE_": desc.Stage,
 }
 
 
@@ -68,6 +69,10 @@ def compiled(expressions: list[str], tmp_path) -> list[int]:
     program = tmp_path / "layout"
     subprocess.run(["cc", "-std=c99", f"-I{INCLUDE}", source, "-o", program], check=True)
     return [int(line) for line in subprocess.check_output([program]).split()]
+
+
+def test_seconds_of_every_stage_are_told():
+    assert len(desc.Stage) == abi.STAGE_COUNT
 
 
 def test_struct_layouts(tmp_path):

@@ -282,12 +282,16 @@ def test_progress_tells_samples_time_and_what_is_left(glowing_quad, monkeypatch)
 
 
 def test_progress_text():
-    progress = SimpleNamespace(fraction=0.25, seconds=1200.4)
+    progress = SimpleNamespace(stage=5, stage_fraction=0.25, seconds=1200.4, seconds_left=3601.2)
     assert rendering.progress_text(progress, 16.04, 64) == (
         "Specula: sample 16.0/64 | 20:00, 1:00:01 left"
     )
-    progress = SimpleNamespace(fraction=0.0, seconds=0.3)
+    progress = SimpleNamespace(stage=5, stage_fraction=0.0, seconds=0.3, seconds_left=-1.0)
     assert rendering.progress_text(progress, 0.0, 64) == "Specula: sample 0.0/64 | 0:00"
+    progress = SimpleNamespace(stage=1, stage_fraction=0.4, seconds=2.3, seconds_left=7.7)
+    assert rendering.progress_text(progress, 0.0, 64) == (
+        "Specula: tracing light sheets, 40% | 0:02, 0:08 left"
+    )
 
 
 def test_a_time_limit_is_a_success(glowing_quad, tmp_path):

@@ -38,7 +38,7 @@ extern "C" {
 #endif
 
 /* Raised whenever a struct or the meaning of a call changes. */
-#define SPC_API_VERSION 7u
+#define SPC_API_VERSION 8u
 
 /* "No index", where an index is optional. */
 #define SPC_NONE 0xffffffffu
@@ -344,7 +344,10 @@ typedef enum spc_method {
     /* [Hanika15]: at most one refraction and one reflection, from fixed starts. What they miss is
      * path traced, or lost by SPC_METHOD_MNEE_BIASED. Lights without extent have no paths to trace. */
     SPC_METHOD_MNEE = 5,
-    SPC_METHOD_MNEE_BIASED = 6
+    SPC_METHOD_MNEE_BIASED = 6,
+    /* the best that there is for the scene: as SHEETS, but casters that make more chains at once than a
+     * search is worth are left to light paths and path tracing; spc_render_report() says which */
+    SPC_METHOD_AUTO = 7
 } spc_method;
 
 /* Light paths beside the manifold's methods, as many as pay, and chains to the lights that the camera
@@ -419,12 +422,27 @@ typedef enum spc_render_state {
     SPC_RENDER_FAILED = 3 /* spc_last_error() of the thread that asks says why */
 } spc_render_state;
 
+/* What a render does, in this order; its preparation is all before SAMPLES. Where time is limited, each stage
+ * of it takes a part of that at most. Meanwhile SPC_PASS_COMBINED shows a coarse preview. */
+typedef enum spc_render_stage {
+    SPC_STAGE_MAPS = 0,          /* normal maps of glints, and which casters are searched */
+    SPC_STAGE_SHEETS = 1,        /* light sheets */
+    SPC_STAGE_LIGHT_PATHS = 2,   /* a pilot of light paths */
+    SPC_STAGE_CAMERA_CHAINS = 3, /* lights that the camera sees in casters */
+    SPC_STAGE_PROBES = 4,        /* noise and work of some pixels */
+    SPC_STAGE_SAMPLES = 5,
+    SPC_STAGE_COUNT = 6
+} spc_render_stage;
+
 typedef struct spc_render_progress {
     size_t struct_size;
     uint32_t state;        /* spc_render_state */
     uint32_t samples_done; /* complete for every pixel */
     float fraction;        /* of samples or of the time limit, whichever is further, [0, 1] */
     double seconds;        /* of rendering so far */
+    uint32_t stage;        /* spc_render_stage */
+    float stage_fraction;  /* of what the stage may take, [0, 1] */
+    double seconds_left;   /* about; negative while nothing tells */
 } spc_render_progress;
 
 /* Waits until the render ends or `milliseconds` have passed. `progress` may be NULL. */
@@ -458,10 +476,17 @@ typedef struct spc_render_stats {
     uint64_t glint_estimates; /* of the light of one direction, over a footprint */
     uint64_t glint_nodes;     /* parts of maps that they looked at, or slopes on walks */
     uint64_t glint_points;    /* points of those, or Gaussians, at which they evaluated a lobe */
-    uint64_t glint_capped; /* estimates of SPC_GLINT_METHOD_WALKS that gave up at the trial cap */
-    uint64_t glint_bytes;  /* of memory that the method has for such maps, beside the images */
+    uint64_t glint_capped;   /* estimates of SPC_GLINT_METHOD_WALKS that gave up at the trial cap */
+    uint64_t glint_bytes;    /* of memory that the method has for such maps, beside the images */
+    double stage_seconds[6]; /* of each spc_render_stage, as far as they have ended */
+    double first_sample_seconds; /* from the start until every pixel had a sample; 0: it has not yet */
 } spc_render_stats;
 SPC_API spc_status spc_render_get_stats(spc_session* session, spc_render_stats* stats);
+
+/* What the method has chosen, one line for each caster that there was a choice about, with the numbers that
+ * decided; complete once SPC_STAGE_SAMPLES has begun. Valid until the next call for this session or its end;
+ * NULL on failure. */
+SPC_API const char* spc_render_report(spc_session* session);
 
 typedef enum spc_pass {
     SPC_PASS_COMBINED = 0, /* RGBA, premultiplied */

@@ -96,7 +96,7 @@ TEST(RenderMisuse, Settings) {
     expect_refused(spc_render_start(scene.get(), &good, nullptr), SPC_INVALID_ARGUMENT, {"session"});
     for (const size_t size : {size_t{0}, sizeof(spc_render_settings) - 4})
         refuses("struct_size", [&](auto& s) { s.struct_size = size; });
-    refuses("method", [](auto& s) { s.method = SPC_METHOD_MNEE_BIASED + 1; });
+    refuses("method", [](auto& s) { s.method = SPC_METHOD_AUTO + 1; });
     refuses("light tracing", [](auto& s) { s.light_tracing = 3; });
     // Whatever the method.
     refuses("light tracing",

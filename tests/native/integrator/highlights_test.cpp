@@ -47,9 +47,8 @@ Picture render_highlights(const RenderScene& world, By by, uint32_t rounds, uint
     if (by != By::rays) {
         settings.manifold = unbiased_manifold();
         settings.manifold.finder = finder;
-        const std::atomic<bool> cancelled{false};
         const std::unique_ptr<const Highlights> learned =
-            learn_highlights(world, settings, walks, seed, 1, cancelled, stats);
+            learn_highlights(world, settings, walks, seed, 1, Budget(), stats);
         EXPECT_TRUE(learned) << "no chain from the camera to a light";
         if (learned) highlights = *learned;
         if (by == By::searches) blind(*highlights);
@@ -365,8 +364,7 @@ TEST(Highlights, AreNotLookedForWhereNoneCanBe) {
         settings.manifold = unbiased_manifold();
         settings.manifold.finder = ChainFinder::sheets;
         PathStats stats;
-        const std::atomic<bool> cancelled{false};
-        return learn_highlights(world, settings, kWalks, 1, 1, cancelled, stats) != nullptr;
+        return learn_highlights(world, settings, kWalks, 1, 1, Budget(), stats) != nullptr;
     };
     const auto bulb = [](SceneMaker& maker, float radius) { add_bulb(maker, kBefore, radius); };
     EXPECT_TRUE(learned([&](SceneMaker& maker) {

@@ -318,9 +318,8 @@ double effort_beside_sheets(const std::function<void(SceneMaker&)>& add_caster, 
     const SheetPool pool =
         build_sheets(*world.scene, world.lights, world.casters, settings.manifold, kSeed, tiles, 1);
     LightPathStats stats;
-    const std::atomic<bool> cancelled{false};
     const std::unique_ptr<const LightPilot> pilot =
-        learn_emission(world, settings, {pool}, 0.0f, kLeastPilotPaths, kSeed, 1, cancelled, stats);
+        learn_emission(world, settings, {pool}, 0.0f, kLeastPilotPaths, kSeed, 1, Budget(), stats);
     return pilot ? pilot->effort : 0.0;
 }
 
@@ -332,9 +331,8 @@ uint64_t learned_from(const Graph& ball, uint32_t paths) {
     add_ball(maker, ball);
     add_bulb(maker);
     const RenderScene world = maker.finish();
-    const std::atomic<bool> cancelled{false};
     LightPathStats stats;
-    EXPECT_TRUE(learn_emission(world, few_bounces(), {}, 0.0f, paths, 3, 1, cancelled, stats));
+    EXPECT_TRUE(learn_emission(world, few_bounces(), {}, 0.0f, paths, 3, 1, Budget(), stats));
     return stats.paths;
 }
 

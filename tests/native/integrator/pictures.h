@@ -63,9 +63,8 @@ inline Picture render(const RenderScene& world, IntegratorSettings settings, con
     if (method.light_paths) {
         settings.light_tracing.paths = kPixels;
         LightPathStats stats;
-        const std::atomic<bool> cancelled{false};
         pilot = learn_emission(world, settings, state.sheets, 0.0f, kLeastPilotPaths, seed, 1,
-                               cancelled, stats);
+                               Budget(), stats);
         EXPECT_TRUE(pilot) << "no light path finds the picture";
         settings.light_tracing.guide = &pilot->guide;
         settings.light_tracing.effort = pilot->effort;

@@ -377,8 +377,9 @@ TEST(SheetsSlow, LeadToNearlyAllLight) {
         const RenderScene world = make(c);
         const EmissionGuide guide =
             aim_at_casters(*world.scene, world.lights, world.casters, Squares::of_casters);
+        const Budget budget;
         const SheetWorld parts{
-            *world.scene, world.lights, world.casters, guide, kLongestManifoldChain, 1, nullptr};
+            *world.scene, world.lights, world.casters, guide, kLongestManifoldChain, 1, budget};
         const std::optional<LightPoint> y =
             sample_light_point(world.lights, *world.scene, {0.5f, 0.5f, 0.5f});
         ASSERT_TRUE(y);

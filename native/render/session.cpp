@@ -41,6 +41,7 @@ std::optional<double> variance_of(std::span<const PixelSums> pixels) {
 
 IntegratorSettings without_searches(IntegratorSettings settings) {
     settings.manifold.enabled = false;
+    settings.glints.method = GlintMethod::search;  // others wait for what they prepare
     return settings;
 }
 
@@ -187,10 +188,10 @@ void Session::fail() {
 }
 
 void Session::run_jobs() {
-    const uint64_t jobs = static_cast<uint64_t>(splat_jobs_ + film_.tile_count()) * pass_count_;
-    while (!should_stop()) {
+    const uint64_t per_pass = splat_jobs_ + film_.tile_count(), jobs = per_pass * pass_count_;
+    for (;;) {
         const uint64_t job = next_job_.fetch_add(1);
-        if (job >= jobs) break;
+        if (job >= jobs || stops_in(static_cast<uint32_t>(job / per_pass))) break;
         RenderStats stats;
         render_job(job, stats);
         const std::lock_guard lock(mutex_);

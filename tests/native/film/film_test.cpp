@@ -162,6 +162,32 @@ double sum_of(const std::vector<float>& image, size_t channels) {
     return sum;
 }
 
+TEST(Film, PreviewStandsForPixelsWithoutASample) {
+    constexpr uint32_t kWidth = 21, kHeight = 18, kBlock = 4, kAcross = 6, kDown = 5;
+    Film film(kWidth, kHeight);
+    std::vector<std::array<float, 4>> colors;
+    for (uint32_t i = 0; i < kAcross * kDown; ++i)
+        colors.push_back({static_cast<float>(i), 1.0f, 2.0f, 0.5f});
+    film.set_preview(kBlock, colors);
+    std::vector<PixelSums> pixels = film.copy_tile(0);
+    const FilmSample sample{Spectrum(7.0f), Spectrum(0.0f), Vec3(0.0f), Vec3(0.0f), 1.0f, 1.0f, {}};
+    accumulate(pixels[1], sample);  // x = 1, y = 0
+    film.store_tile(0, pixels);
+    // What light paths have brought is in path tracing's preview, too.
+    film.add_splats(SplatSource::light_paths, std::array{Splat{{20.5f, 17.5f}, Spectrum(3.0f)}},
+                    PixelFilter(FilterKind::box, 1.0f), 1, 1.0);
+    const std::vector<float> combined = read(film, Pass::combined);
+    const auto red = [&](uint32_t x, uint32_t y) { return combined[4 * (size_t{y} * kWidth + x)]; };
+    EXPECT_EQ(red(0, 0), 0.0f);
+    EXPECT_EQ(red(1, 0), 7.0f);
+    EXPECT_EQ(red(2, 0), 0.0f);
+    EXPECT_EQ(red(4, 0), 1.0f);
+    EXPECT_EQ(red(20, 17), static_cast<float>(kAcross * kDown - 1));
+    EXPECT_EQ(combined[3], 0.5f);
+    for (const float value : read(film, Pass::caustics)) EXPECT_TRUE(std::isfinite(value));
+    EXPECT_EQ(read(film, Pass::variance)[0], 0.0f);
+}
+
 TEST(FilmOfLightPaths, BoxTakesEachSplatOnce) {
     const PixelFilter box(FilterKind::box, 1.0f);
     test::Uniforms uniforms(2);

@@ -9,6 +9,8 @@
 
 #include <gtest/gtest.h>
 
+#include <numeric>
+
 namespace spc {
 namespace {
 
@@ -19,7 +21,7 @@ constexpr uint32_t kSide = 32, kSeed = 3;
 
 // A floor that the camera looks down at beside a standing mirror, 1 m wide, with the map over it once,
 // under a sun. The map has slopes of 0.1 in waves of `wave` m.
-RenderScene beside_a_mirror(double wave) {
+RenderScene beside_a_mirror(double wave, float sun_angle = 0.05f) {
     constexpr float kHalf = 0.5f;
     constexpr uint32_t kTexels = 512;
     SceneMaker maker;
@@ -33,13 +35,13 @@ RenderScene beside_a_mirror(double wave) {
     maker.add(test::square(4.0f), test::diffuse(0.8f), {}, CausticsRole::receiver);
     maker.add(test::with_uvs(test::square(kHalf), 1), test::normal_mapped(test::mirror(), {1, 1}),
               test::rotation_x(0.5f * kPi, {0.0f, 0.4f, kHalf}), CausticsRole::caster);
-    maker.builder.add_light(test::sun_towards({0.1f, -1.0f, 1.2f}, 0.05f, 3.0f));
+    maker.builder.add_light(test::sun_towards({0.1f, -1.0f, 1.2f}, sun_angle, 3.0f));
     return maker.finish();
 }
 
 RenderSettings settings_with(uint32_t samples) {
     RenderSettings settings;
-    settings.integrator = test::few_bounces();
+    settings.integrator.limits.total = 4;
     settings.integrator.manifold = test::unbiased_manifold();
     settings.integrator.manifold.finder = ChainFinder::sheets;
     settings.light_tracing = true;
@@ -149,7 +151,7 @@ TEST(Crowding, OnlyFineMapsAreLeftToOthers) {
 // What is left out of the search is found by light paths and path tracing: the mean of the picture is that
 // of path tracing, and a hundredth more would be noticed.
 TEST(CrowdingSlow, WhatIsLeftOutIsFound) {
-    const RenderScene world = beside_a_mirror(0.015);
+    const RenderScene world = beside_a_mirror(0.015, 0.4f);  // a sun that path tracing finds
     const auto mean_of = [&](const RenderSettings& settings, uint32_t seeds) {
         test::MeanEstimate mean;
         for (uint32_t seed = 0; seed < seeds; ++seed) {

@@ -189,6 +189,62 @@ def test_a_muted_link_is_no_link():
     assert "Color" in node(desc, "bsdf_diffuse").inputs
 
 
+@pytest.mark.parametrize(
+    ("shader", "reader", "socket_type"),
+    [
+        ("ShaderNodeBsdfDiffuse", "Normal", "NodeSocketVector"),
+        ("ShaderNodeBsdfPrincipled", "Coat Normal", "NodeSocketVector"),
+        ("ShaderNodeTexImage", "Vector", "NodeSocketColor"),
+    ],
+)
+def test_a_constant_of_a_group_does_not_replace_what_a_surface_has(shader, reader, socket_type):
+    material = new_material()
+    group, inner = group_with(material, shader, "NodeSocketShader", "Shader")
+    inputs = add_group_input(group, "In", socket_type)
+    group.node_tree.links.new(inputs.outputs[0], compat.find_input(inner, reader))
+    material.node_tree.links.new(group.outputs[0], surface(material))
+    desc, needs, _, _ = convert(material)
+    assert all(reader not in n.inputs for n in desc.nodes)
+    assert needs.uv_maps == (frozenset([""]) if reader == "Vector" else frozenset())
+
+
+def test_a_hidden_value_of_a_group_counts():
+    material = new_material()
+    group, emission = group_with(material, "ShaderNodeEmission", "NodeSocketShader", "Shader")
+    inputs = add_group_input(group, "Color", "NodeSocketColor")
+    group.node_tree.links.new(inputs.outputs[0], emission.inputs["Color"])
+    group.inputs[0].default_value, group.inputs[0].hide_value = (0.5, 0.25, 0.75, 1), True
+    material.node_tree.links.new(group.outputs[0], surface(material))
+    assert node(convert(material)[0], "emission").inputs["Color"] == (0.5, 0.25, 0.75, 1)
+
+
+DEAD_ENDS = {
+    "reroute": ("NodeReroute", {}),
+    "muted texture": ("ShaderNodeTexImage", {"mute": True}),
+    "muted value": ("ShaderNodeRGB", {"mute": True}),
+    "muted filter": ("ShaderNodeGamma", {"mute": True}),
+    "empty group": ("ShaderNodeGroup", {}),
+}
+
+
+@pytest.mark.parametrize("name", DEAD_ENDS)
+def test_a_link_with_nothing_behind_it_is_none(name):
+    """As in Cycles 5.0; 3.4 took black for some of these."""
+    bl_idname, properties = DEAD_ENDS[name]
+    material = new_material()
+    emission = add_node(material, "ShaderNodeEmission", surface(material))
+    emission.inputs["Color"].default_value = (0.5, 0.25, 0.75, 1)
+    end = add_node(material, bl_idname, **properties)
+    if bl_idname == "ShaderNodeGroup":
+        end.node_tree = group_with(material, "ShaderNodeRGB", "NodeSocketColor", "Color")[0].node_tree
+    material.node_tree.links.new(end.outputs[0], emission.inputs["Color"])
+    if bl_idname == "ShaderNodeGroup":
+        end.node_tree.nodes.clear()
+    desc, _, warnings, _ = convert(material)
+    assert node(desc, "emission").inputs["Color"] == (0.5, 0.25, 0.75, 1)
+    assert warnings == []
+
+
 def test_unknown_shader_is_magenta_and_warned_of_once():
     material = new_material("strange")
     mix = add_node(material, "ShaderNodeMixShader", surface(material))

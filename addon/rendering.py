@@ -22,7 +22,7 @@ def render_view_layer(engine, depsgraph) -> statistics.Statistics | None:
     Raises ExportError or NativeError, whose message names the object.
     """
     scene, view_layer = depsgraph.scene_eval, depsgraph.view_layer_eval
-    settings = export_settings(scene, engine.is_preview)
+    settings = export_settings(scene, engine.is_preview, view_layer)
     stats = statistics.Statistics(
         scene.name, view_layer.name, native.version(), settings.method.name, method_label(scene)
     )

@@ -120,6 +120,14 @@ def uses_nodes(owner) -> bool:
     return owner.use_nodes and owner.node_tree is not None
 
 
+# ------------------------------------------------------------------------------------------ worlds
+
+
+def world_of(scene, view_layer):
+    """The world that a view layer shows: its own, which 3.4 has not, or the scene's."""
+    return getattr(view_layer, "world_override", None) or scene.world
+
+
 # ------------------------------------------------------------------------------------------ lights
 
 

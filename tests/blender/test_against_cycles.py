@@ -217,6 +217,23 @@ def test_world(stage):
     stage()
 
 
+LAYERS = ("use_sky", "use_solid", "material_override", "world_override")
+
+
+@pytest.mark.parametrize("setting", LAYERS)
+def test_view_layer(stage, setting):
+    layer = bpy.context.view_layer
+    if setting not in layer.bl_rna.properties:
+        pytest.skip("no such setting")
+    add_sky(2.0)
+    override = bpy.context.scene.world
+    add_sky()
+    place(add_light("AREA", energy=500, size=1.0))
+    values = {"material_override": diffuse(COPPER), "world_override": override}
+    setattr(layer, setting, values.get(setting, False))
+    stage()
+
+
 @pytest.mark.parametrize("name", MATERIALS)
 def test_material(stage, name):
     bl_idname, distribution, inputs = MATERIALS[name]

@@ -236,7 +236,9 @@ def test_a_link_with_nothing_behind_it_is_none(name):
     emission.inputs["Color"].default_value = (0.5, 0.25, 0.75, 1)
     end = add_node(material, bl_idname, **properties)
     if bl_idname == "ShaderNodeGroup":
-        end.node_tree = group_with(material, "ShaderNodeRGB", "NodeSocketColor", "Color")[0].node_tree
+        end.node_tree = group_with(material, "ShaderNodeRGB", "NodeSocketColor", "Color")[
+            0
+        ].node_tree
     material.node_tree.links.new(end.outputs[0], emission.inputs["Color"])
     if bl_idname == "ShaderNodeGroup":
         end.node_tree.nodes.clear()

@@ -3,7 +3,7 @@ import bpy
 import numpy as np
 import pytest
 from mathutils import Matrix
-from scenes import add_camera, add_light, add_mesh, export, link, new_material
+from scenes import add_camera, add_light, add_mesh, export, link, new_material, new_world
 
 from specula.export.desc import CausticsRole, ExportError, Visibility
 
@@ -125,6 +125,68 @@ def test_ray_visibility_of_object_and_instancer():
     assert scene.instances[0].visibility == expected
 
 
+def in_collection(obj, name="Collection"):
+    """Moves `obj` to a new collection; returns that as the view layer has it."""
+    collection = bpy.data.collections.new(name)
+    bpy.context.scene.collection.children.link(collection)
+    bpy.context.scene.collection.objects.unlink(obj)
+    collection.objects.link(obj)
+    return bpy.context.view_layer.layer_collection.children[name]
+
+
+def test_an_indirect_only_collection_is_not_seen_by_the_camera():
+    in_collection(add_mesh("Unseen")).indirect_only = True
+    add_mesh("Seen")
+    scene, warnings = export()
+    seen = {instance.name: instance.visibility for instance in scene.instances}
+    assert seen == {"Unseen": Visibility.ALL & ~Visibility.CAMERA, "Seen": Visibility.ALL}
+    assert warnings == []
+
+
+def test_a_view_layer_without_environment_has_no_world():
+    new_world()
+    assert export()[0].environment is not None
+    bpy.context.view_layer.use_sky = False
+    scene, warnings = export()
+    assert (scene.environment, scene.materials, warnings) == (None, [], [])
+
+
+@pytest.mark.skipif(
+    "world_override" not in bpy.types.ViewLayer.bl_rna.properties, reason="no such setting"
+)
+def test_a_view_layer_has_a_world_of_its_own():
+    new_world("Scene's")
+    bpy.context.view_layer.world_override = bpy.data.worlds.new("Layer's")
+    scene, _ = export()
+    assert scene.materials[scene.environment.material].name == "Layer's"
+
+
+def test_a_view_layer_without_surfaces_has_lights_alone():
+    add_mesh()
+    add_light()
+    bpy.context.view_layer.use_solid = False
+    scene, _ = export()
+    assert (len(scene.instances), len(scene.lights)) == (0, 1)
+
+
+def test_a_view_layer_overrides_materials():
+    mesh = add_mesh(material=new_material("Own"))
+    mesh.data.materials.append(new_material("Other"))
+    add_mesh("Bare")
+    bpy.context.view_layer.material_override = new_material("Clay")
+    scene, _ = export()
+    assert [material.name for material in scene.materials] == ["Clay"]
+    assert sorted(instance.materials for instance in scene.instances) == [[0], [0, 0]]
+
+
+def test_what_a_view_layer_leaves_out_is_not_missed():
+    add_fur()
+    link("Smoke", bpy.data.volumes.new("Smoke"))
+    layer = bpy.context.view_layer
+    layer.use_strand = layer.use_volumes = False
+    assert export()[1] == []
+
+
 def test_a_mesh_without_faces_is_left_out():
     add_mesh(faces=[])
     scene, warnings = export()
@@ -141,16 +203,24 @@ def test_a_scale_of_zero_is_left_out_with_a_warning():
 def test_unsupported_objects_and_holdouts_are_named_once():
     add_mesh("Hole").is_holdout = True
     link("Smoke", bpy.data.volumes.new("Smoke"))
+    add_mesh("Catcher").is_shadow_catcher = True
+    in_collection(add_mesh("Cut")).holdout = True
     _, warnings = export()
-    assert len(warnings) == 2
+    assert len(warnings) == 4
+    assert any("Catcher" in warning and "shadow catcher" in warning for warning in warnings)
+    assert any("Cut" in warning and "holdout" in warning for warning in warnings)
     assert any("Hole" in warning and "holdout" in warning for warning in warnings)
     assert any("Smoke" in warning and "VOLUME" in warning for warning in warnings)
 
 
-def test_hair_stereoscopy_and_motion_blur_are_named():
+def add_fur():
     obj = add_mesh("Fur")
     obj.modifiers.new("Hair", "PARTICLE_SYSTEM")
     obj.particle_systems[0].settings.type = "HAIR"
+
+
+def test_hair_stereoscopy_and_motion_blur_are_named():
+    add_fur()
     render = bpy.context.scene.render
     render.use_motion_blur = render.use_multiview = True
     _, warnings = export()

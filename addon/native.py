@@ -38,7 +38,11 @@ PROBE_IMAGE = b"BM" + struct.pack("<IIIIiiHHIIiiIII", 58, 0, 54, 40, 1, 1, 1, 24
 
 
 class NativeError(Exception):
-    """A call into the core failed, or the core cannot be loaded."""
+    """A call into the core failed, with a status, or the core cannot be loaded."""
+
+    def __init__(self, message: str, status: int | None = None):
+        super().__init__(message)
+        self.status = status
 
 
 def processor_flags(cpuinfo: str) -> set[str]:
@@ -111,7 +115,7 @@ def _check(status: int) -> None:
     message = library().spc_last_error().decode(errors="replace")
     names = abi.STATUS_NAMES
     kind = names[status] if 0 <= status < len(names) else f"status {status}"
-    raise NativeError(message or f"the core failed without a message ({kind})")
+    raise NativeError(message or f"the core failed without a message ({kind})", status)
 
 
 def version() -> str:

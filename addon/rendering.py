@@ -32,7 +32,7 @@ def render_view_layer(engine, depsgraph) -> statistics.Statistics | None:
     log = ExportLog()
     scene_desc = export_scene(depsgraph, log, images_as_pixels=not native.reads_image_files())
     camera = scene_desc.camera
-    with upload(scene_desc) as native_scene:
+    with upload(scene_desc, log) as native_scene:
         stats.export_seconds = time.perf_counter() - start
         stats.warnings = log.warnings
         if engine.test_break():

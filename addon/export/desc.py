@@ -124,6 +124,12 @@ class ImageDesc:
     alpha_mode: AlphaMode = AlphaMode.STRAIGHT
 
 
+def missing_image() -> ImageDesc:
+    """A magenta pixel, which Cycles shows for an image that cannot be read."""
+    magenta = np.array([[[255, 0, 255, 255]]], np.uint8)
+    return ImageDesc("(missing image)", pixels=magenta, color_space=ColorSpace.LINEAR)
+
+
 @dataclass
 class NodeDesc:
     """A node; its kinds, sockets and options are those that `native.node_kinds()` lists."""

@@ -36,7 +36,7 @@ class SceneExport:
         self.depsgraph = depsgraph
         self.layer = depsgraph.view_layer_eval
         self.log = log
-        self.images = Images(log, images_as_pixels)
+        self.images = Images(log, images_as_pixels, depsgraph.scene_eval.frame_current)
         self.scene = SceneDesc(images=self.images.descs)
         self._materials: dict = {}  # evaluated material or None -> (index, needs)
         self._meshes: dict = {}  # (evaluated mesh, slots) -> (index or None, needs)

@@ -11,6 +11,7 @@ from scenes import IDENTITY, camera, emission, glowing_triangle, triangle
 
 from specula import native
 from specula.export import desc
+from specula.export.log import ExportLog
 from specula.upload import upload
 
 V3_FLAGS = "fpu sse2 cx16 lahf_lm popcnt ssse3 sse4_1 sse4_2 avx avx2 fma bmi1 bmi2 f16c movbe abm"
@@ -283,6 +284,28 @@ def test_a_wrong_shape_is_our_own_error():
     scene.meshes[0].normals = np.zeros((2, 3, 3), np.float32)
     with pytest.raises(ValueError, match="shape"):
         upload(scene)
+
+
+def test_an_image_file_that_cannot_be_read_is_told_or_an_error(tmp_path):
+    (tmp_path / "broken.png").write_text("no image")
+    image = desc.ImageDesc("Broken", path=str(tmp_path / "broken.png"))
+    scene = glowing_triangle()
+    scene.images = [image]
+    with pytest.raises(native.NativeError, match="Broken"):
+        upload(scene)
+    scene, log = glowing_triangle(), ExportLog()
+    scene.images = [image]
+    upload(scene, log).close()
+    (warning,) = log.warnings
+    assert "Broken" in warning and "shown in magenta" in warning
+
+
+def test_bad_pixels_are_an_error_all_the_same():
+    scene, log = glowing_triangle(), ExportLog()
+    scene.images = [desc.ImageDesc("Empty", pixels=np.zeros((0, 4, 4), np.uint8))]
+    with pytest.raises(native.NativeError, match="Empty"):
+        upload(scene, log)
+    assert log.warnings == []
 
 
 def test_defaults_are_the_cores_own():

@@ -483,12 +483,19 @@ def test_one_image_for_two_users():
     assert {node(m, "image_texture").image for m in scene.materials} == {0}
 
 
-def added(image, user="test"):
+def added(image, user="test", **properties):
     """(ImageDesc, warnings) of adding one image."""
     log = ExportLog()
-    images = Images(log)
-    images.add(image, user)
+    images = Images(log, **properties)
+    images.add(image, image_user(), user)
     return images.descs[0], log.warnings
+
+
+def image_user(**properties):
+    node = add_node(new_material(), "ShaderNodeTexImage")
+    for name, value in properties.items():
+        setattr(node.image_user, name, value)
+    return node.image_user
 
 
 def test_generated_image_gives_pixels_from_the_bottom_up():
@@ -536,9 +543,7 @@ def test_painted_image_gives_its_pixels(image_file):
 def test_blender_decodes_images_for_a_core_that_does_not(image_file, packed):
     if packed:
         image_file.pack()
-    images = Images(ExportLog(), as_pixels=True)
-    images.add(image_file, "user")
-    (desc,) = images.descs
+    desc, _ = added(image_file, as_pixels=True)
     assert (desc.path, desc.encoded) == (None, None)
     assert (desc.pixels.shape, desc.pixels.dtype) == ((4, 4, 4), np.uint8)
     assert (desc.color_space, desc.alpha_mode) == (ColorSpace.SRGB, AlphaMode.STRAIGHT)
@@ -565,6 +570,113 @@ def test_missing_file_is_magenta():
     desc, warnings = added(image)
     assert desc.pixels.tolist() == [[[255, 0, 255, 255]]]
     assert warnings == ["image gone: /nowhere/gone.png is missing, shown in magenta"]
+
+
+@pytest.mark.parametrize("size", [(3, 5), (1200, 900)])
+@pytest.mark.parametrize("alpha", [True, False])
+def test_bytes_in_memory_are_exact(size, alpha):
+    """The larger one goes through in several parts."""
+    image = bpy.data.images.new("Noise", *size, alpha=alpha)
+    count = size[0] * size[1] * image.channels
+    wanted = np.random.default_rng(1).integers(0, 256, count, np.uint8)
+    image.pixels.foreach_set(wanted.astype(np.float32) / 255)
+    desc, _ = added(image)
+    assert desc.pixels.dtype == np.uint8
+    np.testing.assert_array_equal(desc.pixels.ravel(), wanted)
+    # Nothing keeps the floats that it was made of.
+    owner = desc.pixels
+    while owner.base is not None:
+        owner = owner.base
+    assert owner.nbytes <= wanted.nbytes + 3
+
+
+@pytest.fixture
+def sequence(tmp_path):
+    """An image sequence of the numbers 0 to 9, whose red is ten times the number, of 255."""
+    for number in range(10):
+        save_color(tmp_path / f"take2_{number:04}.png", 10 * number / 255)
+    image = bpy.data.images.load(str(tmp_path / "take2_0000.png"))
+    image.source = "SEQUENCE"
+    return image
+
+
+def save_color(path, red):
+    image = new_image(path.stem)
+    image.pixels.foreach_set([red, 0, 0, 1] * 16)
+    image.filepath_raw, image.file_format = str(path), "PNG"
+    image.save()
+
+
+# As Cycles shows them: frame_start, frame_offset, frame_duration, use_cyclic, frame -> number.
+SHOWN = [
+    (1, 0, 5, False, -3, 0),
+    (1, 0, 5, False, 1, 1),
+    (1, 0, 5, False, 3, 3),
+    (1, 0, 5, False, 9, 5),
+    (1, 0, 5, True, -3, 2),
+    (1, 0, 5, True, 0, 5),
+    (1, 0, 5, True, 9, 4),
+    (3, 0, 5, False, 5, 3),
+    (1, 2, 3, False, -3, 2),
+    (1, 2, 3, False, 3, 5),
+    (1, 0, 2, True, 0, 2),
+]
+
+
+@pytest.mark.parametrize(("start", "offset", "count", "cyclic", "frame", "number"), SHOWN)
+def test_a_sequence_shows_the_file_of_its_frame(
+    sequence, tmp_path, start, offset, count, cyclic, frame, number
+):
+    user = image_user(
+        frame_start=start, frame_offset=offset, frame_duration=count, use_cyclic=cyclic
+    )
+    log = ExportLog()
+    images = Images(log, frame=frame)
+    images.add(sequence, user, "user")
+    assert images.descs[0].path == str(tmp_path / f"take2_{number:04}.png")
+    assert log.warnings == []
+
+
+def test_a_sequence_without_the_file_is_magenta(sequence, tmp_path):
+    images = Images(ExportLog(), frame=30)
+    images.add(sequence, image_user(frame_duration=50), "user")
+    assert images.descs[0].pixels.tolist() == [[[255, 0, 255, 255]]]
+
+
+def test_blender_decodes_the_frame_of_a_sequence(sequence):
+    before = len(bpy.data.images)
+    images = Images(ExportLog(), as_pixels=True, frame=7)
+    for start in (1, 3, 1):
+        images.add(sequence, image_user(frame_duration=20, frame_start=start), "user")
+    assert [desc.pixels[0, 0, 0] for desc in images.descs] == [70, 50]
+    assert len(bpy.data.images) == before
+
+
+@pytest.mark.parametrize("name", ["skin.<UDIM>.png", "skin.<UVTILE>.png"])
+def test_a_udim_shows_its_first_tile(tmp_path, name):
+    numbers = ("1001", "1012") if "UDIM" in name else ("u1_v1", "u2_v2")
+    for number in numbers:
+        save_color(tmp_path / f"skin.{number}.png", 0.5)
+    image = bpy.data.images.load(str(tmp_path / f"skin.{numbers[0]}.png"))
+    image.source = "TILED"
+    image.filepath = str(tmp_path / name)
+    if len(image.tiles) == 1:
+        image.tiles.new(1012)
+    desc, warnings = added(image)
+    assert desc.path == str(tmp_path / f"skin.{numbers[0]}.png")
+    assert warnings == [f"image {image.name}: of its tiles only 1001 is shown"]
+    image.tiles.remove(image.tiles[1])
+    image.tiles[0].number = 1012
+    desc, warnings = added(image)
+    assert desc.path == str(tmp_path / f"skin.{numbers[1]}.png")
+    assert warnings == []
+
+
+def test_a_movie_without_pixels_is_magenta(image_file):
+    image_file.source = "MOVIE"
+    desc, warnings = added(image_file)
+    assert desc.pixels.tolist() == [[[255, 0, 255, 255]]]
+    assert "has no pixels" in warnings[-1]
 
 
 def test_unknown_colour_space_is_named():

@@ -155,6 +155,12 @@ def light_gain(light) -> tuple[float, float, float]:
     return (gain, gain, gain)
 
 
+def has_light_linking(obj) -> bool:
+    """Whether a light shines on some objects only, or only some block it (since 4.0)."""
+    linking = getattr(obj, "light_linking", None)
+    return bool(linking and (linking.receiver_collection or linking.blocker_collection))
+
+
 def is_normalized(light) -> bool:
     """False if the light's power is per unit of its area (since 4.5)."""
     return getattr(light, "normalize", True)

@@ -217,6 +217,36 @@ def test_world(stage):
     stage()
 
 
+@pytest.mark.parametrize("animated", ["energy", "strength", "world", "material", "lens"])
+def test_animation(stage, animated):
+    """Of a later frame, whose values are not those that the file holds as well."""
+    add_sky()
+    light = add_light("POINT", energy=100, shadow_soft_size=0)
+    place(light)
+    scene = bpy.context.scene
+    light.data.use_nodes = True
+    nodes = light.data.node_tree.nodes
+    owner, name = {
+        "energy": (light.data, "energy"),
+        "strength": (
+            next(n for n in nodes if n.type == "EMISSION").inputs["Strength"],
+            "default_value",
+        ),
+        "world": (scene.world.node_tree.nodes["Background"].inputs["Strength"], "default_value"),
+        "material": (
+            bpy.data.materials[0].node_tree.nodes["Diffuse BSDF"].inputs["Color"],
+            "default_value",
+        ),
+        "lens": (scene.camera.data, "lens"),
+    }[animated]
+    owner.keyframe_insert(name, frame=1)
+    value = getattr(owner, name)
+    setattr(owner, name, COPPER if animated == "material" else 8 * value)
+    owner.keyframe_insert(name, frame=9)
+    scene.frame_set(4)
+    stage()
+
+
 LAYERS = ("use_sky", "use_solid", "material_override", "world_override")
 
 

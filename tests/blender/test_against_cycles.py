@@ -352,6 +352,66 @@ def test_bump(render, name):
     np.testing.assert_allclose(ours, theirs, atol=TOLERANCE * theirs.mean())
 
 
+def test_background_on_a_surface(stage):
+    material = new_material()
+    add_node(material, "ShaderNodeBackground", surface(material)).inputs[
+        "Color"
+    ].default_value = COPPER
+    bpy.ops.mesh.primitive_uv_sphere_add(radius=1.2, location=(0, 0, 1.3))
+    bpy.context.object.data.materials.append(material)
+    stage()
+
+
+WORLDS = {
+    "emission": "ShaderNodeEmission",
+    "colour": "ShaderNodeRGB",
+    "nothing": None,
+    "diffuse": "ShaderNodeBsdfDiffuse",
+}
+
+
+@pytest.mark.parametrize("name", WORLDS)
+def test_world_without_a_background(stage, name):
+    place(add_light("AREA", energy=300, size=1.0))
+    world = new_world()
+    if WORLDS[name]:
+        node = add_node(world, WORLDS[name], surface(world))
+        color = node.outputs[0] if name == "colour" else node.inputs["Color"]
+        color.default_value = COPPER
+    stage()
+
+
+@pytest.mark.parametrize("kind", ["VERTS", "FACES", "COLLECTION", "PARTICLES"])
+def test_instances(stage, kind):
+    """Of a cube, on the corners, the faces or the particles of a grid, or in a collection."""
+    add_sky()
+    place(add_light("SUN", energy=2))
+    bpy.ops.mesh.primitive_cube_add(size=0.6)
+    cube = bpy.context.object
+    cube.data.materials.append(diffuse(COPPER))
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=3, y_subdivisions=3, size=3, location=(0, 0, 1))
+    grid = bpy.context.object
+    grid.show_instancer_for_render = False
+    if kind in ("VERTS", "FACES"):
+        cube.parent, grid.instance_type = grid, kind
+    elif kind == "COLLECTION":
+        collection = bpy.data.collections.new("Cubes")
+        bpy.context.scene.collection.objects.unlink(cube)
+        collection.objects.link(cube)
+        bpy.ops.object.empty_add(location=(1, 0, 1))
+        bpy.context.object.instance_type = kind
+        bpy.context.object.instance_collection = collection
+    else:
+        grid.modifiers.new("Particles", "PARTICLE_SYSTEM")
+        settings = grid.particle_systems[0].settings
+        settings.count, settings.frame_start, settings.frame_end = 20, 1, 1
+        settings.physics_type, settings.particle_size = "NO", 0.8
+        settings.render_type, settings.instance_object = "OBJECT", cube
+        cube.location.z = -9
+        bpy.context.scene.frame_set(2)
+    stage()
+
+
 # What fills a glass ball, or, without a surface, a box around all that is seen, camera and lamp.
 MEDIA = {
     "absorption": ("ShaderNodeVolumeAbsorption", {"Color": COPPER, "Density": 1.5}),

@@ -21,6 +21,7 @@ from specula.export.image import Images
 from specula.export.log import ExportLog
 from specula.export.material import export_material
 from specula.export.nodes import NODES
+from specula.upload import upload
 
 OLD_PRINCIPLED = bpy.app.version < (4, 0, 0)
 
@@ -703,6 +704,28 @@ def test_world_is_a_background_graph():
     assert scene.environment.feeds_caustics is False
     assert scene.environment.visibility == Visibility.ALL & ~Visibility.CAMERA
     assert warnings == []
+
+
+def test_a_background_on_a_surface_is_an_emission():
+    material = new_material()
+    mix = add_node(material, "ShaderNodeMixShader", surface(material))
+    add_node(material, "ShaderNodeBackground", mix.inputs[1])
+    desc, *_ = convert(material)
+    assert links(desc) == {
+        "emission.Emission -> mix_shader.Shader",
+        "mix_shader.Shader -> output.Surface",
+    }
+
+
+@pytest.mark.parametrize("bl_idname", [None, "ShaderNodeEmission", "ShaderNodeTexNoise"])
+def test_every_world_has_a_background(bl_idname):
+    world = new_world()
+    if bl_idname:
+        add_node(world, bl_idname, surface(world))
+    scene, _ = export()
+    with upload(scene) as native_scene:
+        native_scene.commit(1)
+    assert node(scene.materials[0], "background").inputs["Strength"] == (0, 0, 0, 1)
 
 
 def test_no_world_is_no_environment():

@@ -9,7 +9,7 @@ import re
 import bpy
 import numpy as np
 
-from .desc import AlphaMode, ColorSpace, ImageDesc, missing_image
+from .desc import AlphaMode, ColorSpace, ExportError, ImageDesc, missing_image
 from .log import ExportLog
 
 CHUNK = 1 << 20  # floats that become bytes at a time
@@ -56,7 +56,10 @@ class Images:
         key = (image, sequence_number(image, image_user, self._frame))
         if key not in self._indices:
             self._indices[key] = len(self.descs)
-            self.descs.append(self._export(*key) if image else missing_image())
+            try:
+                self.descs.append(self._export(*key) if image else missing_image())
+            except MemoryError as error:
+                raise ExportError(f"image {image.name}: out of memory ({error})") from error
         return self._indices[key]
 
     def _export(self, image, number: int | None) -> ImageDesc:

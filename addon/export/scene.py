@@ -63,6 +63,8 @@ class SceneExport:
             self._instance(instance)
         except ExportError:
             raise
+        except MemoryError as error:
+            raise ExportError(f"object {name}: out of memory ({error})") from error
         except Exception as error:
             raise ExportError(f"object {name}: {type(error).__name__}: {error}") from error
 

@@ -3,7 +3,18 @@ import bpy
 import numpy as np
 import pytest
 from mathutils import Matrix
-from scenes import add_camera, add_light, add_mesh, export, link, new_material, new_world
+from scenes import (
+    add_camera,
+    add_light,
+    add_mesh,
+    add_node,
+    export,
+    link,
+    new_image,
+    new_material,
+    new_world,
+    surface,
+)
 
 from specula.export.desc import CausticsRole, ExportError, Visibility
 
@@ -281,6 +292,25 @@ def test_an_exception_names_its_object(monkeypatch):
     monkeypatch.setattr(scene, "export_mesh", broken)
     add_mesh("Culprit")
     with pytest.raises(ExportError, match="object Culprit: RuntimeError: broken"):
+        export()
+
+
+def test_memory_that_runs_out_names_what_it_was_for(monkeypatch):
+    from specula.export import image, scene
+
+    def full(*_):
+        raise MemoryError("1 GiB")
+
+    material = new_material()
+    emission = add_node(material, "ShaderNodeEmission", surface(material))
+    add_node(material, "ShaderNodeTexImage", emission.inputs["Color"], image=new_image("Huge"))
+    add_mesh("Mountain", material=material)
+    monkeypatch.setattr(image, "_pixels", full)
+    with pytest.raises(ExportError, match=r"^image Huge: out of memory \(1 GiB\)$"):
+        export()
+    monkeypatch.undo()
+    monkeypatch.setattr(scene, "export_mesh", full)
+    with pytest.raises(ExportError, match=r"^object Mountain: out of memory \(1 GiB\)$"):
         export()
 
 

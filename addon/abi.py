@@ -18,7 +18,7 @@ from ctypes import (
 )
 from enum import IntEnum
 
-API_VERSION = 7  # SPC_API_VERSION that this file mirrors
+API_VERSION = 8  # SPC_API_VERSION that this file mirrors
 
 STATUS_NAMES = (
     "OK",
@@ -157,6 +157,7 @@ LightDesc = _struct(
     ("spread", c_float),
     ("visibility", c_uint32),
     ("feeds_caustics", c_uint32),
+    ("soft_falloff", c_uint32),
 )
 
 CameraDesc = _struct(

@@ -187,6 +187,7 @@ def _light(light: desc.LightDesc) -> abi.LightDesc:
         spread=light.spread,
         visibility=light.visibility,
         feeds_caustics=light.feeds_caustics,
+        soft_falloff=light.soft_falloff,
     )
 
 

@@ -155,6 +155,11 @@ def light_gain(light) -> tuple[float, float, float]:
     return (gain, gain, gain)
 
 
+def has_soft_falloff(light) -> bool:
+    """Whether a point or spot light is a disk in Cycles, which had no other in 3.4."""
+    return getattr(light, "use_soft_falloff", True)
+
+
 def has_light_linking(obj) -> bool:
     """Whether a light shines on some objects only, or only some block it (since 4.0)."""
     linking = getattr(obj, "light_linking", None)

@@ -94,11 +94,9 @@ def _node_emission(light, owner: str, log: ExportLog) -> tuple[float, float, flo
 
 
 def _point(desc: LightDesc, light, owner: str, log: ExportLog) -> None:
-    """A sphere. Cycles' soft falloff (its default, and all it had until 3.6) is a disk instead.
-
-    At ten times the radius the disk gives 1% less light.
-    """
+    """A sphere or, with soft falloff, a disk that faces what it lights."""
     desc.radius = light.shadow_soft_size
+    desc.soft_falloff = compat.has_soft_falloff(light)
     if not compat.is_normalized(light):
         # Of a sphere; Cycles' point, which has no area, shines with a factor of 4.
         _scale(desc, 4.0 * math.pi * desc.radius**2 if desc.radius > 0.0 else 4.0)

@@ -212,6 +212,47 @@ def test_light(stage, name):
     stage()
 
 
+NEAR_LIGHTS = {
+    "point": ("POINT", {}),
+    "spot": ("SPOT", {"spot_size": 1.8, "spot_blend": 0.3}),
+    "narrow spot": ("SPOT", {"spot_size": 0.8, "spot_blend": 0.3}),
+}
+NEAR_WHAT = ("plane", "plane within its radius", "lampshade", "mirror")
+
+
+@pytest.mark.parametrize("soft", [True, False])
+@pytest.mark.parametrize("what", NEAR_WHAT)
+@pytest.mark.parametrize("name", NEAR_LIGHTS)
+def test_wide_light(stage, name, what, soft):
+    """Near to a plane, with something that stands within the light, or with what shows it."""
+    kind, properties = NEAR_LIGHTS[name]
+    if kind == "SPOT" and bpy.app.version < (4, 0, 0):
+        pytest.skip("the edge of Cycles' spots had another profile")
+    light = add_light(kind, energy=100, shadow_soft_size=1.0, **properties)
+    if hasattr(light.data, "use_soft_falloff"):
+        light.data.use_soft_falloff = soft
+    elif not soft:
+        pytest.skip("always soft")
+    if kind == "SPOT" and not soft and what in ("plane within its radius", "lampshade"):
+        pytest.skip("Cycles loses light of a spot's sphere from inside")
+    if name == "narrow spot":
+        scene = bpy.context.scene
+        scene.specula.samples = scene.cycles.samples = 4 * BEAM_SAMPLES
+    light.location = (0.5, 0.3, 0.6 if what == "plane within its radius" else 1.6)
+    if what == "lampshade":
+        shade = add_mesh("Shade", material=diffuse(COPPER))
+        shade.location, shade.scale = (0.4, 0.3, 1.3), (0.5, 0.5, 1)
+    elif what == "mirror":
+        light.visible_camera = True
+        mirror = new_material()
+        glossy = add_node(mirror, "ShaderNodeBsdfGlossy", surface(mirror))
+        glossy.inputs["Roughness"].default_value = 0.1
+        wall = add_mesh("Mirror", material=mirror)
+        wall.location, wall.rotation_euler = (0, 2.5, 1), (math.pi / 2, 0, 0)
+        wall.scale = (2, 1, 1)
+    stage()
+
+
 def test_world(stage):
     add_sky()
     stage()

@@ -39,6 +39,14 @@ def test_point():
     assert warnings == []
 
 
+def test_soft_falloff():
+    obj = add_light("SPOT", shadow_soft_size=0.5)
+    assert only_light()[0].soft_falloff is True  # Blender's default, and all that 3.4 has
+    if hasattr(obj.data, "use_soft_falloff"):
+        obj.data.use_soft_falloff = False
+        assert only_light()[0].soft_falloff is False
+
+
 def test_spot():
     add_light("SPOT", spot_size=1.0, spot_blend=0.25, shadow_soft_size=0.5)
     light, _ = only_light()

@@ -303,9 +303,9 @@ def test_memory_that_runs_out_names_what_it_was_for(monkeypatch):
     scene = native.Scene()
     monkeypatch.setattr(native.library(), "spc_scene_add_mesh", lambda *_: out_of_memory)
     monkeypatch.setattr(native.library(), "spc_scene_commit", lambda *_: out_of_memory)
-    with pytest.raises(native.NativeError, match='^mesh "Mountain": out of memory$'):
+    with pytest.raises(native.NativeError, match=r'^mesh "Mountain": out of memory$'):
         scene.add("mesh", abi.MeshDesc(name=b"Mountain"))
-    with pytest.raises(native.NativeError, match="^building the scene: out of memory$"):
+    with pytest.raises(native.NativeError, match=r"^building the scene: out of memory$"):
         scene.commit()
     scene.close()
 

@@ -158,6 +158,7 @@ LightDesc = _struct(
     ("spread", c_float),
     ("visibility", c_uint32),
     ("feeds_caustics", c_uint32),
+    ("soft_falloff", c_uint32),
 )
 
 CameraDesc = _struct(

@@ -42,7 +42,7 @@ class _NoImages:
             for space in desc.ColorSpace
         ]
 
-    def add(self, image, user: str) -> int:
+    def add(self, image, image_user, user: str) -> int:
         name = image.colorspace_settings.name if image else "sRGB"
         return int(COLOR_SPACES.get(name, desc.ColorSpace.SRGB))
 

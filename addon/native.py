@@ -38,7 +38,11 @@ PROBE_IMAGE = b"BM" + struct.pack("<IIIIiiHHIIiiIII", 58, 0, 54, 40, 1, 1, 1, 24
 
 
 class NativeError(Exception):
-    """A call into the core failed, or the core cannot be loaded."""
+    """A call into the core failed, with a status, or the core cannot be loaded."""
+
+    def __init__(self, message: str, status: int | None = None):
+        super().__init__(message)
+        self.status = status
 
 
 def processor_flags(cpuinfo: str) -> set[str]:
@@ -105,13 +109,16 @@ def library() -> ctypes.CDLL:
     return load(library_path(flags, library_directories()))
 
 
-def _check(status: int) -> None:
+def _check(status: int, what: str = "the core") -> None:
+    """Raises NativeError for a failure; `what` is being made, should memory run out."""
     if status == 0:
         return
+    if status == abi.STATUS_NAMES.index("out of memory"):
+        raise NativeError(f"{what}: out of memory", status)
     message = library().spc_last_error().decode(errors="replace")
     names = abi.STATUS_NAMES
     kind = names[status] if 0 <= status < len(names) else f"status {status}"
-    raise NativeError(message or f"the core failed without a message ({kind})")
+    raise NativeError(message or f"the core failed without a message ({kind})", status)
 
 
 def version() -> str:
@@ -153,9 +160,9 @@ class Scene:
     def add(self, kind: str, struct: abi.SizedStructure) -> int:
         """Calls spc_scene_add_<kind>; returns the new index."""
         index = c_uint32()
-        _check(
-            getattr(library(), f"spc_scene_add_{kind}")(self.handle, byref(struct), byref(index))
-        )
+        add = getattr(library(), f"spc_scene_add_{kind}")
+        what = f'{kind} "{struct.name.decode(errors="replace")}"'
+        _check(add(self.handle, byref(struct), byref(index)), what)
         return index.value
 
     def set(self, kind: str, struct: abi.SizedStructure) -> None:
@@ -170,7 +177,7 @@ class Scene:
 
     def commit(self, threads: int = 0) -> None:
         """Ends the changes and builds what rendering needs, with `threads` threads (0: all)."""
-        _check(library().spc_scene_commit(self.handle, threads))
+        _check(library().spc_scene_commit(self.handle, threads), "building the scene")
 
     def stats(self) -> dict[str, int | float]:
         """spc_scene_stats of a committed scene."""
@@ -210,7 +217,8 @@ class Session:
         """Starts rendering with a `desc.RenderSettings`; returns at once."""
         self.handle = c_void_p()
         struct = _settings_struct(settings)
-        _check(library().spc_render_start(scene.handle, byref(struct), byref(self.handle)))
+        start = library().spc_render_start
+        _check(start(scene.handle, byref(struct), byref(self.handle)), "starting the render")
 
     def wait(self, milliseconds: int) -> abi.RenderProgress:
         """Progress when the render ends or the time is over. Raises if the render failed."""

@@ -29,7 +29,7 @@ def render_view_layer(engine, depsgraph) -> statistics.Statistics | None:
     Raises ExportError or NativeError, whose message names the object.
     """
     scene, view_layer = depsgraph.scene_eval, depsgraph.view_layer_eval
-    settings = export_settings(scene, engine.is_preview)
+    settings = export_settings(scene, engine.is_preview, view_layer)
     stats = statistics.Statistics(
         scene.name, view_layer.name, native.version(), settings.method.name, method_label(scene)
     )
@@ -39,7 +39,7 @@ def render_view_layer(engine, depsgraph) -> statistics.Statistics | None:
     log = ExportLog()
     scene_desc = export_scene(depsgraph, log, images_as_pixels=not native.reads_image_files())
     camera = scene_desc.camera
-    with upload(scene_desc) as native_scene:
+    with upload(scene_desc, log) as native_scene:
         stats.export_seconds = time.perf_counter() - start
         stats.warnings = log.warnings
         if engine.test_break():

@@ -11,20 +11,23 @@ import numpy as np
 
 from . import abi, native
 from .export import desc
+from .export.log import ExportLog
 
 _PIXEL_TYPES = {np.dtype(np.uint8): 0, np.dtype(np.float32): 1}
 
 
-def upload(scene_desc: desc.SceneDesc) -> native.Scene:
+def upload(scene_desc: desc.SceneDesc, log: ExportLog | None = None) -> native.Scene:
     """A new scene with everything in `scene_desc`, not yet committed.
 
-    Meshes leave `scene_desc.meshes` as they are copied, so that a large scene is in memory once.
-    Raises native.NativeError, whose message names the object.
+    Images and meshes leave `scene_desc` as they are copied, so that a large scene is in memory
+    once. An image file that cannot be read is told to `log` and shown in magenta. Raises
+    native.NativeError, whose message names the object.
     """
     scene = native.Scene()
     try:
-        for image in scene_desc.images:
-            scene.add("image", _image(image))
+        images, scene_desc.images = scene_desc.images, []
+        for image in _drain(images):
+            _add_image(scene, image, log)
         for material in scene_desc.materials:
             scene.add("material", _material(material))
         meshes, scene_desc.meshes = scene_desc.meshes, []
@@ -42,6 +45,16 @@ def upload(scene_desc: desc.SceneDesc) -> native.Scene:
         scene.close()
         raise
     return scene
+
+
+def _add_image(scene: native.Scene, image: desc.ImageDesc, log: ExportLog | None) -> None:
+    try:
+        scene.add("image", _image(image))
+    except native.NativeError as error:
+        if log is None or error.status != abi.STATUS_NAMES.index("I/O error"):
+            raise
+        log.warn("images", f"{error}, shown in magenta")
+        scene.add("image", _image(desc.missing_image()))
 
 
 def _drain(items: list):
@@ -174,6 +187,7 @@ def _light(light: desc.LightDesc) -> abi.LightDesc:
         spread=light.spread,
         visibility=light.visibility,
         feeds_caustics=light.feeds_caustics,
+        soft_falloff=light.soft_falloff,
     )
 
 

@@ -120,6 +120,14 @@ def uses_nodes(owner) -> bool:
     return owner.use_nodes and owner.node_tree is not None
 
 
+# ------------------------------------------------------------------------------------------ worlds
+
+
+def world_of(scene, view_layer):
+    """The world that a view layer shows: its own, which 3.4 has not, or the scene's."""
+    return getattr(view_layer, "world_override", None) or scene.world
+
+
 # ------------------------------------------------------------------------------------------ lights
 
 
@@ -145,6 +153,17 @@ def light_gain(light) -> tuple[float, float, float]:
     if getattr(light, "use_temperature", False):
         return tuple(gain * channel for channel in light.temperature_color)
     return (gain, gain, gain)
+
+
+def has_soft_falloff(light) -> bool:
+    """Whether a point or spot light is a disk in Cycles, which had no other in 3.4."""
+    return getattr(light, "use_soft_falloff", True)
+
+
+def has_light_linking(obj) -> bool:
+    """Whether a light shines on some objects only, or only some block it (since 4.0)."""
+    linking = getattr(obj, "light_linking", None)
+    return bool(linking and (linking.receiver_collection or linking.blocker_collection))
 
 
 def is_normalized(light) -> bool:

@@ -136,6 +136,12 @@ class ImageDesc:
     alpha_mode: AlphaMode = AlphaMode.STRAIGHT
 
 
+def missing_image() -> ImageDesc:
+    """A magenta pixel, which Cycles shows for an image that cannot be read."""
+    magenta = np.array([[[255, 0, 255, 255]]], np.uint8)
+    return ImageDesc("(missing image)", pixels=magenta, color_space=ColorSpace.LINEAR)
+
+
 @dataclass
 class NodeDesc:
     """A node; its kinds, sockets and options are those that `native.node_kinds()` lists."""
@@ -221,6 +227,7 @@ class LightDesc:
     transform: np.ndarray  # (3, 4) float32, light to world, shining along -Z
     power: tuple[float, float, float]  # W times colour; sun: irradiance, W/m^2
     radius: float = 0.0  # point, spot: m
+    soft_falloff: bool = False  # point, spot: a disk that faces what it lights, not a sphere
     spot_angle: float = np.pi  # full opening angle, rad
     spot_blend: float = 0.0  # share of the cone that is soft
     sun_angle: float = 0.0  # full angular diameter, rad

@@ -38,30 +38,43 @@ class Output:
 def source(socket, path: GroupPath) -> Constant | Output | None:
     """What input `socket` reads; None if it has neither link nor value, so that its default holds.
 
-    A shader or a normal has no value; so has an input that a muted node or an empty group cuts off
-    (`socket` itself is None where a group has no such socket).
+    A shader has no value. A normal or a texture's vector has one that is hidden: the surface's own
+    takes its place, also where a group offers a constant. A link that ends in reroutes, muted nodes
+    or empty groups, with nothing behind them, is none. (`socket` itself is None where a group has
+    no such socket.)
     """
     if socket is None:
         return None
-    link = next((link for link in socket.links if link.is_valid and not link.is_muted), None)
-    if link is None:
+    found = _behind(socket, path)
+    if found is None or (isinstance(found, Constant) and socket.hide_value):
         return constant(socket)
-    return _through(link.from_node, link.from_socket, path)
+    return found
+
+
+def _behind(socket, path: GroupPath) -> Constant | Output | None:
+    """What the link of input `socket` leads to; None without one or at a dead end."""
+    link = next((link for link in socket.links if link.is_valid and not link.is_muted), None)
+    return _through(link.from_node, link.from_socket, path) if link else None
 
 
 def _through(node, socket, path: GroupPath) -> Constant | Output | None:
     """Follows output `socket` of `node` to a node that computes something."""
     if node.bl_idname == "NodeReroute":
-        return source(node.inputs[0], path) if node.inputs[0].is_linked else None
+        return _behind(node.inputs[0], path)
     if node.mute:
         passed = next((link for link in node.internal_links if link.to_socket == socket), None)
-        return source(passed.from_socket, path) if passed else None
+        return _behind(passed.from_socket, path) if passed else None
     if node.bl_idname == "NodeGroupInput":
-        return source(_same(path[-1].inputs, socket), path[:-1])
+        return _of_group(_same(path[-1].inputs, socket), path[:-1])
     if hasattr(node, "node_tree"):
         result = group_output(node.node_tree)
-        return source(_same(result.inputs, socket), (*path, node)) if result else None
+        return _of_group(_same(result.inputs, socket), (*path, node)) if result else None
     return Output(node, socket, path)
+
+
+def _of_group(socket, path: GroupPath) -> Constant | Output | None:
+    """What passes through a group's socket, whose value counts even where it is hidden."""
+    return None if socket is None else _behind(socket, path) or _value(socket)
 
 
 def group_output(tree):
@@ -76,7 +89,11 @@ def _same(sockets, socket):
 
 def constant(socket) -> Constant | None:
     """The socket's own value, or None if it has none to set."""
-    if socket.hide_value or not hasattr(socket, "default_value"):
+    return None if socket.hide_value else _value(socket)
+
+
+def _value(socket) -> Constant | None:
+    if not hasattr(socket, "default_value"):
         return None
     if socket.type == "VECTOR":
         return Constant((*socket.default_value, 1.0), "VECTOR")

@@ -4,14 +4,16 @@
 from __future__ import annotations
 
 import os
+import re
 
 import bpy
 import numpy as np
 
-from .desc import AlphaMode, ColorSpace, ImageDesc
+from .desc import AlphaMode, ColorSpace, ExportError, ImageDesc, missing_image
 from .log import ExportLog
 
-MAGENTA = np.array([[[255, 0, 255, 255]]], np.uint8)  # what Cycles shows for a missing image
+CHUNK = 1 << 20  # floats that become bytes at a time
+FIRST_TILE = 1001  # of a UDIM; ten in a row
 
 # Colour spaces by name: 3.4's and 5.0's names for what the core can read.
 COLOR_SPACES = {
@@ -33,43 +35,61 @@ ALPHA_MODES = {
 class Images:
     """The images of a scene, each exported once."""
 
-    def __init__(self, log: ExportLog, as_pixels: bool = False):
-        """`as_pixels`: Blender decodes every image, for a core that reads no files."""
+    def __init__(self, log: ExportLog, as_pixels: bool = False, frame: int = 1):
+        """`as_pixels`: Blender decodes every image, for a core that reads no files.
+
+        `frame` is the scene's.
+        """
         self.descs: list[ImageDesc] = []
         self._log = log
         self._as_pixels = as_pixels
+        self._frame = frame
         self._indices: dict = {}
 
-    def add(self, image, user: str) -> int:
-        """Index of `image`; of a magenta pixel if it is None or its file is missing."""
+    def add(self, image, image_user, user: str) -> int:
+        """Index of `image`; of a magenta pixel if there is nothing to see.
+
+        `image_user` is Blender's, which tells what a sequence shows; `user` is who reads it.
+        """
         if image is None:
             self._log.warn(user, "has no image, shown in magenta")
-        elif not _has_data(image):
-            self._log.warn(f"image {image.name}", f"{_path(image)} is missing, shown in magenta")
-            image = None
-        if image not in self._indices:
-            self._indices[image] = len(self.descs)
-            self.descs.append(self._export(image) if image else _magenta())
-        return self._indices[image]
+        key = (image, sequence_number(image, image_user, self._frame))
+        if key not in self._indices:
+            self._indices[key] = len(self.descs)
+            try:
+                self.descs.append(self._export(*key) if image else missing_image())
+            except MemoryError as error:
+                raise ExportError(f"image {image.name}: out of memory ({error})") from error
+        return self._indices[key]
 
-    def _export(self, image) -> ImageDesc:
+    def _export(self, image, number: int | None) -> ImageDesc:
+        path = _path(image, number)
+        in_memory = _is_in_memory(image)
+        if not (in_memory or image.packed_file or os.path.isfile(path)):
+            return self._missing(image, f"{path} is missing")
         desc = ImageDesc(
             name=image.name,
             color_space=self._color_space(image),
             alpha_mode=ALPHA_MODES[image.alpha_mode],
         )
-        if image.source in ("SEQUENCE", "MOVIE", "TILED"):
-            self._log.warn(
-                f"image {image.name}", f"{image.source.lower()} images are shown as a single image"
-            )
-        if self._as_pixels or image.is_dirty or image.source in ("GENERATED", "VIEWER", "MOVIE"):
-            desc.pixels = _pixels(image)
+        if image.source == "TILED" and len(image.tiles) > 1:
+            self._log.warn(f"image {image.name}", f"of its tiles only {_tile(image)} is shown")
+        if image.source == "MOVIE":
+            self._log.warn(f"image {image.name}", "of a movie only the first frame is shown")
+        if self._as_pixels or in_memory or image.source == "MOVIE":
+            desc.pixels = _pixels(image) if number is None else _pixels_of_file(image, path)
             desc.color_space, desc.alpha_mode = _as_in_memory(image, desc)
+            if not desc.pixels.size:
+                return self._missing(image, "has no pixels")
         elif image.packed_file:
             desc.encoded = image.packed_file.data
         else:
-            desc.path = _path(image)
+            desc.path = path
         return desc
+
+    def _missing(self, image, why: str) -> ImageDesc:
+        self._log.warn(f"image {image.name}", f"{why}, shown in magenta")
+        return missing_image()
 
     def _color_space(self, image) -> ColorSpace:
         name = image.colorspace_settings.name
@@ -80,33 +100,87 @@ class Images:
         return COLOR_SPACES.get(name, ColorSpace.SRGB)
 
 
-def _path(image) -> str:
-    """Absolute path of the image's file; of the first tile of a UDIM."""
-    path = image.filepath.replace("<UDIM>", "1001").replace("<UVTILE>", "u1_v1")
+def sequence_number(image, image_user, frame: int) -> int | None:
+    """Which file of a sequence is shown in the scene's `frame`; None for other images.
+
+    As in Cycles, which does not ask for *Auto Refresh*.
+    """
+    if image is None or image.source != "SEQUENCE":
+        return None
+    count = image_user.frame_duration
+    place = frame - image_user.frame_start + 1  # the first is 1
+    if image_user.use_cyclic and count:
+        place = (place - 1) % count + 1
+    return max(min(place, count), 0) + image_user.frame_offset
+
+
+def _tile(image) -> int:
+    """The tile that stands for all of a UDIM."""
+    return image.tiles[0].number if len(image.tiles) else FIRST_TILE
+
+
+def _path(image, number: int | None = None) -> str:
+    """Absolute path of the image's file; of the file `number` of a sequence, of a UDIM's tile."""
+    path = image.filepath
+    if image.source == "TILED":
+        v, u = divmod(_tile(image) - FIRST_TILE, 10)
+        path = path.replace("<UDIM>", str(_tile(image))).replace("<UVTILE>", f"u{u + 1}_v{v + 1}")
+    if number is not None:
+        path = _of_sequence(path, number)
     return os.path.normpath(bpy.path.abspath(path, library=image.library))
 
 
-def _has_data(image) -> bool:
-    if image.source in ("GENERATED", "VIEWER") or image.is_dirty or image.packed_file:
+def _of_sequence(path: str, number: int) -> str:
+    """Puts `number` in the place of the last digits of the file's name."""
+    stem, extension = os.path.splitext(path)
+    head, digits, tail = re.fullmatch(r"(.*?)(\d*)([^\d/\\]*)", stem, re.DOTALL).groups()
+    return f"{head}{number:0{len(digits)}}{tail}{extension}" if digits else path
+
+
+def _is_in_memory(image) -> bool:
+    """Whether Blender alone has the pixels."""
+    if image.source in ("GENERATED", "VIEWER") or image.is_dirty:
         return True
-    return os.path.isfile(_path(image))
+    has_file = image.packed_file or os.path.isfile(_path(image))
+    return image.source == "TILED" and image.has_data and not has_file
 
 
 def _pixels(image) -> np.ndarray:
     """(H, W, C) as Blender holds them, bottom row first: uint8, or float32 if it holds floats."""
     width, height = image.size
-    pixels = np.empty((height, width, image.channels), np.float32)
-    image.pixels.foreach_get(pixels.ravel())
-    return pixels if image.is_float else np.rint(255.0 * pixels).astype(np.uint8)
+    pixels = np.empty(width * height * image.channels, np.float32)
+    image.pixels.foreach_get(pixels)
+    if not image.is_float:
+        pixels = _into_bytes(pixels)
+    return pixels.reshape(height, width, image.channels)
+
+
+def _into_bytes(values: np.ndarray) -> np.ndarray:
+    """0 to 1 as bytes, in the memory of `values`, which is given up: large images fit but once."""
+    count = values.size
+    target = values.view(np.uint8)
+    for start in range(0, count, CHUNK):
+        part = 255.0 * values[start : start + CHUNK]
+        target[start : start + part.size] = np.rint(part, out=part)
+    del target
+    values.resize(-(-count // 4), refcheck=False)
+    return values.view(np.uint8)[:count]
+
+
+def _pixels_of_file(image, path: str) -> np.ndarray:
+    """`_pixels` of one file of the sequence `image`, which Blender does not tell otherwise."""
+    file = bpy.data.images.load(path)
+    try:
+        file.colorspace_settings.name = image.colorspace_settings.name
+        file.alpha_mode = image.alpha_mode
+        return _pixels(file)
+    finally:
+        bpy.data.images.remove(file)
 
 
 def _as_in_memory(image, desc: ImageDesc) -> tuple[ColorSpace, AlphaMode]:
     """Colour space and alpha of `image.pixels`: float buffers are linear and premultiplied."""
-    if image.is_float and desc.color_space != ColorSpace.DATA:
+    if desc.pixels.dtype == np.float32 and desc.color_space != ColorSpace.DATA:
         alpha = AlphaMode.PREMULTIPLIED if desc.alpha_mode != AlphaMode.NONE else AlphaMode.NONE
         return ColorSpace.LINEAR, alpha
     return desc.color_space, desc.alpha_mode
-
-
-def _magenta() -> ImageDesc:
-    return ImageDesc("(missing image)", pixels=MAGENTA, color_space=ColorSpace.LINEAR)

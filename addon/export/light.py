@@ -28,6 +28,12 @@ def export_light(
     owner = f"light {obj.name}"
     if getattr(compat.cycles_settings(light), "is_portal", False):
         return None  # a hint for sampling the world, not a light
+    transform = _usable(transform, light)
+    if transform is None:
+        log.warn(owner, "has a scale or size of zero, it gives no light")
+        return None
+    if compat.has_light_linking(obj):
+        log.warn(owner, "light linking is not supported, it shines on and is blocked by everything")
     if not compat.casts_shadows(light):
         visibility &= ~Visibility.SHADOW
     desc = LightDesc(
@@ -42,10 +48,27 @@ def export_light(
     return desc
 
 
+def _usable(transform: np.ndarray, light) -> np.ndarray | None:
+    """A transform that can be inverted; None where, as in Cycles, nothing shines.
+
+    A point has no direction: its scale may be 0.
+    """
+    if np.linalg.det(transform[:, :3].astype(np.float64)) == 0.0:
+        point = np.c_[np.eye(3, dtype=np.float32), transform[:, 3]]
+        return point if light.type == "POINT" else None
+    if light.type == "AREA":
+        _, size_x, size_y = AREA_SHAPES[light.shape]
+        return transform if getattr(light, size_x) * getattr(light, size_y) > 0.0 else None
+    return transform
+
+
 def _power(light, owner: str, log: ExportLog) -> tuple[float, float, float]:
     """Colour times energy (W; sun: W/m^2), times what the light's nodes emit."""
     factors = (light.color, compat.light_gain(light), _node_emission(light, owner, log))
-    return tuple(light.energy * math.prod(channels) for channels in zip(*factors, strict=True))
+    power = tuple(light.energy * math.prod(channels) for channels in zip(*factors, strict=True))
+    if min(power) < 0.0:
+        log.warn(owner, "negative light is not supported, it is left out")
+    return tuple(max(channel, 0.0) for channel in power)
 
 
 def _node_emission(light, owner: str, log: ExportLog) -> tuple[float, float, float]:
@@ -71,11 +94,9 @@ def _node_emission(light, owner: str, log: ExportLog) -> tuple[float, float, flo
 
 
 def _point(desc: LightDesc, light, owner: str, log: ExportLog) -> None:
-    """A sphere. Cycles' soft falloff (its default, and all it had until 3.6) is a disk instead.
-
-    At ten times the radius the disk gives 1% less light.
-    """
+    """A sphere or, with soft falloff, a disk that faces what it lights."""
     desc.radius = light.shadow_soft_size
+    desc.soft_falloff = compat.has_soft_falloff(light)
     if not compat.is_normalized(light):
         # Of a sphere; Cycles' point, which has no area, shines with a factor of 4.
         _scale(desc, 4.0 * math.pi * desc.radius**2 if desc.radius > 0.0 else 4.0)

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from . import compat, graph
 from .desc import Glints, LinkDesc, MaterialDesc, MaterialNeeds, NodeDesc
 from .image import Images
@@ -36,8 +38,20 @@ def export_material(material, images: Images, log: ExportLog) -> tuple[MaterialD
         return plain_material(material.name, "bsdf_diffuse", "BSDF", color), MaterialNeeds()
     converter = Converter(f"material {material.name}", images, log)
     desc, needs = converter.convert(material.name, material.node_tree)
+    _make_emission(desc)
     desc.glints = Glints[material.specula.glints]
     return desc, needs
+
+
+def _make_emission(desc: MaterialDesc) -> None:
+    """A Background shader on a surface is an emission."""
+    backgrounds = {i for i, node in enumerate(desc.nodes) if node.kind == "background"}
+    for index in backgrounds:
+        desc.nodes[index].kind = "emission"
+    desc.links = [
+        replace(link, from_socket="Emission") if link.from_node in backgrounds else link
+        for link in desc.links
+    ]
 
 
 class Converter:

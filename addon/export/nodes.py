@@ -86,7 +86,7 @@ def _old_principled(converter, node, desc) -> None:
 
 
 def _image(converter, node, desc) -> None:
-    desc.image = converter.images.add(node.image, converter.label(node))
+    desc.image = converter.images.add(node.image, node.image_user, converter.label(node))
 
 
 _GLOSSY = NodeKind(

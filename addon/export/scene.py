@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from . import compat
 from .camera import export_camera
 from .desc import EnvironmentDesc, ExportError, InstanceDesc, MaterialNeeds, SceneDesc
 from .image import Images
@@ -12,7 +13,7 @@ from .light import export_light
 from .log import ExportLog
 from .material import default_material, export_material
 from .mesh import export_mesh
-from .visibility import caustics_role, instance_visibility, world_visibility
+from .visibility import caustics_role, instance_visibility, instancer, world_visibility
 from .world import export_world
 
 # Objects that carry something to see which Specula cannot show. Curves, surfaces, text and
@@ -33,15 +34,16 @@ class SceneExport:
 
     def __init__(self, depsgraph, log: ExportLog, images_as_pixels: bool):
         self.depsgraph = depsgraph
+        self.layer = depsgraph.view_layer_eval
         self.log = log
-        self.images = Images(log, images_as_pixels)
+        self.images = Images(log, images_as_pixels, depsgraph.scene_eval.frame_current)
         self.scene = SceneDesc(images=self.images.descs)
         self._materials: dict = {}  # evaluated material or None -> (index, needs)
         self._meshes: dict = {}  # (evaluated mesh, slots) -> (index or None, needs)
 
     def run(self) -> SceneDesc:
         self.scene.camera = export_camera(self.depsgraph)
-        self._world(self.depsgraph.scene_eval.world)
+        self._world(compat.world_of(self.depsgraph.scene_eval, self.layer))
         for instance in self.depsgraph.object_instances:
             if instance.show_self:
                 self._named_instance(instance)
@@ -61,39 +63,46 @@ class SceneExport:
             self._instance(instance)
         except ExportError:
             raise
+        except MemoryError as error:
+            raise ExportError(f"object {name}: out of memory ({error})") from error
         except Exception as error:
             raise ExportError(f"object {name}: {type(error).__name__}: {error}") from error
 
     def _instance(self, instance) -> None:
         obj = instance.object
         owner = f"object {obj.name}"
-        if obj.type in UNSUPPORTED_TYPES:
+        if obj.type in UNSUPPORTED_TYPES and (obj.type != "VOLUME" or self.layer.use_volumes):
             self.log.warn(owner, f"type {obj.type} is not supported, it is not rendered")
         if obj.type not in ("MESH", "LIGHT"):
             return
         # The matrix belongs to the iterator: gone at the next step.
         transform = np.array(instance.matrix_world, np.float32)[:3]
-        visibility = instance_visibility(instance)
+        visibility = instance_visibility(instance, self.layer)
         if obj.type == "LIGHT":
             light = export_light(obj, transform, visibility, self.log)
             if light:
                 self.scene.lights.append(light)
             return
-        self._check_object(obj, owner)
+        self._check_object(instance, owner)
+        if not self.layer.use_solid:
+            return
         self._mesh_instance(obj, transform, visibility, caustics_role(instance))
 
-    def _check_object(self, obj, owner: str) -> None:
-        if obj.is_holdout:
+    def _check_object(self, instance, owner: str) -> None:
+        if instancer(instance).holdout_get(view_layer=self.layer):
             self.log.warn(owner, "holdout is not supported, the object is rendered")
-        if any(
+        if instance.object.is_shadow_catcher:
+            self.log.warn(owner, "shadow catchers are not supported, the object is rendered")
+        if self.layer.use_strand and any(
             system.settings.type == "HAIR" and system.settings.render_type == "PATH"
-            for system in obj.particle_systems
+            for system in instance.object.particle_systems
         ):
             self.log.warn(owner, "hair is not supported, it is not rendered")
 
     def _mesh_instance(self, obj, transform: np.ndarray, visibility, role) -> None:
-        materials = [self._material(slot.material) for slot in obj.material_slots]
-        materials = materials or [self._material(None)]
+        slots = [slot.material for slot in obj.material_slots] or [None]
+        override = self.layer.material_override
+        materials = [self._material(override or material) for material in slots]
         needs = MaterialNeeds()
         for _, material_needs in materials:
             needs |= material_needs
@@ -144,7 +153,7 @@ class SceneExport:
         return self._materials[material]
 
     def _world(self, world) -> None:
-        if world is None:
+        if world is None or not self.layer.use_sky:
             return
         self.scene.environment = EnvironmentDesc(
             material=len(self.scene.materials),

@@ -28,8 +28,11 @@ INHERITED = {
 }
 
 
-def export_settings(scene, is_preview: bool = False) -> RenderSettings:
-    """Settings for a final render of `scene`, or for a preview with few samples."""
+def export_settings(scene, is_preview: bool = False, view_layer=None) -> RenderSettings:
+    """Settings for a final render of `scene`, or for a preview with few samples.
+
+    `view_layer` may have its own number of samples.
+    """
     own = scene.specula
     settings = RenderSettings(
         method=Method[own.method],
@@ -53,6 +56,8 @@ def export_settings(scene, is_preview: bool = False) -> RenderSettings:
     settings.pixel_filter = _pixel_filter(scene, settings.pixel_filter)
     if compat.cycles_value(scene, "use_animated_seed", False):
         settings.seed += scene.frame_current
+    if view_layer:
+        settings.samples = _layer_samples(scene, view_layer, settings.samples)
     if is_preview:
         settings.samples = min(settings.samples, PREVIEW_SAMPLES)
         settings.light_tracing = LightTracing.OFF  # its pilot takes longer than so few samples
@@ -90,3 +95,12 @@ def film_exposure(scene) -> float:
 def _pixel_filter(scene, default: PixelFilter) -> PixelFilter:
     value = compat.cycles_value(scene, "pixel_filter_type", default.name)
     return PixelFilter[value] if isinstance(value, str) else PixelFilter(value)
+
+
+def _layer_samples(scene, view_layer, samples: int) -> int:
+    """`samples` of the scene, unless the view layer has its own."""
+    use = compat.cycles_value(scene, "use_layer_samples", "USE")
+    use = use if isinstance(use, str) else ("USE", "BOUNDED", "IGNORE")[use]
+    if view_layer.samples == 0 or use == "IGNORE":
+        return samples
+    return min(view_layer.samples, samples) if use == "BOUNDED" else view_layer.samples

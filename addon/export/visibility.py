@@ -31,11 +31,20 @@ def object_visibility(obj) -> Visibility:
     return visible
 
 
-def instance_visibility(instance) -> Visibility:
-    """Of a depsgraph instance: an instance is seen where both it and its instancer are."""
-    visible = object_visibility(instance.object)
-    if instance.is_instance and instance.parent:
-        visible &= object_visibility(instance.parent)
+def instancer(instance):
+    """The object that a depsgraph instance belongs to: what makes it, else itself."""
+    return instance.parent if instance.is_instance and instance.parent else instance.object
+
+
+def instance_visibility(instance, view_layer) -> Visibility:
+    """Of a depsgraph instance: it is seen where both it and its instancer are.
+
+    In an *Indirect Only* collection of the view layer the camera sees nothing.
+    """
+    owner = instancer(instance)
+    visible = object_visibility(instance.object) & object_visibility(owner)
+    if owner.indirect_only_get(view_layer=view_layer):
+        visible &= ~Visibility.CAMERA
     return visible
 
 

@@ -177,6 +177,7 @@ LightDesc to_light(const spc_light_desc& desc) {
     light.power = Spectrum(desc.power[0], desc.power[1], desc.power[2]);
     const bool has_radius = light.type == LightType::point || light.type == LightType::spot;
     light.radius = has_radius ? desc.radius : 0.0f;
+    light.soft_falloff = desc.soft_falloff != 0;
     light.spot_angle = desc.spot_angle;
     light.spot_blend = desc.spot_blend;
     light.sun_angle = desc.sun_angle;

@@ -95,11 +95,25 @@ private:
         if (!next) return false;
         if (dot(surface.ng, next->wi) < 0.0f) media_.cross(scene_, surface.hit, next->wi);
         if (next->kind == BounceKind::transparent) return look_through(instance, *next);
+        if (history_.count == 0 && !history_.has_scattered() && !reaches(surface.p)) return false;
         const bool goes_on =
             next->delta ? turn(surface, *next) : may_scatter && scatter(surface, *next, here);
         ray_ = {offset_origin({surface.p, surface.ng, surface.p_error}, next->wi), next->wi, 0.0f,
                 kInfinity};
         return goes_on;
+    }
+
+    // Whether light of y comes to the first surface, from where it begins.
+    bool reaches(const Vec3& p) {
+        if (y_.distant) return true;
+        if (!shows_itself(world_.lights, y_, p)) return false;
+        const Vec3 begin = light_begins(world_.lights, y_, p);
+        if (begin == y_.p || transparent_ > settings_.limits.transparent) return begin == y_.p;
+        uint32_t transparent_left = settings_.limits.transparent - transparent_;
+        Media media = media_at(scene_, y_.p, stats_.rays);
+        passed_ *= transmittance(scene_, {y_.p, y_.n, 0.0f}, {false, begin, Vec3(0.0f)},
+                                 kVisibleScattered, transparent_left, media, stats_.rays);
+        return !is_black(passed_);
     }
 
     bool look_through(const Instance& instance, const ClosureSample& next) {

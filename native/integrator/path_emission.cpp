@@ -34,19 +34,21 @@ Spectrum PathTracer::emission_of_world() const {
 }
 
 Spectrum PathTracer::emission_of_lamp(const Hit& hit) const {
-    const Vec3 p = ray.origin + ray.direction * hit.t;
-    const Spectrum radiance = lamp_radiance(world.lights.lamps[hit.light], p, ray.direction * -1.0f);
+    const Lamp& lamp = world.lights.lamps[hit.light];
+    const Spectrum radiance =
+        lamp_radiance(lamp, ray.origin + ray.direction * hit.t, ray.direction * -1.0f);
     if (is_black(radiance)) return radiance;
+    const Vec3 y = lamp_point_seen(lamp, ray.origin, ray.direction, hit.t);
     float pdf_direct = 0.0f, pdf_point = 0.0f, cos_y = 0.0f;
     if (history.stage == PathHistory::Stage::scattered)
         pdf_direct = pdf_direct_lamp(world.lights, history.lit_point(), ray.direction, hit);
     if (light_points_count()) {
-        cos_y = -dot(lamp_normal(world.lights.lamps[hit.light], p), ray.direction);
+        cos_y = -dot(lamp_normal(lamp, y), ray.direction);
         // The manifold sees lamps from outside alone.
         if (cos_y > 0.0f) pdf_point = pdf_light_point_lamp(world.lights, hit);
     }
     return radiance *
-           weight_of_lamp({{false, p, Vec3(0.0f)}, hit.light, false, cos_y, pdf_point, pdf_direct});
+           weight_of_lamp({{false, y, Vec3(0.0f)}, hit.light, false, cos_y, pdf_point, pdf_direct});
 }
 
 Spectrum PathTracer::emission_of_surface(const Hit& hit, const Surface& surface) const {

@@ -10,9 +10,8 @@
 //   area              radiance   P / (pi area) on one side; the area includes the transform's scale
 //   spread s          the same times max(tan h - tan a, 0) / (tan h - h), h = s / 2, at the angle a
 //                     with the normal
-// The lamps' scale changes nothing but areas, and beams where it is uneven. One difference is
-// meant: with Blender's "soft falloff" Cycles replaces the sphere by a disk that faces the
-// receiver: E d^2 / (d^2 + r^2) instead of E.
+// The lamps' scale changes nothing but areas, and beams where it is uneven. With "soft falloff" a
+// disk of the sphere's radiance faces the receiver: E d^2 / (d^2 + r^2) instead of E.
 #include "light/lamp.h"
 
 #include "light/rectangle.h"
@@ -63,16 +62,34 @@ SpreadProfile make_spread(float spread) {
 
 Spectrum scaled(const Spectrum& power, double factor) { return power * static_cast<float>(factor); }
 
+// Squared sine of the cone that a lamp fills from a distance, whose square is d2, from outside.
+float sine_squared(const SphereLamp& lamp, float d2) {
+    const float r2 = lamp.radius * lamp.radius;
+    return lamp.soft ? r2 / (d2 + r2) : r2 / d2;
+}
+
 // How far a sphere is along a direction whose angle with that to its centre, d away, has this
 // cosine and squared sine.
 float distance_to_sphere(float d, float radius, float cos, float sin2) {
     return d * cos - safe_sqrt(radius * radius - d * d * sin2);
 }
 
-// 1 - cos of the cone that a sphere fills, seen from outside.
-float sphere_one_minus_cos(float radius, float d2) {
-    const float sin2 = radius * radius / d2;
-    return sin2 / (1.0f + safe_sqrt(1.0f - sin2));
+float one_minus_cos_of(float sin2) { return sin2 / (1.0f + safe_sqrt(1.0f - sin2)); }
+
+// Along a direction as for distance_to_sphere.
+float distance_to(const SphereLamp& lamp, float d, float cos, float sin2) {
+    return lamp.soft ? d / cos : distance_to_sphere(d, lamp.radius, cos, sin2);
+}
+
+// Whether p is inside, from where a hard lamp shines all around.
+bool is_inside(const SphereLamp& lamp, float d2) {
+    return !lamp.soft && !(d2 > lamp.radius * lamp.radius);
+}
+
+bool is_seen(const SphereLamp& lamp, const Vec3& p, const Vec3& wi) {
+    const Vec3 to_center = lamp.center - p;
+    const float along = dot(to_center, wi), d2 = length_squared(to_center);
+    return along > 0.0f && length_squared(to_center - wi * along) <= d2 * sine_squared(lamp, d2);
 }
 
 // A narrow beam from a sphere that fills a wider cone is sampled by the beam's directions instead.
@@ -94,7 +111,8 @@ std::optional<LampSample> sample_one(const PointLamp& lamp, const Vec3& p, const
 std::optional<LampSample> sample_one(const SphereLamp& lamp, const Vec3& p, const Vec2& u) {
     const Vec3 to_center = lamp.center - p;
     const float d2 = length_squared(to_center);
-    if (!(d2 > lamp.radius * lamp.radius)) {
+    if (!(d2 > 0.0f) && lamp.soft) return std::nullopt;
+    if (is_inside(lamp, d2)) {
         const Vec3 wi = uniform_sphere(u);
         const float along = dot(wi, to_center);
         const float t =
@@ -102,7 +120,7 @@ std::optional<LampSample> sample_one(const SphereLamp& lamp, const Vec3& p, cons
         return LampSample{wi, t, lamp.radiance, kUniformSpherePdf, false};
     }
     const float d = std::sqrt(d2);
-    const float cone = sphere_one_minus_cos(lamp.radius, d2);
+    const float widest = sine_squared(lamp, d2), cone = one_minus_cos_of(widest);
     const Vec3 center_direction = to_center * (1.0f / d);
     if (by_beam(lamp, cone)) {
         const float beam = 1.0f - lamp.profile.cos_widest;
@@ -110,18 +128,17 @@ std::optional<LampSample> sample_one(const SphereLamp& lamp, const Vec3& p, cons
         const float profile = lamp.profile.towards(wi * -1.0f);
         const float cos = dot(wi, center_direction);
         const float sin2 = length_squared(center_direction - wi * cos);
-        if (!(profile > 0.0f && cos > 0.0f && sin2 * d2 < lamp.radius * lamp.radius))
-            return std::nullopt;
-        return LampSample{wi, distance_to_sphere(d, lamp.radius, cos, sin2),
-                          lamp.radiance * profile, uniform_cone_pdf(beam), false};
+        if (!(profile > 0.0f && cos > 0.0f && sin2 < widest)) return std::nullopt;
+        return LampSample{wi, distance_to(lamp, d, cos, sin2), lamp.radiance * profile,
+                          uniform_cone_pdf(beam), false};
     }
     const Vec3 local = uniform_cone(u, cone);
     const Vec3 wi = Frame::around(center_direction).to_world(local);
     const float profile = lamp.profile.towards(wi * -1.0f);
     if (!(profile > 0.0f)) return std::nullopt;
     const float sin2 = local.x * local.x + local.y * local.y;
-    return LampSample{wi, distance_to_sphere(d, lamp.radius, local.z, sin2),
-                      lamp.radiance * profile, uniform_cone_pdf(cone), false};
+    return LampSample{wi, distance_to(lamp, d, local.z, sin2), lamp.radiance * profile,
+                      uniform_cone_pdf(cone), false};
 }
 
 std::optional<LampSample> sample_one(const ParallelSun& lamp, const Vec3&, const Vec2&) {
@@ -200,9 +217,11 @@ float pdf_one(const PointLamp&, const Vec3&, const Vec3&, float) { return 0.0f; 
 float pdf_one(const ParallelSun&, const Vec3&, const Vec3&, float) { return 0.0f; }
 float pdf_one(const SphereLamp& lamp, const Vec3& p, const Vec3& wi, float) {
     const float d2 = length_squared(lamp.center - p);
-    if (!(d2 > lamp.radius * lamp.radius)) return kUniformSpherePdf;
+    if (is_inside(lamp, d2)) return kUniformSpherePdf;
     if (!(lamp.profile.towards(wi * -1.0f) > 0.0f)) return 0.0f;
-    const float cone = sphere_one_minus_cos(lamp.radius, d2);
+    // Of the points of the sphere only some show themselves.
+    if (lamp.soft && !is_seen(lamp, p, wi)) return 0.0f;
+    const float cone = one_minus_cos_of(sine_squared(lamp, d2));
     return uniform_cone_pdf(by_beam(lamp, cone) ? 1.0f - lamp.profile.cos_widest : cone);
 }
 float pdf_one(const DiscSun& lamp, const Vec3&, const Vec3& wi, float) {
@@ -222,7 +241,7 @@ float pdf_one(const AreaLamp& lamp, const Vec3& p, const Vec3& wi, float distanc
 Spectrum radiance_one(const PointLamp&, const Vec3&, const Vec3&) { return Spectrum(0.0f); }
 Spectrum radiance_one(const ParallelSun&, const Vec3&, const Vec3&) { return Spectrum(0.0f); }
 Spectrum radiance_one(const SphereLamp& lamp, const Vec3& q, const Vec3& away) {
-    const bool inwards = dot(q - lamp.center, away) < 0.0f;
+    const bool inwards = !lamp.soft && dot(q - lamp.center, away) < 0.0f;
     return inwards ? lamp.radiance : lamp.radiance * lamp.profile.towards(away);
 }
 Spectrum radiance_one(const DiscSun& lamp, const Vec3&, const Vec3& away) {
@@ -318,7 +337,7 @@ Lamp make_lamp(const LightDesc& desc) {
             if (!(desc.radius > kLeastLampRadius))
                 return PointLamp{desc.position(), scaled(desc.power, 1.0 / (4.0 * pi)), profile};
             const double r = desc.radius;
-            return SphereLamp{desc.position(), desc.radius,
+            return SphereLamp{desc.position(), desc.radius, desc.soft_falloff,
                               scaled(desc.power, 1.0 / (4.0 * pi * pi * r * r)), profile};
         }
         case LightType::sun: {
@@ -381,6 +400,25 @@ Spectrum delta_strength(const Lamp& lamp, const Vec3& away) {
 }
 LampPoint sample_lamp_point(const Lamp& lamp, const Vec2& u) {
     return std::visit([&](const auto& l) { return point_one(l, u); }, lamp);
+}
+Vec3 lamp_point_seen(const Lamp& lamp, const Vec3& p, const Vec3& wi, float distance) {
+    const auto* sphere = std::get_if<SphereLamp>(&lamp);
+    if (sphere == nullptr || !sphere->soft) return p + wi * distance;
+    const Vec3 to_center = sphere->center - p;
+    const float along = dot(to_center, wi), r2 = sphere->radius * sphere->radius;
+    const float side = length_squared(to_center) > r2 ? -1.0f : 1.0f;
+    const Vec3 foot = wi * along - to_center;  // from the centre
+    return sphere->center + foot + wi * (side * safe_sqrt(r2 - length_squared(foot)));
+}
+bool lamp_shows(const Lamp& lamp, const Vec3& q, const Vec3& p) {
+    const auto* sphere = std::get_if<SphereLamp>(&lamp);
+    return sphere == nullptr || !sphere->soft || is_seen(*sphere, p, normalize(q - p));
+}
+Vec3 lamp_light_begins(const Lamp& lamp, const Vec3& q, const Vec3& p) {
+    const auto* sphere = std::get_if<SphereLamp>(&lamp);
+    if (sphere == nullptr || !sphere->soft) return q;
+    const Vec3 to_center = sphere->center - p, wi = normalize(q - p);
+    return p + wi * (length_squared(to_center) / dot(to_center, wi));
 }
 Vec3 lamp_normal(const Lamp& lamp, const Vec3& q) {
     if (const auto* area = std::get_if<AreaLamp>(&lamp)) return area->normal;

@@ -273,6 +273,14 @@ Spectrum radiance_at(const LightSet& lights, const Scene& scene, const LightPoin
     return lamp_radiance(lamp, y.p, away);
 }
 
+bool shows_itself(const LightSet& lights, const LightPoint& y, const Vec3& p) {
+    return y.light >= lights.lamps.size() || lamp_shows(lights.lamps[y.light], y.p, p);
+}
+
+Vec3 light_begins(const LightSet& lights, const LightPoint& y, const Vec3& p) {
+    return y.light < lights.lamps.size() ? lamp_light_begins(lights.lamps[y.light], y.p, p) : y.p;
+}
+
 float pdf_light_point_lamp(const LightSet& lights, const Hit& hit) {
     return chance(lights.caustic_selection, hit.light) * lamp_point_pdf(lights.lamps[hit.light]);
 }
@@ -325,6 +333,7 @@ LightPoint light_point_of(const LightSet& lights, const Scene& scene, const Vec3
     } else if (distant) {
         y.pdf = pdf_light_point_sun(lights, y.light, sample.wi);
     } else {
+        y.p = lamp_point_seen(lights.lamps[y.light], p, sample.wi, sample.distance);
         y.n = lamp_normal(lights.lamps[y.light], y.p);
         y.pdf = pdf_light_point_lamp(lights, {sample.distance, y.light, y.surface});
     }

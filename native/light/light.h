@@ -145,6 +145,11 @@ std::optional<LightPoint> sample_light_point(const LightSet& lights, const Scene
 Spectrum radiance_at(const LightSet& lights, const Scene& scene, const LightPoint& y,
                      const Vec3& away);
 
+// Whether p sees the light of y, as it does but of some lamps, and from where on the way there must be
+// free. For points of lights that are not distant.
+bool shows_itself(const LightSet& lights, const LightPoint& y, const Vec3& p);
+Vec3 light_begins(const LightSet& lights, const LightPoint& y, const Vec3& p);
+
 // Density (as LightPoint::pdf) with which sample_light_point finds the point that a ray from p
 // along wi hit; 0 for a light that does not feed casters.
 float pdf_light_point_lamp(const LightSet& lights, const Hit& hit);

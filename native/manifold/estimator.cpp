@@ -252,7 +252,7 @@ private:
         const Vec3 away = end_of(y_).from(last, distance_y) * -1.0f;
         Connection result;
         result.radiance = radiance_at(lights_, scene_, y_, away);
-        if (is_black(result.radiance)) return std::nullopt;
+        if (is_black(result.radiance) || !shows_itself(lights_, y_, last)) return std::nullopt;
 
         CausticPath path = receiver_.camera != nullptr
                                ? camera_path(*receiver_.camera, receiver_.p, wi)
@@ -364,6 +364,7 @@ private:
     // An emissive mesh does not block its own light.
     ChainEnd end_of_light(const Vec3& last) const {
         ChainEnd end = end_of(y_);
+        if (!end.distant) end.p = light_begins(lights_, y_, last);
         if (y_.surface.instance == kNone) return end;
         const float cosine = std::abs(dot(y_.n, normalize(y_.p - last)));
         end.margin = position_error(scene_, y_.surface.instance, y_.surface.triangle) /

@@ -193,9 +193,12 @@ struct Accel::Impl {
 Accel::Accel(const Scene& scene, uint32_t threads) : impl_(std::make_unique<Impl>()) {
     const std::string config = threads == 0 ? std::string() : fmt::format("threads={}", threads);
     impl_->device = rtcNewDevice(config.c_str());
-    if (impl_->device == nullptr)
-        throw std::runtime_error(fmt::format("Embree could not start (error {})",
-                                             static_cast<int>(rtcGetDeviceError(nullptr))));
+    if (impl_->device == nullptr) {
+        const RTCError code = rtcGetDeviceError(nullptr);
+        if (code == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
+        throw std::runtime_error(
+            fmt::format("Embree could not start (error {})", static_cast<int>(code)));
+    }
     impl_->instance_count = static_cast<uint32_t>(scene.instances.size());
     impl_->mesh_scenes.resize(scene.meshes.size(), nullptr);
     impl_->baked.resize(scene.instances.size(), nullptr);

@@ -74,6 +74,7 @@ struct LightDesc {
     Transform to_world;
     Spectrum power{1.0f};
     float radius = 0.0f;
+    bool soft_falloff = false;  // point, spot: a disk that faces what it lights, not a sphere
     float spot_angle = 0.0f, spot_blend = 0.0f;
     float sun_angle = 0.0f;
     AreaShape shape = AreaShape::rectangle;
@@ -95,7 +96,8 @@ struct LightDesc {
 };
 
 // Where a ray meets a light's surface: a sphere from outside or, if the ray starts there, from
-// within; an area light from its shining side.
+// within; with soft falloff the disk around its centre that faces the ray's origin; an area light from
+// its shining side.
 struct LightSurfaceHit {
     float t;
     Vec3 p;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The surfaces that lamps present to rays. Point and spot lamps are spheres, seen from outside or,
-// as in Cycles, from within by rays that start there; area lamps are parallelograms or ellipses
+// as in Cycles, from within by rays that start there, or, with soft falloff, disks; area lamps are parallelograms or ellipses
 // that only their shining side shows.
 #include "scene/description.h"
 
@@ -22,6 +22,19 @@ std::optional<LightSurfaceHit> intersect_sphere(const Vec3& center, float radius
     if (!(t > ray.t_near && t < ray.t_far)) return std::nullopt;
     const Vec3 outward = normalize(ray.direction * (side * half_chord) - foot);
     return LightSurfaceHit{t, center + outward * radius, outward * -side};
+}
+
+// The disk's normal is the way from its centre to the ray's origin.
+std::optional<LightSurfaceHit> intersect_facing_disk(const Vec3& center, float radius,
+                                                     const Ray& ray) {
+    const Vec3 to_center = center - ray.origin;
+    const float along = dot(to_center, ray.direction), d2 = length_squared(to_center);
+    if (!(along > 0.0f)) return std::nullopt;
+    const float t = d2 / along;
+    const Vec3 from_center = ray.direction * t - to_center;
+    if (!(length_squared(from_center) <= radius * radius)) return std::nullopt;
+    if (!(t > ray.t_near && t < ray.t_far)) return std::nullopt;
+    return LightSurfaceHit{t, center + from_center, to_center * (-1.0f / std::sqrt(d2))};
 }
 
 std::optional<LightSurfaceHit> intersect_area(const LightDesc& light, const Ray& ray) {
@@ -50,7 +63,8 @@ std::optional<LightSurfaceHit> intersect_area(const LightDesc& light, const Ray&
 std::optional<LightSurfaceHit> intersect_light(const LightDesc& light, const Ray& ray) {
     if (!light.has_surface()) return std::nullopt;
     if (light.type == LightType::area) return intersect_area(light, ray);
-    return intersect_sphere(light.position(), light.radius, ray);
+    return light.soft_falloff ? intersect_facing_disk(light.position(), light.radius, ray)
+                              : intersect_sphere(light.position(), light.radius, ray);
 }
 
 }  // namespace spc

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 from scenes import IDENTITY, camera, emission, glowing_triangle, triangle
 
-from specula import native
+from specula import abi, native
 from specula.export import desc
+from specula.export.log import ExportLog
 from specula.upload import upload
 
 V3_FLAGS = "fpu sse2 cx16 lahf_lm popcnt ssse3 sse4_1 sse4_2 avx avx2 fma bmi1 bmi2 f16c movbe abm"
@@ -81,8 +82,6 @@ def test_a_file_that_is_no_library(tmp_path):
 
 def test_a_library_of_another_api_version(tmp_path):
     source, path = tmp_path / "old.c", tmp_path / "old.so"
-    from specula import abi
-
     functions = "".join(
         f"int {name}(void) {{ return {abi.API_VERSION + 1}; }}\n" for name in abi.PROTOTYPES
     )
@@ -285,10 +284,42 @@ def test_a_wrong_shape_is_our_own_error():
         upload(scene)
 
 
+def test_an_image_file_that_cannot_be_read_is_told_or_an_error(tmp_path):
+    (tmp_path / "broken.png").write_text("no image")
+    image = desc.ImageDesc("Broken", path=str(tmp_path / "broken.png"))
+    scene = glowing_triangle()
+    scene.images = [image]
+    with pytest.raises(native.NativeError, match="Broken"):
+        upload(scene)
+    scene, log = glowing_triangle(), ExportLog()
+    scene.images = [image]
+    upload(scene, log).close()
+    (warning,) = log.warnings
+    assert "Broken" in warning and "shown in magenta" in warning
+
+
+def test_memory_that_runs_out_names_what_it_was_for(monkeypatch):
+    out_of_memory = abi.STATUS_NAMES.index("out of memory")
+    scene = native.Scene()
+    monkeypatch.setattr(native.library(), "spc_scene_add_mesh", lambda *_: out_of_memory)
+    monkeypatch.setattr(native.library(), "spc_scene_commit", lambda *_: out_of_memory)
+    with pytest.raises(native.NativeError, match=r'^mesh "Mountain": out of memory$'):
+        scene.add("mesh", abi.MeshDesc(name=b"Mountain"))
+    with pytest.raises(native.NativeError, match=r"^building the scene: out of memory$"):
+        scene.commit()
+    scene.close()
+
+
+def test_bad_pixels_are_an_error_all_the_same():
+    scene, log = glowing_triangle(), ExportLog()
+    scene.images = [desc.ImageDesc("Empty", pixels=np.zeros((0, 4, 4), np.uint8))]
+    with pytest.raises(native.NativeError, match="Empty"):
+        upload(scene, log)
+    assert log.warnings == []
+
+
 def test_defaults_are_the_cores_own():
     from dataclasses import fields
-
-    from specula import abi
 
     struct = abi.RenderSettings()
     native.library().spc_render_settings_init(struct)

@@ -212,8 +212,96 @@ def test_light(stage, name):
     stage()
 
 
+NEAR_LIGHTS = {
+    "point": ("POINT", {}),
+    "spot": ("SPOT", {"spot_size": 1.8, "spot_blend": 0.3}),
+    "narrow spot": ("SPOT", {"spot_size": 0.8, "spot_blend": 0.3}),
+}
+NEAR_WHAT = ("plane", "plane within its radius", "lampshade", "mirror")
+
+
+@pytest.mark.parametrize("soft", [True, False])
+@pytest.mark.parametrize("what", NEAR_WHAT)
+@pytest.mark.parametrize("name", NEAR_LIGHTS)
+def test_wide_light(stage, name, what, soft):
+    """Near to a plane, with something that stands within the light, or with what shows it."""
+    kind, properties = NEAR_LIGHTS[name]
+    if kind == "SPOT" and bpy.app.version < (4, 0, 0):
+        pytest.skip("the edge of Cycles' spots had another profile")
+    light = add_light(kind, energy=100, shadow_soft_size=1.0, **properties)
+    if hasattr(light.data, "use_soft_falloff"):
+        light.data.use_soft_falloff = soft
+    elif not soft:
+        pytest.skip("always soft")
+    if kind == "SPOT" and not soft and what in ("plane within its radius", "lampshade"):
+        pytest.skip("Cycles loses light of a spot's sphere from inside")
+    if name == "narrow spot":
+        scene = bpy.context.scene
+        scene.specula.samples = scene.cycles.samples = 4 * BEAM_SAMPLES
+    light.location = (0.5, 0.3, 0.6 if what == "plane within its radius" else 1.6)
+    if what == "lampshade":
+        shade = add_mesh("Shade", material=diffuse(COPPER))
+        shade.location, shade.scale = (0.4, 0.3, 1.3), (0.5, 0.5, 1)
+    elif what == "mirror":
+        light.visible_camera = True
+        mirror = new_material()
+        glossy = add_node(mirror, "ShaderNodeBsdfGlossy", surface(mirror))
+        glossy.inputs["Roughness"].default_value = 0.1
+        wall = add_mesh("Mirror", material=mirror)
+        wall.location, wall.rotation_euler = (0, 2.5, 1), (math.pi / 2, 0, 0)
+        wall.scale = (2, 1, 1)
+    stage()
+
+
 def test_world(stage):
     add_sky()
+    stage()
+
+
+@pytest.mark.parametrize("animated", ["energy", "strength", "world", "material", "lens"])
+def test_animation(stage, animated):
+    """Of a later frame, whose values are not those that the file holds as well."""
+    add_sky()
+    light = add_light("POINT", energy=100, shadow_soft_size=0)
+    place(light)
+    scene = bpy.context.scene
+    light.data.use_nodes = True
+    nodes = light.data.node_tree.nodes
+    owner, name = {
+        "energy": (light.data, "energy"),
+        "strength": (
+            next(n for n in nodes if n.type == "EMISSION").inputs["Strength"],
+            "default_value",
+        ),
+        "world": (scene.world.node_tree.nodes["Background"].inputs["Strength"], "default_value"),
+        "material": (
+            bpy.data.materials[0].node_tree.nodes["Diffuse BSDF"].inputs["Color"],
+            "default_value",
+        ),
+        "lens": (scene.camera.data, "lens"),
+    }[animated]
+    owner.keyframe_insert(name, frame=1)
+    value = getattr(owner, name)
+    setattr(owner, name, COPPER if animated == "material" else 8 * value)
+    owner.keyframe_insert(name, frame=9)
+    scene.frame_set(4)
+    stage()
+
+
+LAYERS = ("use_sky", "use_solid", "material_override", "world_override")
+
+
+@pytest.mark.parametrize("setting", LAYERS)
+def test_view_layer(stage, setting):
+    layer = bpy.context.view_layer
+    if setting not in layer.bl_rna.properties:
+        pytest.skip("no such setting")
+    add_sky(2.0)
+    override = bpy.context.scene.world
+    add_sky()
+    place(add_light("AREA", energy=500, size=1.0))
+    values = {"material_override": diffuse(COPPER), "world_override": override}
+    setattr(layer, setting, values.get(setting, False))
     stage()
 
 
@@ -303,6 +391,66 @@ def test_bump(render, name):
     ours, theirs = (in_squares(render(engine)[..., 0]) for engine in ("SPECULA", "CYCLES"))
     assert ours.std() > 2 * TOLERANCE * ours.mean()
     np.testing.assert_allclose(ours, theirs, atol=TOLERANCE * theirs.mean())
+
+
+def test_background_on_a_surface(stage):
+    material = new_material()
+    add_node(material, "ShaderNodeBackground", surface(material)).inputs[
+        "Color"
+    ].default_value = COPPER
+    bpy.ops.mesh.primitive_uv_sphere_add(radius=1.2, location=(0, 0, 1.3))
+    bpy.context.object.data.materials.append(material)
+    stage()
+
+
+WORLDS = {
+    "emission": "ShaderNodeEmission",
+    "colour": "ShaderNodeRGB",
+    "nothing": None,
+    "diffuse": "ShaderNodeBsdfDiffuse",
+}
+
+
+@pytest.mark.parametrize("name", WORLDS)
+def test_world_without_a_background(stage, name):
+    place(add_light("AREA", energy=300, size=1.0))
+    world = new_world()
+    if WORLDS[name]:
+        node = add_node(world, WORLDS[name], surface(world))
+        color = node.outputs[0] if name == "colour" else node.inputs["Color"]
+        color.default_value = COPPER
+    stage()
+
+
+@pytest.mark.parametrize("kind", ["VERTS", "FACES", "COLLECTION", "PARTICLES"])
+def test_instances(stage, kind):
+    """Of a cube, on the corners, the faces or the particles of a grid, or in a collection."""
+    add_sky()
+    place(add_light("SUN", energy=2))
+    bpy.ops.mesh.primitive_cube_add(size=0.6)
+    cube = bpy.context.object
+    cube.data.materials.append(diffuse(COPPER))
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=3, y_subdivisions=3, size=3, location=(0, 0, 1))
+    grid = bpy.context.object
+    grid.show_instancer_for_render = False
+    if kind in ("VERTS", "FACES"):
+        cube.parent, grid.instance_type = grid, kind
+    elif kind == "COLLECTION":
+        collection = bpy.data.collections.new("Cubes")
+        bpy.context.scene.collection.objects.unlink(cube)
+        collection.objects.link(cube)
+        bpy.ops.object.empty_add(location=(1, 0, 1))
+        bpy.context.object.instance_type = kind
+        bpy.context.object.instance_collection = collection
+    else:
+        grid.modifiers.new("Particles", "PARTICLE_SYSTEM")
+        settings = grid.particle_systems[0].settings
+        settings.count, settings.frame_start, settings.frame_end = 20, 1, 1
+        settings.physics_type, settings.particle_size = "NO", 0.8
+        settings.render_type, settings.instance_object = "OBJECT", cube
+        cube.location.z = -9
+        bpy.context.scene.frame_set(2)
+    stage()
 
 
 # What fills a glass ball, or, without a surface, a box around all that is seen, camera and lamp.

@@ -39,6 +39,14 @@ def test_point():
     assert warnings == []
 
 
+def test_soft_falloff():
+    obj = add_light("SPOT", shadow_soft_size=0.5)
+    assert only_light()[0].soft_falloff is True  # Blender's default, and all that 3.4 has
+    if hasattr(obj.data, "use_soft_falloff"):
+        obj.data.use_soft_falloff = False
+        assert only_light()[0].soft_falloff is False
+
+
 def test_spot():
     add_light("SPOT", spot_size=1.0, spot_blend=0.25, shadow_soft_size=0.5)
     light, _ = only_light()
@@ -116,6 +124,44 @@ def test_a_light_can_be_kept_from_caustics_shadows_and_rays():
     assert light.visibility == Visibility.ALL & ~(Visibility.SHADOW | Visibility.GLOSSY)
 
 
+@pytest.mark.parametrize("kind", ["SPOT", "SUN", "AREA"])
+def test_a_light_without_extent_gives_none(kind):
+    obj = add_light(kind)
+    obj.scale.x = 0
+    if kind == "AREA":
+        add_light(kind, "Small", shape="RECTANGLE", size=0.0)
+    scene, warnings = export()
+    assert scene.lights == []
+    assert len(warnings) == (2 if kind == "AREA" else 1)
+    assert "light Light: has a scale or size of zero, it gives no light" in warnings
+
+
+def test_a_point_shines_whatever_its_scale():
+    obj = add_light("POINT", energy=10.0)
+    obj.location, obj.scale = (1, 2, 3), (0, 0, 0)
+    light, warnings = only_light()
+    np.testing.assert_array_equal(light.transform, np.c_[np.eye(3), (1, 2, 3)])
+    assert (light.power, warnings) == ((10, 10, 10), [])
+
+
+def test_negative_light_is_left_out():
+    obj = add_light("POINT", energy=-1.0)
+    light, warnings = only_light()
+    assert light.power == (0, 0, 0)
+    assert warnings == ["light Light: negative light is not supported, it is left out"]
+    emission_of(obj.data).inputs["Strength"].default_value = -2.0
+    assert only_light()[0].power == (2, 2, 2)
+
+
+@pytest.mark.skipif(not hasattr(bpy.types.Object, "light_linking"), reason="no light linking yet")
+@pytest.mark.parametrize("collection", ["receiver_collection", "blocker_collection"])
+def test_light_linking_is_named(collection):
+    obj = add_light()
+    setattr(obj.light_linking, collection, bpy.data.collections.new("Some"))
+    (warning,) = only_light()[1]
+    assert warning.startswith("light Light: light linking is not supported")
+
+
 def test_a_portal_is_no_light():
     add_light("AREA").data.cycles.is_portal = True
     assert export()[0].lights == []
@@ -147,3 +193,28 @@ def test_power_that_is_not_normalized(type, properties, factor):
     obj = add_light(type, energy=1.0, normalize=False, **properties)
     obj.scale = (2, 1, 1)
     assert only_light()[0].power == pytest.approx([factor] * 3, rel=1e-4)
+
+
+def test_animation_counts():
+    """Keyframes and drivers of a light, its nodes and its object."""
+    obj = add_light("POINT", energy=1.0)
+    emission = emission_of(obj.data)
+    animated = (
+        (obj.data, "energy", 5.0),
+        (obj.data, "color", (0.5, 1.0, 0.25)),
+        (emission.inputs["Strength"], "default_value", 3.0),
+        (obj, "location", (1, 2, 3)),
+    )
+    for owner, name, value in animated:
+        owner.keyframe_insert(name, frame=1)
+        setattr(owner, name, value)
+        owner.keyframe_insert(name, frame=5)
+    radius = obj.data.driver_add("shadow_soft_size").driver
+    radius.expression = "frame / 8"
+    bpy.context.scene.frame_set(5)
+    obj.data.energy = 77.0  # a value that the animation replaces
+    light, warnings = only_light()
+    assert light.power == pytest.approx((7.5, 15, 3.75))
+    assert light.radius == 0.625
+    np.testing.assert_array_equal(light.transform[:, 3], (1, 2, 3))
+    assert warnings == []

@@ -21,6 +21,7 @@ from specula.export.image import Images
 from specula.export.log import ExportLog
 from specula.export.material import export_material
 from specula.export.nodes import NODES
+from specula.upload import upload
 
 OLD_PRINCIPLED = bpy.app.version < (4, 0, 0)
 
@@ -187,6 +188,64 @@ def test_a_muted_link_is_no_link():
     desc, *_ = convert(material)
     assert [n.kind for n in desc.nodes] == ["output", "bsdf_diffuse"]
     assert "Color" in node(desc, "bsdf_diffuse").inputs
+
+
+@pytest.mark.parametrize(
+    ("shader", "reader", "socket_type"),
+    [
+        ("ShaderNodeBsdfDiffuse", "Normal", "NodeSocketVector"),
+        ("ShaderNodeBsdfPrincipled", "Coat Normal", "NodeSocketVector"),
+        ("ShaderNodeTexImage", "Vector", "NodeSocketColor"),
+    ],
+)
+def test_a_constant_of_a_group_does_not_replace_what_a_surface_has(shader, reader, socket_type):
+    material = new_material()
+    group, inner = group_with(material, shader, "NodeSocketShader", "Shader")
+    inputs = add_group_input(group, "In", socket_type)
+    group.node_tree.links.new(inputs.outputs[0], compat.find_input(inner, reader))
+    material.node_tree.links.new(group.outputs[0], surface(material))
+    desc, needs, _, _ = convert(material)
+    assert all(reader not in n.inputs for n in desc.nodes)
+    assert needs.uv_maps == (frozenset([""]) if reader == "Vector" else frozenset())
+
+
+def test_a_hidden_value_of_a_group_counts():
+    material = new_material()
+    group, emission = group_with(material, "ShaderNodeEmission", "NodeSocketShader", "Shader")
+    inputs = add_group_input(group, "Color", "NodeSocketColor")
+    group.node_tree.links.new(inputs.outputs[0], emission.inputs["Color"])
+    group.inputs[0].default_value, group.inputs[0].hide_value = (0.5, 0.25, 0.75, 1), True
+    material.node_tree.links.new(group.outputs[0], surface(material))
+    assert node(convert(material)[0], "emission").inputs["Color"] == (0.5, 0.25, 0.75, 1)
+
+
+DEAD_ENDS = {
+    "reroute": ("NodeReroute", {}),
+    "muted texture": ("ShaderNodeTexImage", {"mute": True}),
+    "muted value": ("ShaderNodeRGB", {"mute": True}),
+    "muted filter": ("ShaderNodeGamma", {"mute": True}),
+    "empty group": ("ShaderNodeGroup", {}),
+}
+
+
+@pytest.mark.parametrize("name", DEAD_ENDS)
+def test_a_link_with_nothing_behind_it_is_none(name):
+    """As in Cycles 5.0; 3.4 took black for some of these."""
+    bl_idname, properties = DEAD_ENDS[name]
+    material = new_material()
+    emission = add_node(material, "ShaderNodeEmission", surface(material))
+    emission.inputs["Color"].default_value = (0.5, 0.25, 0.75, 1)
+    end = add_node(material, bl_idname, **properties)
+    if bl_idname == "ShaderNodeGroup":
+        end.node_tree = group_with(material, "ShaderNodeRGB", "NodeSocketColor", "Color")[
+            0
+        ].node_tree
+    material.node_tree.links.new(end.outputs[0], emission.inputs["Color"])
+    if bl_idname == "ShaderNodeGroup":
+        end.node_tree.nodes.clear()
+    desc, _, warnings, _ = convert(material)
+    assert node(desc, "emission").inputs["Color"] == (0.5, 0.25, 0.75, 1)
+    assert warnings == []
 
 
 def test_unknown_shader_is_magenta_and_warned_of_once():
@@ -425,12 +484,19 @@ def test_one_image_for_two_users():
     assert {node(m, "image_texture").image for m in scene.materials} == {0}
 
 
-def added(image, user="test"):
+def added(image, user="test", **properties):
     """(ImageDesc, warnings) of adding one image."""
     log = ExportLog()
-    images = Images(log)
-    images.add(image, user)
+    images = Images(log, **properties)
+    images.add(image, image_user(), user)
     return images.descs[0], log.warnings
+
+
+def image_user(**properties):
+    node = add_node(new_material(), "ShaderNodeTexImage")
+    for name, value in properties.items():
+        setattr(node.image_user, name, value)
+    return node.image_user
 
 
 def test_generated_image_gives_pixels_from_the_bottom_up():
@@ -478,9 +544,7 @@ def test_painted_image_gives_its_pixels(image_file):
 def test_blender_decodes_images_for_a_core_that_does_not(image_file, packed):
     if packed:
         image_file.pack()
-    images = Images(ExportLog(), as_pixels=True)
-    images.add(image_file, "user")
-    (desc,) = images.descs
+    desc, _ = added(image_file, as_pixels=True)
     assert (desc.path, desc.encoded) == (None, None)
     assert (desc.pixels.shape, desc.pixels.dtype) == ((4, 4, 4), np.uint8)
     assert (desc.color_space, desc.alpha_mode) == (ColorSpace.SRGB, AlphaMode.STRAIGHT)
@@ -509,6 +573,113 @@ def test_missing_file_is_magenta():
     assert warnings == ["image gone: /nowhere/gone.png is missing, shown in magenta"]
 
 
+@pytest.mark.parametrize("size", [(3, 5), (1200, 900)])
+@pytest.mark.parametrize("alpha", [True, False])
+def test_bytes_in_memory_are_exact(size, alpha):
+    """The larger one goes through in several parts."""
+    image = bpy.data.images.new("Noise", *size, alpha=alpha)
+    count = size[0] * size[1] * image.channels
+    wanted = np.random.default_rng(1).integers(0, 256, count, np.uint8)
+    image.pixels.foreach_set(wanted.astype(np.float32) / 255)
+    desc, _ = added(image)
+    assert desc.pixels.dtype == np.uint8
+    np.testing.assert_array_equal(desc.pixels.ravel(), wanted)
+    # Nothing keeps the floats that it was made of.
+    owner = desc.pixels
+    while owner.base is not None:
+        owner = owner.base
+    assert owner.nbytes <= wanted.nbytes + 3
+
+
+@pytest.fixture
+def sequence(tmp_path):
+    """An image sequence of the numbers 0 to 9, whose red is ten times the number, of 255."""
+    for number in range(10):
+        save_color(tmp_path / f"take2_{number:04}.png", 10 * number / 255)
+    image = bpy.data.images.load(str(tmp_path / "take2_0000.png"))
+    image.source = "SEQUENCE"
+    return image
+
+
+def save_color(path, red):
+    image = new_image(path.stem)
+    image.pixels.foreach_set([red, 0, 0, 1] * 16)
+    image.filepath_raw, image.file_format = str(path), "PNG"
+    image.save()
+
+
+# As Cycles shows them: frame_start, frame_offset, frame_duration, use_cyclic, frame -> number.
+SHOWN = [
+    (1, 0, 5, False, -3, 0),
+    (1, 0, 5, False, 1, 1),
+    (1, 0, 5, False, 3, 3),
+    (1, 0, 5, False, 9, 5),
+    (1, 0, 5, True, -3, 2),
+    (1, 0, 5, True, 0, 5),
+    (1, 0, 5, True, 9, 4),
+    (3, 0, 5, False, 5, 3),
+    (1, 2, 3, False, -3, 2),
+    (1, 2, 3, False, 3, 5),
+    (1, 0, 2, True, 0, 2),
+]
+
+
+@pytest.mark.parametrize(("start", "offset", "count", "cyclic", "frame", "number"), SHOWN)
+def test_a_sequence_shows_the_file_of_its_frame(
+    sequence, tmp_path, start, offset, count, cyclic, frame, number
+):
+    user = image_user(
+        frame_start=start, frame_offset=offset, frame_duration=count, use_cyclic=cyclic
+    )
+    log = ExportLog()
+    images = Images(log, frame=frame)
+    images.add(sequence, user, "user")
+    assert images.descs[0].path == str(tmp_path / f"take2_{number:04}.png")
+    assert log.warnings == []
+
+
+def test_a_sequence_without_the_file_is_magenta(sequence, tmp_path):
+    images = Images(ExportLog(), frame=30)
+    images.add(sequence, image_user(frame_duration=50), "user")
+    assert images.descs[0].pixels.tolist() == [[[255, 0, 255, 255]]]
+
+
+def test_blender_decodes_the_frame_of_a_sequence(sequence):
+    before = len(bpy.data.images)
+    images = Images(ExportLog(), as_pixels=True, frame=7)
+    for start in (1, 3, 1):
+        images.add(sequence, image_user(frame_duration=20, frame_start=start), "user")
+    assert [desc.pixels[0, 0, 0] for desc in images.descs] == [70, 50]
+    assert len(bpy.data.images) == before
+
+
+@pytest.mark.parametrize("name", ["skin.<UDIM>.png", "skin.<UVTILE>.png"])
+def test_a_udim_shows_its_first_tile(tmp_path, name):
+    numbers = ("1001", "1012") if "UDIM" in name else ("u1_v1", "u2_v2")
+    for number in numbers:
+        save_color(tmp_path / f"skin.{number}.png", 0.5)
+    image = bpy.data.images.load(str(tmp_path / f"skin.{numbers[0]}.png"))
+    image.source = "TILED"
+    image.filepath = str(tmp_path / name)
+    if len(image.tiles) == 1:
+        image.tiles.new(1012)
+    desc, warnings = added(image)
+    assert desc.path == str(tmp_path / f"skin.{numbers[0]}.png")
+    assert warnings == [f"image {image.name}: of its tiles only 1001 is shown"]
+    image.tiles.remove(image.tiles[1])
+    image.tiles[0].number = 1012
+    desc, warnings = added(image)
+    assert desc.path == str(tmp_path / f"skin.{numbers[1]}.png")
+    assert warnings == []
+
+
+def test_a_movie_without_pixels_is_magenta(image_file):
+    image_file.source = "MOVIE"
+    desc, warnings = added(image_file)
+    assert desc.pixels.tolist() == [[[255, 0, 255, 255]]]
+    assert "has no pixels" in warnings[-1]
+
+
 def test_unknown_colour_space_is_named():
     image = new_image("odd")
     image.colorspace_settings.name = "Filmic sRGB"
@@ -533,6 +704,28 @@ def test_world_is_a_background_graph():
     assert scene.environment.feeds_caustics is False
     assert scene.environment.visibility == Visibility.ALL & ~Visibility.CAMERA
     assert warnings == []
+
+
+def test_a_background_on_a_surface_is_an_emission():
+    material = new_material()
+    mix = add_node(material, "ShaderNodeMixShader", surface(material))
+    add_node(material, "ShaderNodeBackground", mix.inputs[1])
+    desc, *_ = convert(material)
+    assert links(desc) == {
+        "emission.Emission -> mix_shader.Shader",
+        "mix_shader.Shader -> output.Surface",
+    }
+
+
+@pytest.mark.parametrize("bl_idname", [None, "ShaderNodeEmission", "ShaderNodeTexNoise"])
+def test_every_world_has_a_background(bl_idname):
+    world = new_world()
+    if bl_idname:
+        add_node(world, bl_idname, surface(world))
+    scene, _ = export()
+    with upload(scene) as native_scene:
+        native_scene.commit(1)
+    assert node(scene.materials[0], "background").inputs["Strength"] == (0, 0, 0, 1)
 
 
 def test_no_world_is_no_environment():

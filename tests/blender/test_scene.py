@@ -3,7 +3,18 @@ import bpy
 import numpy as np
 import pytest
 from mathutils import Matrix
-from scenes import add_camera, add_light, add_mesh, export, link, new_material
+from scenes import (
+    add_camera,
+    add_light,
+    add_mesh,
+    add_node,
+    export,
+    link,
+    new_image,
+    new_material,
+    new_world,
+    surface,
+)
 
 from specula.export.desc import CausticsRole, ExportError, Visibility
 
@@ -125,6 +136,68 @@ def test_ray_visibility_of_object_and_instancer():
     assert scene.instances[0].visibility == expected
 
 
+def in_collection(obj, name="Collection"):
+    """Moves `obj` to a new collection; returns that as the view layer has it."""
+    collection = bpy.data.collections.new(name)
+    bpy.context.scene.collection.children.link(collection)
+    bpy.context.scene.collection.objects.unlink(obj)
+    collection.objects.link(obj)
+    return bpy.context.view_layer.layer_collection.children[name]
+
+
+def test_an_indirect_only_collection_is_not_seen_by_the_camera():
+    in_collection(add_mesh("Unseen")).indirect_only = True
+    add_mesh("Seen")
+    scene, warnings = export()
+    seen = {instance.name: instance.visibility for instance in scene.instances}
+    assert seen == {"Unseen": Visibility.ALL & ~Visibility.CAMERA, "Seen": Visibility.ALL}
+    assert warnings == []
+
+
+def test_a_view_layer_without_environment_has_no_world():
+    new_world()
+    assert export()[0].environment is not None
+    bpy.context.view_layer.use_sky = False
+    scene, warnings = export()
+    assert (scene.environment, scene.materials, warnings) == (None, [], [])
+
+
+@pytest.mark.skipif(
+    "world_override" not in bpy.types.ViewLayer.bl_rna.properties, reason="no such setting"
+)
+def test_a_view_layer_has_a_world_of_its_own():
+    new_world("Scene's")
+    bpy.context.view_layer.world_override = bpy.data.worlds.new("Layer's")
+    scene, _ = export()
+    assert scene.materials[scene.environment.material].name == "Layer's"
+
+
+def test_a_view_layer_without_surfaces_has_lights_alone():
+    add_mesh()
+    add_light()
+    bpy.context.view_layer.use_solid = False
+    scene, _ = export()
+    assert (len(scene.instances), len(scene.lights)) == (0, 1)
+
+
+def test_a_view_layer_overrides_materials():
+    mesh = add_mesh(material=new_material("Own"))
+    mesh.data.materials.append(new_material("Other"))
+    add_mesh("Bare")
+    bpy.context.view_layer.material_override = new_material("Clay")
+    scene, _ = export()
+    assert [material.name for material in scene.materials] == ["Clay"]
+    assert sorted(instance.materials for instance in scene.instances) == [[0], [0, 0]]
+
+
+def test_what_a_view_layer_leaves_out_is_not_missed():
+    add_fur()
+    link("Smoke", bpy.data.volumes.new("Smoke"))
+    layer = bpy.context.view_layer
+    layer.use_strand = layer.use_volumes = False
+    assert export()[1] == []
+
+
 def test_a_mesh_without_faces_is_left_out():
     add_mesh(faces=[])
     scene, warnings = export()
@@ -141,16 +214,24 @@ def test_a_scale_of_zero_is_left_out_with_a_warning():
 def test_unsupported_objects_and_holdouts_are_named_once():
     add_mesh("Hole").is_holdout = True
     link("Smoke", bpy.data.volumes.new("Smoke"))
+    add_mesh("Catcher").is_shadow_catcher = True
+    in_collection(add_mesh("Cut")).holdout = True
     _, warnings = export()
-    assert len(warnings) == 2
+    assert len(warnings) == 4
+    assert any("Catcher" in warning and "shadow catcher" in warning for warning in warnings)
+    assert any("Cut" in warning and "holdout" in warning for warning in warnings)
     assert any("Hole" in warning and "holdout" in warning for warning in warnings)
     assert any("Smoke" in warning and "VOLUME" in warning for warning in warnings)
 
 
-def test_hair_stereoscopy_and_motion_blur_are_named():
+def add_fur():
     obj = add_mesh("Fur")
     obj.modifiers.new("Hair", "PARTICLE_SYSTEM")
     obj.particle_systems[0].settings.type = "HAIR"
+
+
+def test_hair_stereoscopy_and_motion_blur_are_named():
+    add_fur()
     render = bpy.context.scene.render
     render.use_motion_blur = render.use_multiview = True
     _, warnings = export()
@@ -211,6 +292,25 @@ def test_an_exception_names_its_object(monkeypatch):
     monkeypatch.setattr(scene, "export_mesh", broken)
     add_mesh("Culprit")
     with pytest.raises(ExportError, match="object Culprit: RuntimeError: broken"):
+        export()
+
+
+def test_memory_that_runs_out_names_what_it_was_for(monkeypatch):
+    from specula.export import image, scene
+
+    def full(*_):
+        raise MemoryError("1 GiB")
+
+    material = new_material()
+    emission = add_node(material, "ShaderNodeEmission", surface(material))
+    add_node(material, "ShaderNodeTexImage", emission.inputs["Color"], image=new_image("Huge"))
+    add_mesh("Mountain", material=material)
+    monkeypatch.setattr(image, "_pixels", full)
+    with pytest.raises(ExportError, match=r"^image Huge: out of memory \(1 GiB\)$"):
+        export()
+    monkeypatch.undo()
+    monkeypatch.setattr(scene, "export_mesh", full)
+    with pytest.raises(ExportError, match=r"^object Mountain: out of memory \(1 GiB\)$"):
         export()
 
 

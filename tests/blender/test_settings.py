@@ -55,6 +55,30 @@ def test_settings_of_cycles_are_ours(scene):
     check_cycles(export_settings(scene))
 
 
+@pytest.mark.parametrize(
+    ("use", "own", "expected"),
+    [
+        ("USE", 0, 77),
+        ("USE", 5, 5),
+        ("USE", 500, 500),
+        ("BOUNDED", 5, 5),
+        ("BOUNDED", 500, 77),
+        ("IGNORE", 5, 77),
+    ],
+)
+@pytest.mark.parametrize("addon", [True, False])
+def test_a_view_layer_has_its_own_samples(scene, use, own, expected, addon):
+    scene.cycles.use_layer_samples = use
+    scene.view_layers[0].samples = own
+    if not addon:
+        addon_utils.disable("cycles")
+    try:
+        settings = export_settings(scene, view_layer=scene.view_layers[0])
+    finally:
+        addon_utils.enable("cycles")
+    assert settings.samples == expected
+
+
 def test_settings_of_cycles_outlive_its_addon(scene):
     addon_utils.disable("cycles")
     try:

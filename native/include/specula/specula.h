@@ -268,6 +268,7 @@ typedef struct spc_light_desc {
     float spread;        /* area: full angle of the beam, rad, [0, pi]; pi: the half-space */
     uint32_t visibility; /* of spc_visibility; SHADOW set: occluders cast shadows of this light */
     uint32_t feeds_caustics; /* 0: neither walks nor light paths use it for caustics; path tracing still finds it */
+    uint32_t soft_falloff; /* point, spot: a disk that faces what it lights in the place of the sphere */
 } spc_light_desc;
 
 SPC_API spc_status spc_scene_add_light(spc_scene* scene, const spc_light_desc* desc,

@@ -135,7 +135,19 @@ std::vector<Setup> lights_over_a_ball() {
     wide_beam.spread = 1.2f;
     narrow_beam.size = Vec2(1.5f, 1.5f);
     narrow_beam.spread = 0.5f;
-    return {lamp_over_ball("wide beam", wide_beam),
+    LightDesc disk = lamp(LightType::point, 100.0f);
+    disk.radius = 0.7f;
+    disk.soft_falloff = true;
+    const auto disk_cut_by_a_shade = [disk](SceneMaker& m) {
+        m.builder.add_light(disk);
+        for (const float side : {0.3f, -0.35f})
+            add(m, square(0.25f), diffuse(0.0f),
+                translation(disk.position() + Vec3(side, 0.1f, side)),
+                kVisibleAll & ~kVisibleCamera, CausticsRole::off);
+    };
+    return {lamp_over_ball("disk", disk),
+            over_ball("disk cut by a shade", disk_cut_by_a_shade),
+            lamp_over_ball("wide beam", wide_beam),
             lamp_over_ball("narrow beam", narrow_beam),
             lamp_over_ball("spot", spot),
             lamp_over_ball("sun", sun),

@@ -33,6 +33,10 @@ inline LightDesc point_lamp(float power, float radius, const Vec3& center = {0, 
     light.radius = radius;
     return light;
 }
+inline LightDesc soft(LightDesc lamp) {
+    lamp.soft_falloff = true;
+    return lamp;
+}
 inline LightDesc spot_lamp(float power, float radius, float angle, float blend,
                            const Vec3& axis = {0, 0, -1}, const Vec3& scale = Vec3(1.0f)) {
     LightDesc light = point_lamp(power, radius);
@@ -156,7 +160,7 @@ inline MeanEstimate irradiance_light_point(const Lit& lit, const Vec3& p, const 
         if (y && y->distant) {
             value = radiance_at(lit.lights, *lit.scene, *y, y->direction * -1.0f)[channel] *
                     std::max(dot(n, y->direction), 0.0f);
-        } else if (y) {
+        } else if (y && shows_itself(lit.lights, *y, p)) {
             const Vec3 to_y = y->p - p;
             const Vec3 wi = normalize(to_y);
             const float cos_y = y->delta ? 1.0f : std::abs(dot(y->n, wi));

@@ -100,6 +100,36 @@ TEST(LampShape, SmallFarSphereKeepsItsSize) {
         EXPECT_FALSE(intersect_light(light, {{0, offset, 0}, {1, 0, 0}})) << offset;
 }
 
+TEST(LampShape, DiskFacesWhereTheRayStarts) {
+    Uniforms uniforms(5);
+    LightDesc light = sphere_lamp({1.0f, -2.0f, 0.5f}, 0.0f);
+    light.soft_falloff = true;
+    int hits = 0;
+    for (int i = 0; i < 20000; ++i) {
+        light.radius = 0.1f + uniforms();
+        const Vec3 origin = light.position() + random_direction(uniforms) *
+                                                   (light.radius * (0.1f + 5.0f * uniforms()));
+        const Vec3 n = normalize(origin - light.position());
+        const Vec3 aim =
+            light.position() + random_direction(uniforms) * (2.0f * light.radius * uniforms());
+        const Vec3 d = normalize(aim - origin);
+        // The plane through the centre, in double.
+        const Vec3d o = Vec3d(origin) - Vec3d(light.position()), w(d), up(n);
+        const double t = -dot(o, up) / dot(w, up), off = length(o + w * t);
+        if (std::abs(off - static_cast<double>(light.radius)) < 1e-3 * t) continue;
+        const std::optional<LightSurfaceHit> hit = intersect_light(light, {origin, d});
+        ASSERT_EQ(hit.has_value(), t > 0 && off < static_cast<double>(light.radius));
+        if (!hit) continue;
+        ++hits;
+        EXPECT_NEAR_REL(hit->t, t, 1e-4);
+        EXPECT_NEAR(length(origin + d * hit->t - hit->p), 0.0f, 1e-5f * (1.0f + hit->t));
+        EXPECT_NEAR_ANGLE(hit->n, n, 1e-4);
+        EXPECT_FALSE(intersect_light(light, {origin, d, 0.0f, hit->t * 0.999f}));
+        EXPECT_FALSE(intersect_light(light, {origin, d, hit->t * 1.001f, kInfinity}));
+    }
+    EXPECT_GT(hits, 5000);
+}
+
 TEST(LampShape, AreaLightsByTheirEdges) {
     Uniforms uniforms(3);
     for (const AreaShape shape : {AreaShape::rectangle, AreaShape::ellipse}) {

@@ -48,6 +48,14 @@ std::vector<SamplerCase> sampler_cases() {
         lit_by({spot_lamp(kPower, 0.7f, 0.5f, 0.5f, {0.3f, 0.1f, -1})}));
     add("beam of uneven scale",
         lit_by({spot_lamp(kPower, 0.7f, 0.5f, 0.5f, {0, 0.1f, -1}, {2, 1, 1.5f})}));
+    add("disk that faces the receiver", lit_by({soft(point_lamp(kPower, 0.4f))}));
+    add("disk that faces the receiver, small", lit_by({soft(point_lamp(kPower, 0.02f))}), kOrigin,
+        kUp, 5);
+    add("disk that faces the receiver, wide", lit_by({soft(point_lamp(kPower, 3.0f))}), kOrigin,
+        kUp, 1);
+    add("disk of a spot", lit_by({soft(spot_lamp(kPower, 0.3f, 1.5f, 0.3f, {0.3f, 0.1f, -1}))}));
+    add("narrow beam of a large disk",
+        lit_by({soft(spot_lamp(kPower, 1.7f, 0.5f, 0.5f, {0.3f, 0.1f, -1}))}));
     add("sun", lit_by({sun_lamp(3, 0.5f, {0.4f, 0.2f, -1})}), kOrigin,
         normalize(Vec3(-0.4f, -0.2f, 1)), 3);
     add("half a sky of sun", lit_by({sun_lamp(3, kPi)}), kOrigin, kUp, 1);
@@ -232,6 +240,12 @@ std::vector<IrradianceCase> irradiance_cases() {
     const Vec3 tilted = normalize(Vec3(0, 0.6f, 0.8f));
     add("sphere, tilted receiver", lit_by({point_lamp(kPower, 0.3f)}), 0.8 * p / (4 * kPiD), 2e-4,
         tilted);
+    for (const double r : {0.02, 0.2, 0.4, 2.0})
+        add((r > 1 ? "inside a disk's reach, " : "disk that faces the receiver, ") +
+                std::to_string(r),
+            lit_by({soft(point_lamp(kPower, static_cast<float>(r)))}), p / (4 * kPiD) / (1 + r * r));
+    add("disk, tilted receiver", lit_by({soft(point_lamp(kPower, 0.3f))}),
+        0.8 * p / (4 * kPiD) / 1.09, 2e-4, tilted);
     add("inside a sphere", lit_by({point_lamp(kPower, 2)}), p / (4 * kPiD * 4));
     add("spot on the axis", lit_by({spot_lamp(kPower, 0, 1, 0.15f)}), p / (4 * kPiD));
     for (const float off : {0.45f, 0.47f, 0.49f, 0.52f})
@@ -304,7 +318,7 @@ TEST(Lights, IrradianceByPointsOfTheLight) {
     const std::vector<IrradianceCase> cases = irradiance_cases();
     const double significance = sidak(kSignificance, static_cast<int>(cases.size()));
     for (const IrradianceCase& c : cases) {
-        if (c.text == "inside a sphere") continue;   // the manifold sees spheres from outside alone
+        if (c.text.starts_with("inside")) continue;  // the manifold sees spheres from outside alone
         if (c.text.starts_with("narrow")) continue;  // few points of the light have it
         const MeanEstimate e = irradiance_light_point(c.lit, kOrigin, c.n, 4 * kSamples, 12);
         EXPECT_TRUE(is_mean(e, c.expected, significance, c.numerical_error * c.expected)) << c.text;
@@ -325,6 +339,8 @@ TEST(Lights, MatchCycles) {
     const std::vector<Case> cases = {
         {"sphere", point_lamp(kPower, 0.5f), 0.795774},
         {"inside", point_lamp(kPower, 2), 0.198939},
+        {"disk", soft(point_lamp(kPower, 0.5f)), 0.636620},
+        {"wide disk", soft(point_lamp(kPower, 2)), 0.159155},
         {"spot 0.49", spot_lamp(kPower, 0, 1, 0.15f, off_axis(0.49f)), 0.132230},
         {"spot blend 1", spot_lamp(kPower, 0, 1, 1, off_axis(0.4f)), 0.229840},
         {"spot 2.5", spot_lamp(kPower, 0, 2.5f, 0.5f, off_axis(0.9f)), 0.771158},
@@ -547,7 +563,8 @@ TEST(Lights, VisibilityIsTheirsAndOnlyLampsCanDoWithoutShadows) {
 TEST(Lights, PointsOfTheLightHaveTheDensityOfAHit) {
     for (const SamplerCase& c : sampler_cases()) {
         if (c.text == "all together" || c.text == "sphere, inside" ||
-            c.text == "sphere, just outside")
+            c.text == "sphere, just outside" || c.text.find("disk") == 0 ||
+            c.text.find("large disk") != std::string::npos)
             continue;
         Uniforms uniforms(9);
         int compared = 0, different = 0;

@@ -45,7 +45,7 @@ def render_view_layer(engine, depsgraph) -> statistics.Statistics | None:
             Film(engine, view_layer, camera.crop, film_exposure(scene)) as film,
             native.Session(native_scene, settings) as session,
         ):
-            completed = _poll(engine, session, settings, film)
+            completed = _poll(engine, session, settings, film, stats)
             film.write(session)
             stats.samples_done = completed.samples_done
             stats.pixels = film.pixel_count
@@ -54,11 +54,13 @@ def render_view_layer(engine, depsgraph) -> statistics.Statistics | None:
     return None if completed.state == native.RENDER_CANCELLED else stats
 
 
-def _poll(engine, session, settings, film: Film):
+def _poll(engine, session, settings, film: Film, stats: statistics.Statistics):
     """Shows progress until the render is over; passes on the user's wish to stop."""
     shown = time.monotonic()
     while True:
         progress = session.wait(POLL_MILLISECONDS)
+        if stats.first_sample_seconds is None and progress.samples_done:
+            stats.first_sample_seconds = progress.seconds
         engine.update_progress(progress.fraction)
         if progress.state != native.RENDER_RUNNING:
             return progress

@@ -21,6 +21,8 @@ class Statistics:
     pixels: int = 1
     export_seconds: float = 0.0
     render_seconds: float = 0.0
+    # Of render_seconds, until every pixel had a sample, to a tenth; None if one never had.
+    first_sample_seconds: float | None = None
     scene_stats: dict = field(default_factory=dict)  # spc_scene_stats
     render_stats: dict = field(default_factory=dict)  # spc_render_stats
     report: list[str] = field(default_factory=list)  # of casters and fallbacks
@@ -113,10 +115,15 @@ class Statistics:
         return f"{mean:.1f} on average, {self.samples_done} at least"
 
     def _times(self) -> str:
-        commit = self.scene_stats["commit_seconds"]
+        commit, first = self.scene_stats["commit_seconds"], self.first_sample_seconds
         return (
             f"{self.export_seconds:.2f} s export, {commit:.2f} s commit, "
-            f"{self.render_seconds:.2f} s render"
+            f"{self.render_seconds:.2f} s render, "
+            + (
+                "not every pixel has a sample"
+                if first is None
+                else f"first sample at {first:.1f} s"
+            )
         )
 
     def _dropped(self) -> str:
@@ -140,6 +147,7 @@ class Statistics:
             "samples_done": self.samples_done,
             "export_seconds": self.export_seconds,
             "render_seconds": self.render_seconds,
+            "first_sample_seconds": self.first_sample_seconds,
             **{f"scene.{key}": value for key, value in self.scene_stats.items()},
             **{f"render.{key}": value for key, value in self.render_stats.items()},
         }

@@ -48,6 +48,14 @@ def test_wording():
     assert rows["Dropped"] == "1 sample not finite, 0 triangles of zero area"
 
 
+def test_the_first_sample_of_the_whole_picture_is_told():
+    stats = statistics()
+    assert dict(stats.rows())["Time"].endswith("2.00 s render, not every pixel has a sample")
+    stats.first_sample_seconds = 0.31
+    assert dict(stats.rows())["Time"].endswith("2.00 s render, first sample at 0.3 s")
+    assert stats.stamp()["specula.first_sample_seconds"] == "0.31"
+
+
 def test_uneven_samples_are_told():
     assert dict(statistics(samples=160).rows())["Samples per pixel"] == "16"
     uneven = dict(statistics(samples=275).rows())["Samples per pixel"]

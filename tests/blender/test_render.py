@@ -298,6 +298,20 @@ def test_a_time_limit_is_a_success(glowing_quad, tmp_path):
     assert time.monotonic() - start < 5
     assert combined[8, 16, 0] == pytest.approx(EMITTED[0], rel=1e-3)
     assert 1 <= last_stats().samples_done < 1 << 20
+    assert 0.0 < last_stats().first_sample_seconds < last_stats().render_seconds
+
+
+def test_the_first_sample_is_when_every_pixel_has_one():
+    states = [(0, 0, 0.1), (0, 0, 0.7), (0, 1, 0.9), (0, 3, 1.0), (1, 4, 1.1)]
+    steps = iter(
+        SimpleNamespace(state=state, samples_done=samples, seconds=seconds, fraction=0.5)
+        for state, samples, seconds in states
+    )
+    session = SimpleNamespace(wait=lambda _: next(steps))
+    engine = SimpleNamespace(update_progress=lambda _: None, test_break=lambda: False)
+    stats = statistics.Statistics()
+    rendering._poll(engine, session, SimpleNamespace(samples=4), None, stats)
+    assert stats.first_sample_seconds == 0.9
 
 
 class BrokenOff:

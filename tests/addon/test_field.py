@@ -17,7 +17,7 @@ SIZE = (64, 64)
 NOISE = 0.2  # of a pixel, relative
 
 
-# ------------------------------------------------------------------------------------------ children
+# --------------------------------------------------------------------------------------- children
 
 
 @pytest.fixture
@@ -94,7 +94,7 @@ def test_processor_time_is_that_of_this_child_alone(python_host, tmp_path):
     assert ended(tmp_path, "time.sleep(0.2)\n").cpu_seconds < 0.5
 
 
-# ---------------------------------------------------------------------------------------- comparison
+# ------------------------------------------------------------------------------------- comparison
 
 
 def renders(seed: int, factor=1.0, caustics=None, noise: float = NOISE) -> list[dict]:
@@ -184,10 +184,12 @@ def test_an_image_file_of_blenders_is_read_bottom_row_first(tmp_path):
     np.testing.assert_array_equal(passes["Caustics"], pixels[::-1][..., [0, 4, 5]])
 
 
-# ------------------------------------------------------------------------------------------- verdict
+# ---------------------------------------------------------------------------------------- verdict
 
 
-def child(outcome=_measure.WELL, warnings=(), render_seconds=5.0, first=0.5, count=2) -> Child:
+def child(
+    outcome=_measure.WELL, warnings=(), render_seconds=5.0, first=0.5, count=2, stage="done"
+) -> Child:
     row = {
         "call_seconds": render_seconds + 1.0,
         "render_seconds": render_seconds,
@@ -197,7 +199,7 @@ def child(outcome=_measure.WELL, warnings=(), render_seconds=5.0, first=0.5, cou
         "warnings": list(warnings),
     }
     why = "" if outcome == _measure.WELL else "no <reason>"
-    return Child(outcome, why, 0, "done", 12.0, 20.0, 10**8, [row] * count, ["last <words>"])
+    return Child(outcome, why, 0, stage, 12.0, 20.0, 10**8, [row] * count, ["last <words>"])
 
 
 SAME, OTHER = compared(), compared(1.5)
@@ -218,6 +220,19 @@ LIMIT = 10.0
         (child(_measure.CRASHED, count=0), child(), None, _measure.CRASHED),
         (child(_measure.FAILED, count=0), child(), None, _measure.FAILED),
         (child(_measure.FAILED, count=0), child(_measure.FAILED, count=0), None, _measure.NEITHER),
+        (child(_measure.CRASHED, count=0), child(_measure.FAILED, count=0), None, _measure.CRASHED),
+        (
+            child(_measure.STILL, count=0, stage="opening"),
+            child(_measure.STILL, count=0, stage="opening"),
+            None,
+            _measure.NEITHER,
+        ),
+        (
+            child(_measure.STILL, count=0, stage="render 1"),
+            child(_measure.STILL, count=0, stage="render 1"),
+            None,
+            _measure.STILL,
+        ),
         (child(), child(_measure.CRASHED, count=0), None, _measure.ALONE),
         (child(), child(render_seconds=60.0), SAME, _measure.WELL),
     ],
@@ -236,7 +251,7 @@ def test_warnings_are_counted_by_kind():
     assert len({_measure.kind(text) for text in texts}) == 2
 
 
-# ---------------------------------------------------------------------------------------------- page
+# --------------------------------------------------------------------------------------------- page
 
 
 def scene(name: str, verdict: str, comparison=None, warnings=()) -> _page.Scene:
@@ -255,7 +270,7 @@ def test_the_page_has_the_worst_first_and_counts_all(tmp_path):
     assert sorted(names, key=text.index) == names
     assert "about &amp; more" in text
     document = json.loads((tmp_path / "results.json").read_text())
-    assert [s["blend"] for s in document["scenes"]][0] == "gone<1>.blend"
+    assert document["scenes"][0]["blend"] == "gone<1>.blend"
     assert document["verdicts"][_measure.DIFFERS] == 2
     assert sum(document["verdicts"].values()) == len(scenes)
     assert document["warnings"] == {"X is bad": 1}  # files
@@ -291,7 +306,7 @@ def test_pictures_are_written_upright_and_of_one_exposure(tmp_path):
     assert pixels["Specula"].mean() < 0.7 * pixels["Cycles"].mean()
 
 
-# ------------------------------------------------------------------------------------------- program
+# ------------------------------------------------------------------------------------------ program
 
 
 def test_files_are_found_in_folders_each_once(tmp_path):

@@ -6,7 +6,8 @@ side), `samples`, `seconds` (the limit of each render), `seeds` (a render for ea
 `images` (an EXR file to write for each seed) and `result` (the JSON file to write).
 
 The result is written again whenever there is more to tell, so that a child that is killed has told
-how far it came: `stage`, `open_seconds`, `renders` (see `Row`) and `error`.
+how far it came: `stage` (opening, render 1, render 2, done), `open_seconds`, `renders` (see
+`render`) and `error`.
 """
 
 from __future__ import annotations

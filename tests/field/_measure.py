@@ -33,6 +33,7 @@ DIFFERENCE, DARK = 0.02, 0.02
 # From which on the picture counts as another: share of its blocks, and of its light.
 SHARE, LIGHT = 0.05, 0.05
 LIGHT_Z = 4.0  # standard deviations of the mean that chance may explain
+OPENING = "opening"  # the first stage of _job.py
 SHOWN_LINES = 8  # of the log of a child that did not end well
 PROGRESS = re.compile(r"^Fra:|\bSample \d+/\d+")
 SPECULA_SAMPLE = re.compile(r"Specula: sample ([\d.]+)/\d+ \| ([\d:]+)")
@@ -255,11 +256,16 @@ def is_late(specula: Child, limit: float) -> bool:
     )
 
 
+def fail_alike(specula: Child, cycles: Child) -> bool:
+    """Whether the file, or Blender, is to blame. Long renders of both are not: each has a limit."""
+    rendering = specula.outcome == STILL and specula.stage != OPENING
+    return specula.outcome == cycles.outcome and not specula.renders and not rendering
+
+
 def verdict(specula: Child, cycles: Child, comparison: Comparison | None, limit: float) -> str:
     """Of VERDICTS, the worst that holds."""
     if specula.outcome != WELL:
-        alike = cycles.outcome != WELL and not specula.renders
-        return NEITHER if alike else specula.outcome
+        return NEITHER if fail_alike(specula, cycles) else specula.outcome
     if is_late(specula, limit):
         return LATE
     if comparison and comparison.differs:

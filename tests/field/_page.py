@@ -86,7 +86,7 @@ def write_png(path: Path, image: np.ndarray) -> None:
     output.close()
 
 
-# ---------------------------------------------------------------------------------------------- page
+# --------------------------------------------------------------------------------------------- page
 
 
 def write(folder: Path, about: str, limit: float, scenes: Sequence[Scene]) -> Path:

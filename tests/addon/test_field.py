@@ -199,7 +199,7 @@ def child(
         "warnings": list(warnings),
     }
     why = "" if outcome == _measure.WELL else "no <reason>"
-    return Child(outcome, why, 0, stage, 12.0, 20.0, 10**8, [row] * count, ["last <words>"])
+    return Child(outcome, why, 0, stage, 12.0, 20.0, 10**8, [row] * count, ["last <words>"], 0.25)
 
 
 SAME, OTHER = compared(), compared(1.5)
@@ -283,6 +283,7 @@ def test_the_page_shows_why_and_the_last_lines(tmp_path):
     text = _page.render("", LIMIT, [failed])
     assert "no &lt;reason&gt;" in text
     assert "last &lt;words&gt;" in text
+    assert "<td>25%</td>" in text  # what other programs took
 
 
 def test_the_difference_is_white_red_and_blue():

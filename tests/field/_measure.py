@@ -52,6 +52,7 @@ class Child:
     peak_memory: int
     renders: list[dict]  # see _job.py
     last_lines: list[str]
+    others_share: float  # of the processors' time that other programs took meanwhile
 
     def worst(self, key: str) -> float | None:
         """Of all renders; None if one has none."""
@@ -63,7 +64,7 @@ class Child:
         return list(dict.fromkeys(text for row in self.renders for text in row["warnings"]))
 
 
-def child(ended: Ended) -> Child:
+def child(ended: Ended, others_share: float = 0.0) -> Child:
     report = ended.report or {"stage": "starting", "renders": [], "error": None}
     log = ended.log.read_text(errors="replace")
     outcome, why = WELL, ""
@@ -85,6 +86,7 @@ def child(ended: Ended) -> Child:
         ended.peak_memory,
         report["renders"],
         [] if outcome == WELL else last_lines(log),
+        others_share,
     )
 
 

@@ -171,6 +171,7 @@ def children(scene: Scene, limit: float) -> str:
             f"{child.cpu_seconds:.1f}",
             number(child.worst("samples")),
             f"{child.peak_memory / 1e6:.0f} MB",
+            f"{child.others_share:.0%}",
         ]
         for name, child in (("Specula", scene.specula), ("Cycles", scene.cycles))
     ]
@@ -182,7 +183,7 @@ def children(scene: Scene, limit: float) -> str:
         "render s<br>/ limit",
         "whole<br>call, s",
     ]
-    head += ["processor s<br>in all", "samples", "peak<br>memory"]
+    head += ["processor s<br>in all", "samples", "peak<br>memory", "other<br>programs"]
     return table(head, rows)
 
 

@@ -23,6 +23,7 @@ from pathlib import Path
 
 from tests.bench import _children, _machine, _program
 from tests.bench._children import Progress
+from tests.bench._machine import CpuTimes
 from tests.field import _measure, _page
 from tests.field._measure import Child, Picture
 from tools import host
@@ -117,8 +118,9 @@ def render(blend: Path, stem: str, engine: str, options: Options) -> tuple[Child
         "threads": options.threads,
         "images": [str(image) for image in images],
     }
+    before = CpuTimes.now()
     ended = _children.execute(name, options.where, JOB, job, work, options.hard_limit)
-    child = _measure.child(ended)
+    child = _measure.child(ended, before.others_share(CpuTimes.now()))
     done = images[: len(child.renders)]
     splats = sum(row["splats"] for row in child.renders)
     picture = _measure.picture([_measure.read(image) for image in done], splats) if done else None
@@ -141,7 +143,7 @@ def not_examined(blend: Path, error: Exception) -> _page.Scene:
     """Of a file on which this program itself failed."""
     lines = "".join(traceback.format_exception(error)).splitlines()
     why = f"{type(error).__name__}: {error}"
-    child = Child(_measure.FAILED, why, 1, "measuring", 0.0, 0.0, 0, [], lines)
+    child = Child(_measure.FAILED, why, 1, "measuring", 0.0, 0.0, 0, [], lines, 0.0)
     return _page.Scene(str(blend), _measure.FAILED, child, child, None, {})
 
 
@@ -196,6 +198,8 @@ def main() -> int:
         progress.clear()
         print(f"{scene.verdict}: {blend}", flush=True)
         progress.advance(2.0 * GUESS)
+    others = [child.others_share for s in scenes for child in (s.specula, s.cycles)]
+    _program.warn_of_others("field", max(others))
     counts = _page.verdict_counts(scenes)
     print("; ".join(f"{name}: {count}" for name, count in counts.items() if count))
     print(options.out / "index.html")

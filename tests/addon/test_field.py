@@ -244,7 +244,7 @@ def test_verdicts(specula, cycles, comparison, expected):
 def test_warnings_are_counted_by_kind():
     texts = [
         "material Glass: node: Wave Texture.002 is not supported, Mix uses its own Fac",
-        "material Other: Wave Texture is not supported, Mix uses its own Fac",
+        "material Other: Wave Texture is not supported, Principled BSDF uses its own Roughness",
         "image a.png: /far/a.png is missing, shown in magenta",
         "image b.png: /far/b.png is missing, shown in magenta",
     ]

@@ -276,8 +276,9 @@ def verdict(specula: Child, cycles: Child, comparison: Comparison | None, limit:
 
 
 def kind(warning: str) -> str:
-    """What a warning says, whoever it is about: `OWNER: MESSAGE` without names and numbers."""
-    message = warning.rpartition(": ")[2]
-    if message.endswith(" is missing, shown in magenta"):
-        return "an image is missing, shown in magenta"
-    return re.sub(r"\.\d{3}\b", "", message)  # as Blender counts nodes of one kind
+    """What a warning of the form `OWNER: WHAT IS WRONG, WHAT IS DONE` says is wrong, whoever it is
+    about."""
+    wrong = warning.rpartition(": ")[2].partition(", ")[0]
+    if wrong.endswith(" is missing"):
+        return "an image is missing"
+    return re.sub(r"\.\d{3}\b", "", wrong)  # as Blender counts nodes of one kind

@@ -26,6 +26,11 @@ class Statistics:
     report: list[str] = field(default_factory=list)  # of casters and fallbacks
     warnings: list[str] = field(default_factory=list)
 
+    @property
+    def first_sample_seconds(self) -> float | None:
+        """Of render_seconds, until every pixel had a sample; None if one never had."""
+        return self.render_stats["first_sample_seconds"] or None
+
     def rows(self) -> list[tuple[str, str]]:
         """Label and value of each line; those on walks and light paths only if there were any."""
         scene, render = self.scene_stats, self.render_stats
@@ -114,10 +119,15 @@ class Statistics:
 
     def _times(self) -> str:
         commit = self.scene_stats["commit_seconds"]
-        prepared = sum(self.render_stats["stage_seconds"][:-1])
+        prepared, first = sum(self.render_stats["stage_seconds"][:-1]), self.first_sample_seconds
         return (
             f"{self.export_seconds:.2f} s export, {commit:.2f} s commit, "
-            f"{self.render_seconds:.2f} s render, {prepared:.2f} s of it preparation"
+            f"{self.render_seconds:.2f} s render, {prepared:.2f} s of it preparation, "
+            + (
+                "not every pixel has a sample"
+                if first is None
+                else f"first sample at {first:.1f} s"
+            )
         )
 
     def _dropped(self) -> str:

@@ -22,6 +22,11 @@ COMMANDS = {
         "[NAME] ARGS: error against time, or the benchmark tests/bench/NAME.py",
     ),
     "stability": ("studies", "stability", "every method in the scenes in which methods fail"),
+    "field": (
+        "studies",
+        "field",
+        "DIR...: render every .blend in folders, beside Cycles; --make DIR makes some",
+    ),
     "package": ("package", "main", "zip the addon as artists install it"),
     "blender": ("host", "blender", "ARGS: Debian's Blender with the addon enabled from the tree"),
     "bpy": ("host", "bpy", "[--version V] SCRIPT ARGS: a script in today's Blender, addon enabled"),

@@ -49,6 +49,7 @@ COMMAND_NEEDS = {
     "test images": ["build", "blender", "bpy", "python tests"],
     "bench": ["build", "blender", "bpy"],
     "stability": ["build", "python tests"],
+    "field": ["build", "blender", "bpy", "python tests"],
     "bench kernels": ["build", "kernels"],
     "format": ["quality"],
     "lint": ["build", "native tests", "kernels", "quality"],

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`./dev bench` and `./dev stability`: programs in tests/ that measure."""
+"""`./dev bench`, `./dev stability` and `./dev field`: programs in tests/ that measure."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from tools.common import BUILD, PYTHON, ROOT, DevError
 
 BENCHES = ROOT / "tests" / "bench"
 STABILITY = ROOT / "tests" / "stability" / "stability.py"
+FIELD = ROOT / "tests" / "field" / "field.py"
 DEFAULT_BENCH = "error"
 # They need the environment with Matplotlib, FLIP and EXR files.
 WITH_FIGURES = ("error", "figures", "reference", "scaling")
@@ -42,3 +43,12 @@ def stability(argv: list[str]) -> NoReturn:
     env["PYTHONPATH"] = os.pathsep.join([str(ROOT), str(addons)])
     env["SPECULA_LIBRARY_DIR"] = str(host.library_folder())
     os.execve(PYTHON, [str(PYTHON), str(STABILITY), *argv], env)
+
+
+def field(argv: list[str]) -> NoReturn:
+    """Becomes the program of `./dev field ARGS...`."""
+    setup.ensure("field")
+    env = dict(os.environ)
+    env["PYTHONPATH"] = str(ROOT)
+    env["SPECULA_LIBRARY_DIR"] = str(host.library_folder())
+    os.execve(PYTHON, [str(PYTHON), str(FIELD), *argv], env)

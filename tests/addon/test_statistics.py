@@ -48,6 +48,16 @@ def test_wording():
     assert rows["Dropped"] == "1 sample not finite, 0 triangles of zero area"
 
 
+def test_the_first_sample_of_the_whole_picture_is_told():
+    stats = statistics()
+    time = dict(stats.rows())["Time"]
+    assert time.endswith("2.00 s render, 0.00 s of it preparation, not every pixel has a sample")
+    stats = statistics(first_sample_seconds=0.31, stage_seconds=(0, 0.1, 0.15, 0, 0, 0))
+    time = dict(stats.rows())["Time"]
+    assert time.endswith("2.00 s render, 0.25 s of it preparation, first sample at 0.3 s")
+    assert stats.stamp()["specula.render.first_sample_seconds"] == "0.31"
+
+
 def test_uneven_samples_are_told():
     assert dict(statistics(samples=160).rows())["Samples per pixel"] == "16"
     uneven = dict(statistics(samples=275).rows())["Samples per pixel"]

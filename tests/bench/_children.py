@@ -6,6 +6,8 @@ from __future__ import annotations
 import json
 import os
 import re
+import resource
+import select
 import signal
 import subprocess
 import sys
@@ -30,6 +32,18 @@ class Run:
 
     wall_seconds: float
     report: dict
+
+
+@dataclass(frozen=True)
+class Ended:
+    """How one child ended, whatever came of it."""
+
+    code: int | None  # exit code, -N if signal N ended it; None: it was killed at its limit
+    wall_seconds: float
+    cpu_seconds: float  # of all its threads
+    peak_memory: int  # bytes
+    report: dict | None  # None: it left none that is whole
+    log: Path
 
 
 def bpy_with_specula(script: str, job: Path) -> tuple[list[str], dict]:
@@ -67,9 +81,21 @@ HOSTS = {
 def run(
     name: str, where: str, script: str, job: dict, folder: Path, limit: float = CHILD_SECONDS
 ) -> Run:
+    """As `execute`; raises MeasurementError if the child fails, hangs or is silent."""
+    ended = execute(name, where, script, job, folder, limit)
+    if ended.code != 0 or ended.report is None:
+        why = "no end in time" if ended.code is None else f"exit code {ended.code}"
+        words = last_words(ended.log.read_text(errors="replace"))
+        raise MeasurementError(f"{name}: {why}; its last words: {words}; all of them: {ended.log}")
+    return Run(ended.wall_seconds, ended.report)
+
+
+def execute(
+    name: str, where: str, script: str | Path, job: dict, folder: Path, limit: float
+) -> Ended:
     """Run `script` with `job` in the program `where` (of HOSTS); its log is folder/name.log.
 
-    After `limit` seconds it is killed. Raises MeasurementError if it fails, hangs or is silent.
+    After `limit` seconds it is killed.
     """
     result, job_file, log = (folder / f"{name}{suffix}" for suffix in (".out", ".job", ".log"))
     result.unlink(missing_ok=True)
@@ -77,7 +103,7 @@ def run(
     command, environment = HOSTS[where](script, job_file)
     with open(log, "w") as output:
         start = time.perf_counter()
-        code = _wait(
+        code, usage = _wait(
             subprocess.Popen(
                 command,
                 env=environment,
@@ -89,11 +115,9 @@ def run(
             limit,
         )
         seconds = time.perf_counter() - start
-    if code != 0 or not result.exists():
-        why = "no end in time" if code is None else f"exit code {code}"
-        words = last_words(log.read_text(errors="replace"))
-        raise MeasurementError(f"{name}: {why}; its last words: {words}; all of them: {log}")
-    return Run(seconds, json.loads(result.read_text()))
+    report = _report(result)
+    cpu_seconds = usage.ru_utime + usage.ru_stime
+    return Ended(code, seconds, cpu_seconds, 1024 * usage.ru_maxrss, report, log)
 
 
 def last_words(log: str) -> str:
@@ -103,16 +127,29 @@ def last_words(log: str) -> str:
     return " | ".join(errors[-1:] or lines[-SHOWN_LINES:])
 
 
-def _wait(process: subprocess.Popen, limit: float) -> int | None:
-    """Exit code; None if it had to be killed after `limit` seconds. Never leaves it behind."""
+def _report(result: Path) -> dict | None:
+    """None of a child that wrote nothing, or was killed while it wrote."""
     try:
-        return process.wait(limit)
-    except subprocess.TimeoutExpired:
+        return json.loads(result.read_text())
+    except (FileNotFoundError, json.JSONDecodeError):
         return None
+
+
+def _wait(process: subprocess.Popen, limit: float) -> tuple[int | None, resource.struct_rusage]:
+    """Exit code, None if it had to be killed after `limit` seconds; and what it used. Never leaves
+    it behind."""
+    ended = False
+    descriptor = os.pidfd_open(process.pid)
+    try:
+        ended = bool(select.select([descriptor], [], [], limit)[0])
     finally:
-        if process.poll() is None:
+        os.close(descriptor)
+        if not ended:
             os.killpg(process.pid, signal.SIGKILL)
-            process.wait()
+        # Not Popen's own wait, which does not tell what this one child used.
+        _, status, usage = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+    return (process.returncode if ended else None), usage
 
 
 class Progress:

@@ -302,6 +302,7 @@ def test_a_time_limit_is_a_success(glowing_quad, tmp_path):
     assert time.monotonic() - start < 5
     assert combined[8, 16, 0] == pytest.approx(EMITTED[0], rel=1e-3)
     assert 1 <= last_stats().samples_done < 1 << 20
+    assert 0.0 < last_stats().first_sample_seconds < last_stats().render_seconds
 
 
 class BrokenOff:

@@ -86,7 +86,7 @@ RenderSettings to_settings(const spc_render_settings& s) {
     integrator.glints.set_size = s.set_size;
     settings.light_tracing =
         s.method == SPC_METHOD_LT || (manifold.enabled && s.light_tracing != SPC_LIGHT_TRACING_OFF);
-    settings.leaves_crowds = s.method == SPC_METHOD_AUTO;
+    settings.chooses = s.method == SPC_METHOD_AUTO;
     settings.first_sample = s.first_sample;
     settings.samples = s.samples;
     settings.time_limit = s.time_limit;

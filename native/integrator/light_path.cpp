@@ -260,9 +260,6 @@ Sampler light_sampler(uint32_t seed, uint64_t index) {
 
 // Shares of the pilot's paths on each of several guides, each of which learns from the one before.
 constexpr std::array<double, 4> kGenerations{0.125, 0.125, 0.25, 0.5};
-// Where fewer come through to the camera it sees little of the caustics directly, and few light paths
-// will be shot: what the first two learned is good enough for those.
-constexpr double kFewComeThrough = 1.0 / 32;
 constexpr uint32_t kPilotChunk = 1u << 11;
 // Of all of the pilot's paths so many tell how well sheets lead to their chains: each searches for its
 // own, which is slow. Those of a chunk stop where that has taken as much work as the chunk's paths may.
@@ -387,14 +384,13 @@ std::unique_ptr<const LightPilot> learn_emission(const RenderScene& world,
         return nullptr;
     auto result = std::make_unique<LightPilot>(
         aim_at_casters(*world.scene, world.lights, world.casters, Squares::of_beams), 1.0,
-        CoarsePicture(world.scene->camera.crop), 0.0, 1.0, 1.0,
+        CoarsePicture(world.scene->camera.crop), 0.0, 0.0, 1.0, 1.0,
         std::numeric_limits<double>::infinity());
     Generation generation{0, 0, std::max(1u, paths / kAsked)};
     Effort effort;
-    double come_through = 1.0;  // share of the generation before
     uint64_t work = 0;
     for (size_t i = 0; i < kGenerations.size(); ++i) {
-        if (i > 1 && come_through < kFewComeThrough) break;
+        if (i > 1 && result->come_through < kFewComeThrough) break;
         if (i > 0 && budget.is_spent(work)) break;
         generation.chunks = static_cast<uint32_t>(std::ceil(kGenerations[i] * paths / kPilotChunk));
         settings.light_tracing = {.guide = &result->guide,
@@ -415,7 +411,8 @@ std::unique_ptr<const LightPilot> learn_emission(const RenderScene& world,
             if (i == 0) return nullptr;
             break;
         }
-        come_through = static_cast<double>(learned.size()) / static_cast<double>(counted.paths);
+        result->come_through =
+            static_cast<double>(learned.size()) / static_cast<double>(counted.paths);
         measure(counted, record.moments, *result);
         if (effort.light > 0.0) result->effort = effort.trials / effort.light;
         limit_weights(learned);

@@ -51,8 +51,12 @@ struct LightPilot {
     double goes_on;         // as LightTracing has it, for the least variance of the work
     CoarsePicture squares;  // second moment of what one path would add to the picture by itself
     double rays;            // of one path
+    double come_through;    // share of the paths that add to the picture
     double effort, manifold_share, beside_glints;  // as LightTracing has them
 };
+// Where fewer come through to the camera it sees little of the caustics directly, and few light paths
+// will be shot: what the first generations learned is good enough for those.
+inline constexpr double kFewComeThrough = 1.0 / 32;
 // Enough to show where the light comes from, few beside a render of a second.
 constexpr uint32_t kLeastPilotPaths = 1u << 16;
 // Sends so many light paths, a quarter or half of them where few come through to the camera, to learn

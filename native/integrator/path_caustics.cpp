@@ -20,6 +20,7 @@ void PathTracer::look_for_folds(const Surface& surface, const CameraApproach& ap
 template <class Estimate>
 Spectrum PathTracer::estimate(const Surface& surface, const CameraApproach& approach, size_t i,
                               float u, const Estimate& radiance) {
+    if (settings.light_tracing.alone && approach.film_per_area > 0.0f) return Spectrum(0.0f);
     const float activation = pass.activation[i];
     const float chance = activation * static_cast<float>(chance_of_walks(
                                           techniques_of(world, settings), approach.film_per_area));

@@ -58,6 +58,11 @@ bool searches_all(const Techniques& techniques, const CausticPath& path) {
     });
 }
 
+// Whether light paths are dense enough at x for the manifold to search for nothing there.
+bool left_to_light_paths(const Techniques& techniques, const CausticPath& path) {
+    return techniques.light_tracing.alone && path.film_per_area > 0.0f;
+}
+
 // Whether an estimate comes to the path's first caster by choose_caster().
 bool chooses_caster(const ManifoldSettings& settings, const CausticPath& path) {
     if (path.count != 1) return false;
@@ -191,7 +196,8 @@ uint32_t most_scatterings(const BounceLimits& limits) {
 
 bool manifold_owns(const Techniques& techniques, const CausticPath& path) {
     return techniques.manifold.enabled && path.receiver && !path.through_caster &&
-           looks_for(techniques.manifold, path) && searches_all(techniques, path) &&
+           !left_to_light_paths(techniques, path) && looks_for(techniques.manifold, path) &&
+           searches_all(techniques, path) &&
            (!path.is_rough() ||
             (path.begins_rough && techniques.manifold.finder != ChainFinder::mnee &&
              !light_paths_may_find(techniques, path))) &&

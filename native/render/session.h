@@ -23,8 +23,9 @@ struct RenderSettings {
     // But for `light_tracing`, `highlights` and the flakes of glints, which the session sets.
     IntegratorSettings integrator;
     bool light_tracing = false;  // where there is a caster that a light reaches
-    // Whether casters that make too many chains at once are left to light paths and path tracing.
-    bool leaves_crowds = false;
+    // Whether the manifold leaves to light paths and path tracing what they find at less cost: casters that
+    // make too many chains at once, and receivers at which light paths are dense.
+    bool chooses = false;
     uint32_t first_sample = 0, samples = 64;
     float time_limit = 0.0f;  // s, 0 = none
     uint32_t seed = 0;
@@ -131,7 +132,12 @@ private:
     };
     Probe probe(uint32_t most, uint32_t rare, const Budget& budget);
     static Probe with_chances(const Probe& whole, const Activation& from, const Activation& to);
-    uint64_t light_paths_that_pay(const LightPilot& pilot, const Probe& camera) const;
+    struct LightPathPlan {
+        uint64_t paths;  // for each sample of the picture
+        double error;    // logarithm of the variances' mean, times the work of a sample
+    };
+    LightPathPlan light_paths_that_pay(const LightPilot& pilot, const Probe& camera) const;
+    void weigh_light_paths(const Probe& camera);
     static double walks_that_pay(const Probe& least_walks);
     bool render_job(uint64_t job, RenderStats& stats);
     bool render_tile(uint32_t pass, uint32_t tile, RenderStats& stats);

@@ -134,7 +134,7 @@ void Session::prepare_flakes() {
 
 // Which casters the manifold searches: not those that make more chains at once than a search is worth.
 void Session::choose_casters() {
-    if (!settings_.leaves_crowds || !settings_.light_tracing) return;
+    if (!settings_.chooses || !settings_.light_tracing) return;
     leave_out(chains_by_maps(*world_.scene, world_.lights, world_.casters, settings_.seed),
               "by its map");
 }
@@ -184,7 +184,7 @@ void Session::prepare_sheets() {
         for (const auto& sheet : sheet_pool_) stats.path.manifold.rays += sheet->rays();
     };
     build();
-    if (settings_.leaves_crowds && settings_.light_tracing) {
+    if (settings_.chooses && settings_.light_tracing) {
         const CasterSet* before = settings_.integrator.searched;
         leave_out(
             chains_by_sheets(settings_.integrator.casters_of(world_), sheet_pool_, settings_.seed),
@@ -275,13 +275,45 @@ void Session::weigh_estimates() {
     const Budget& budget = begin(RenderStage::probes, kPixels * kWorkOfProbe, kShareOfProbes);
     const Probe camera = probe(kPixels, kRare, budget);
     first_chances_ = activation_for(camera.evidence, camera.variance, kLeastChance, 1.0);
-    if (light_pilot_)
-        light_paths_ =
-            light_paths_that_pay(*light_pilot_, with_chances(camera, kAlways, first_chances_));
+    if (light_pilot_) weigh_light_paths(camera);
     if (walks_share) {
         paths.walks = walks_that_pay(camera);
         paths.worth_of_walks = paths.walks * std::min(1.0, kUnlessRare * paths.walks);
     }
+}
+
+// How many there are, and whether the manifold searches where they come. Samples without those searches
+// are taken in the same pixels, so that the comparison has little noise.
+void Session::weigh_light_paths(const Probe& camera) {
+    constexpr uint32_t kPixels = 2048, kRare = 128;
+    constexpr double kGain = 0.9;  // of variance times work: less of a gain may be noise
+    const LightPilot& pilot = *light_pilot_;
+    const LightPathPlan with =
+        light_paths_that_pay(pilot, with_chances(camera, kAlways, first_chances_));
+    light_paths_ = with.paths;
+    // Where light paths come rarely they are bright pixels, which a few samples do not tell.
+    const bool dense = pilot.come_through >= kFewComeThrough;
+    if (!settings_.chooses || !dense || settings_.integrator.casters_of(world_).empty()) return;
+    bool& alone = settings_.integrator.light_tracing.alone;
+    alone = true;
+    const Budget& budget = begin(RenderStage::probes, kPixels * kWorkOfProbe, kShareOfProbes);
+    const Probe without_searches = probe(kPixels, kRare, budget);
+    const Activation chances =
+        activation_for(without_searches.evidence, without_searches.variance, kLeastChance, 1.0);
+    const LightPathPlan without =
+        light_paths_that_pay(pilot, with_chances(without_searches, kAlways, chances));
+    const double ratio = std::exp(without.error - with.error);
+    alone = ratio < kGain;
+    if (alone) {
+        light_paths_ = without.paths;
+        first_chances_ = chances;
+    }
+    const std::lock_guard lock(mutex_);
+    report_.push_back(
+        fmt::format("Receivers that the camera sees as light paths do: without searches {:.2g} of "
+                    "their variance "
+                    "times work, {:.2g} of the pilot's paths come to them: {}",
+                    ratio, pilot.come_through, alone ? "left to light paths" : "searched"));
 }
 
 // Where light paths come that is all receivers which the camera sees directly, and few others. The
@@ -405,7 +437,8 @@ Session::Probe Session::with_chances(const Probe& whole, const Activation& from,
 // V / N + V' / P in a part. (The least sum would be decided by the noisiest part alone, and leave to
 // others what a few more light paths take away.) Work is counted, not timed, so that the same render
 // comes out everywhere.
-uint64_t Session::light_paths_that_pay(const LightPilot& pilot, const Probe& camera) const {
+Session::LightPathPlan Session::light_paths_that_pay(const LightPilot& pilot,
+                                                     const Probe& camera) const {
     constexpr double kLeast = 1.0 / 64, kMost = 8.0, kStep = 1.125;  // for each pixel
     const auto& crop = world_.scene->camera.crop;
     const auto pixels = static_cast<double>(uint64_t{crop[2]} * crop[3]);
@@ -423,7 +456,7 @@ uint64_t Session::light_paths_that_pay(const LightPilot& pilot, const Probe& cam
     double best = kLeast;
     for (double paths = kLeast; paths <= kMost; paths *= kStep)
         if (error(paths) < error(best)) best = paths;
-    return static_cast<uint64_t>(std::ceil(pixels * best));
+    return {static_cast<uint64_t>(std::ceil(pixels * best)), error(best) / CoarsePicture::kCells};
 }
 
 }  // namespace spc

@@ -45,7 +45,7 @@ RenderSettings settings_with(uint32_t samples) {
     settings.integrator.manifold = test::unbiased_manifold();
     settings.integrator.manifold.finder = ChainFinder::sheets;
     settings.light_tracing = true;
-    settings.leaves_crowds = true;
+    settings.chooses = true;
     settings.samples = samples;
     settings.seed = kSeed;
     settings.threads = 2;
@@ -124,9 +124,8 @@ TEST(Crowding, MapsMakeAsManyChainsAsSheetsHaveLeads) {
         const RenderScene world = beside_a_mirror(wave);
         const double by_map =
             chains_by_maps(*world.scene, world.lights, world.casters, kSeed).front();
-        const SheetPool sheets =
-            build_sheets(*world.scene, world.lights, world.casters,
-                         settings_with(1).integrator.manifold, kSeed, 1024, 2);
+        const SheetPool sheets = build_sheets(*world.scene, world.lights, world.casters,
+                                              settings_with(1).integrator.manifold, kSeed, 1024, 2);
         const double by_sheets = chains_by_sheets(world.casters, sheets, kSeed).front();
         EXPECT_GT(by_sheets, 1.0) << wave;
         EXPECT_LT(by_map, 2.5 * by_sheets) << wave;
@@ -169,7 +168,8 @@ TEST(CrowdingSlow, WhatIsLeftOutIsFound) {
     };
     RenderSettings path_tracing = settings_with(512);
     path_tracing.integrator.manifold.enabled = path_tracing.light_tracing = false;
-    const test::MeanEstimate truth = mean_of(path_tracing, 16), automatic = mean_of(settings_with(16), 16);
+    const test::MeanEstimate truth = mean_of(path_tracing, 16),
+                             automatic = mean_of(settings_with(16), 16);
     const double error = std::hypot(truth.standard_error(), automatic.standard_error());
     EXPECT_LT(error, 0.0025 * truth.mean());
     EXPECT_LT(std::abs(automatic.mean() - truth.mean()), 3.5 * error);

@@ -60,15 +60,15 @@ struct LightTracing {
     // over the light that they carry.
     double effort = 1.0;
     double manifold_share = 1.0;  // of that light
-    // Whether the manifold leaves to them, and to path tracing, all that comes to receivers to which the
-    // camera comes as they do.
-    bool alone = false;
     // Of receivers to which they may come, so many have the manifold's walks, which are worth so much
     // of what they are elsewhere.
     double walks = 1.0, worth_of_walks = 1.0;
     // CameraApproach::film_per_area, for each light path, from which on they leave to path tracing what
     // glints throw on, of which that has the mean over a footprint.
     double beside_glints = std::numeric_limits<double>::infinity();
+    // Whether the manifold leaves to them, and to path tracing, all that comes to receivers to which the
+    // camera comes as they do.
+    bool alone = false;
 };
 
 // All on which ownership depends besides the path.

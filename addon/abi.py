@@ -18,7 +18,7 @@ from ctypes import (
 )
 from enum import IntEnum
 
-API_VERSION = 7  # SPC_API_VERSION that this file mirrors
+API_VERSION = 8  # SPC_API_VERSION that this file mirrors
 
 STATUS_NAMES = (
     "OK",
@@ -256,6 +256,7 @@ RenderStats = _struct(
     ("glint_points", c_uint64),
     ("glint_capped", c_uint64),
     ("glint_bytes", c_uint64),
+    ("lost_rays", c_uint64),
 )
 
 _HANDLE = c_void_p

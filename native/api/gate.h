@@ -33,6 +33,7 @@ spc_status gate(const char* function, Body&& body) noexcept {
             case ErrorKind::invalid_argument: return fail(SPC_INVALID_ARGUMENT, {error.what()});
             case ErrorKind::wrong_state: return fail(SPC_WRONG_STATE, {error.what()});
             case ErrorKind::io: return fail(SPC_IO_ERROR, {error.what()});
+            case ErrorKind::out_of_memory: return fail(SPC_OUT_OF_MEMORY, {error.what()});
         }
         return fail(SPC_INTERNAL_ERROR, {error.what()});
     } catch (const std::bad_alloc&) {

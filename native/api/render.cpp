@@ -106,6 +106,8 @@ Session& session_of(spc_session* session) {
 }  // namespace
 
 void set_last_error(const std::string& message) { last_error() = message; }
+// So short that every string has the room.
+void set_last_error_without_memory() noexcept { last_error() = "no memory left"; }
 
 }  // namespace spc::api
 

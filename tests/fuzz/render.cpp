@@ -72,7 +72,8 @@ private:
             [&] { return spc_render_wait(session_, dice_.below(60), &progress); }, "");
         if (!(progress.fraction >= 0.0f && progress.fraction <= 1.0f && progress.seconds >= 0.0))
             promises_.broken("progress out of range");
-        if (!went && progress.state != SPC_RENDER_FAILED) promises_.broken(spc_last_error());
+        if (!went && progress.state != SPC_RENDER_FAILED && !promises_.starved)
+            promises_.broken(spc_last_error());
         return progress.state;
     }
 
@@ -128,7 +129,7 @@ bool Promises::judge(spc_status status, const char* name) {
     else
         count([](Tally& tally) { ++tally.refusals; });
     if (status == SPC_INVALID_ARGUMENT && name != nullptr && !says(name) && !says("is null") &&
-        !says("struct_size"))
+        !says("struct_size") && !(starved && says("no memory left")))
         broken(std::string("\"") + name + "\" is not named by: " + message);
     return false;
 }

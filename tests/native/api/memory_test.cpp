@@ -32,6 +32,7 @@ void in_own_process(const Checks& checks) {
     EXPECT_EXIT(
         {
             checks();
+            std::fputs(spc_last_error(), stderr);  // shown if it fails
             std::_Exit(::testing::Test::HasFailure() ? 1 : 0);
         },
         ::testing::ExitedWithCode(0), "");
@@ -95,10 +96,10 @@ TEST(OutOfMemory, OfACommit) {
         mesh.uv_layer_count = 0;
         uint32_t index;
         ASSERT_EQ(spc_scene_add_mesh(lost.get(), &mesh, &index), SPC_OK) << spc_last_error();
+        add_objects(lost.get());
         const uint32_t plaster = 0;
         const spc_instance_desc instance = valid_instance(index, plaster);
         ASSERT_EQ(spc_scene_add_instance(lost.get(), &instance, &index), SPC_OK);
-        add_objects(lost.get());
         limit_memory(32 * kMegabyte);
 
         expect_refused(spc_scene_commit(lost.get(), 1), SPC_OUT_OF_MEMORY,

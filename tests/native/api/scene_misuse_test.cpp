@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <thread>
+#include <utility>
 
 namespace spc::test {
 namespace {
@@ -417,18 +418,17 @@ TEST_F(SceneMisuse, NumbersBeyondTheirBounds) {
     const spc_uv_layer layer = {"Unwrap", uv.data(), tangents.data()};
     mesh.normals = normals.data();
     mesh.uv_layers = &layer;
-    const auto refuses_beyond = [&](std::vector<float>& values, float beyond,
+    const auto refuses_beyond = [&](float& value, float beyond,
                                     const std::vector<std::string>& words) {
-        const float good = values[7];
-        values[7] = beyond;
+        const float good = std::exchange(value, beyond);
         refuses(mesh, words);
-        values[7] = good;
+        value = good;
     };
-    refuses_beyond(normals, -kLarge, {"mesh \"Slate\"", "corner normal 2", "1e+15"});
-    refuses_beyond(uv, kLarge, {"Slate", "Unwrap", "coordinate 3", "1e+15"});
-    refuses_beyond(tangents, kLarge, {"Slate", "Unwrap", "tangent 1"});
+    refuses_beyond(normals[7], -kLarge, {"mesh \"Slate\"", "corner normal 2", "1e+15"});
+    refuses_beyond(uv[7], kLarge, {"Slate", "Unwrap", "coordinate 3", "1e+15"});
+    refuses_beyond(tangents[5], kLarge, {"Slate", "Unwrap", "tangent 1", "1e+15"});
     mesh.positions = positions.data();
-    refuses_beyond(positions, -kFar, {"Slate", "position 2", "1e+08"});
+    refuses_beyond(positions[7], -kFar, {"Slate", "position 2", "1e+08"});
 
     const uint32_t plaster = 0;
     const auto moved = [&](float scale, float x) {

@@ -263,6 +263,7 @@ RenderStats = _struct(
     ("glint_bytes", c_uint64),
     ("stage_seconds", c_double * STAGE_COUNT),
     ("first_sample_seconds", c_double),
+    ("lost_rays", c_uint64),
 )
 
 _HANDLE = c_void_p

@@ -131,10 +131,12 @@ class Statistics:
         )
 
     def _dropped(self) -> str:
-        return (
+        text = (
             f"{_count(self.render_stats['nan_samples'], 'sample')} not finite, "
             f"{_count(self.scene_stats['dropped_triangles'], 'triangle')} of zero area"
         )
+        lost_rays = self.render_stats["lost_rays"]
+        return text if lost_rays == 0 else f"{text}, {_count(lost_rays, 'ray')} not cast"
 
     def block(self) -> str:
         """For the log."""

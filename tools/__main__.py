@@ -21,6 +21,7 @@ COMMANDS = {
         "bench",
         "[NAME] ARGS: error against time, or the benchmark tests/bench/NAME.py",
     ),
+    "fuzz": ("fuzz", "main", "[--minutes N]: mutated scenes that look for crashes and hangs"),
     "stability": ("studies", "stability", "every method in the scenes in which methods fail"),
     "field": (
         "studies",

@@ -11,6 +11,7 @@
 namespace spc::api {
 
 void set_last_error(const std::string& message);
+void set_last_error_without_memory() noexcept;
 
 // Runs `body`, turns whatever it throws into a status and a message. What is not an Error is not for
 // the user to mend: the message then names the function.
@@ -21,7 +22,8 @@ spc_status gate(const char* function, Body&& body) noexcept {
             std::string message;
             for (const char* part : parts) message += part;
             set_last_error(message);
-        } catch (...) {  // no memory for the message: the status still says what happened
+        } catch (...) {  // no memory for the message: that of an earlier call must not stay
+            set_last_error_without_memory();
         }
         return status;
     };
@@ -33,6 +35,7 @@ spc_status gate(const char* function, Body&& body) noexcept {
             case ErrorKind::invalid_argument: return fail(SPC_INVALID_ARGUMENT, {error.what()});
             case ErrorKind::wrong_state: return fail(SPC_WRONG_STATE, {error.what()});
             case ErrorKind::io: return fail(SPC_IO_ERROR, {error.what()});
+            case ErrorKind::out_of_memory: return fail(SPC_OUT_OF_MEMORY, {error.what()});
         }
         return fail(SPC_INTERNAL_ERROR, {error.what()});
     } catch (const std::bad_alloc&) {

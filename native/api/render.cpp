@@ -19,6 +19,8 @@ std::string& last_error() {
 // Beyond these a render could neither be cancelled in time nor show anything.
 constexpr uint32_t kMostWalks = 4096;
 constexpr float kWidestFilter = 1000.0f;
+// Below this a filter is a point, and its density beyond single precision.
+constexpr float kNarrowestFilter = 0.01f;
 
 void check_settings(const spc_render_settings& s) {
     require(s.method <= SPC_METHOD_AUTO, fmt::format("unknown method {}", s.method));
@@ -37,9 +39,10 @@ void check_settings(const spc_render_settings& s) {
     require(std::isfinite(s.time_limit) && s.time_limit >= 0.0f,
             "time_limit must be finite and not negative");
     require_thread_count(s.threads);
-    require(s.pixel_filter == SPC_FILTER_BOX ||
-                (s.filter_width > 0.0f && s.filter_width <= kWidestFilter),
-            fmt::format("filter_width must be positive and at most {} pixels", kWidestFilter));
+    require(
+        s.pixel_filter == SPC_FILTER_BOX ||
+            (s.filter_width >= kNarrowestFilter && s.filter_width <= kWidestFilter),
+        fmt::format("filter_width must lie in [{}, {}] pixels", kNarrowestFilter, kWidestFilter));
 }
 
 ChainFinder finder_of(uint32_t method) {
@@ -105,6 +108,8 @@ Session& session_of(spc_session* session) {
 }  // namespace
 
 void set_last_error(const std::string& message) { last_error() = message; }
+// So short that every string has the room.
+void set_last_error_without_memory() noexcept { last_error() = "no memory left"; }
 
 }  // namespace spc::api
 
@@ -149,7 +154,10 @@ spc_status spc_render_start(const spc_scene* scene, const spc_render_settings* s
             throw spc::Error(spc::ErrorKind::wrong_state, "the scene is not committed");
         spc_session*& out = checked_output(session, "session");
         const spc::RenderSettings checked_settings = to_settings(checked(settings, "settings"));
-        out = new spc_session{spc::Session(*scene->world, checked_settings)};
+        const auto& crop = scene->world->scene->camera.crop;
+        out = spc::with_memory_for(
+            fmt::format("the film of {} x {} pixels, or the threads", crop[2], crop[3]),
+            [&] { return new spc_session{spc::Session(*scene->world, checked_settings)}; });
     });
 }
 
@@ -164,7 +172,8 @@ spc_status spc_render_wait(spc_session* session, uint32_t milliseconds,
                          now.samples_done,   now.fraction,
                          now.seconds,        static_cast<uint32_t>(now.stage),
                          now.stage_fraction, now.seconds_left};
-        if (now.state == spc::RenderState::failed) std::rethrow_exception(s.failure());
+        if (now.state == spc::RenderState::failed)
+            spc::with_memory_for("rendering", [&] { std::rethrow_exception(s.failure()); });
     });
 }
 
@@ -204,7 +213,8 @@ spc_status spc_render_get_stats(spc_session* session, spc_render_stats* stats) {
                   s.path.glints.capped,
                   s.glint_bytes,
                   {},
-                  s.first_sample_seconds};
+                  s.first_sample_seconds,
+                  s.lost_rays};
         std::ranges::copy(m.trial_histogram, stats->trial_histogram);
         static_assert(std::size(decltype(stats->stage_seconds){}) == spc::kRenderStages &&
                       spc::kRenderStages == SPC_STAGE_COUNT);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "api/gate.h"
 #include "api/handles.h"
+#include "core/limits.h"
 
 #include <chrono>
 
@@ -30,6 +31,10 @@ std::vector<T> copied(const Raw* data, size_t count, const std::string& owner, c
     std::vector<T> values(count);
     if (count > 0) std::memcpy(static_cast<void*>(values.data()), data, count * sizeof(T));
     return values;
+}
+
+std::string owner_of(const char* kind, const char* name) {
+    return named(kind, name_or(name, kind));
 }
 
 std::string text(const char* value, const std::string& owner, const char* what) {
@@ -91,9 +96,13 @@ Graph to_graph(const spc_material_desc& desc) {
     for (uint32_t i = 0; i < desc.input_count; ++i) {
         const spc_node_input& input = desc.inputs[i];
         check_node(input.node, "an input");
-        for (const float value : input.value)
+        for (const float value : input.value) {
             require(std::isfinite(value), fmt::format("{}: {}: a socket's value is not finite",
                                                       owner, graph.nodes[input.node].name));
+            require(std::abs(value) <= kLargestNumber,
+                    fmt::format("{}: {}: a socket's value exceeds {:g}", owner,
+                                graph.nodes[input.node].name, kLargestNumber));
+        }
         graph.inputs.push_back({input.node,
                                 text(input.socket, owner, "a socket"),
                                 {input.value[0], input.value[1], input.value[2], input.value[3]}});
@@ -257,7 +266,9 @@ spc_status spc_scene_add_image(spc_scene* scene, const spc_image_desc* desc, uin
     return gate("spc_scene_add_image", [&] {
         spc::SceneBuilder& builder = builder_of(scene);
         uint32_t& index = checked_output(image_index, "image_index");
-        index = builder.add_image(to_image(checked(desc, "desc")));
+        const spc_image_desc& d = checked(desc, "desc");
+        index = spc::with_memory_for(owner_of("image", d.name),
+                                     [&] { return builder.add_image(to_image(d)); });
     });
 }
 
@@ -266,7 +277,9 @@ spc_status spc_scene_add_material(spc_scene* scene, const spc_material_desc* des
     return gate("spc_scene_add_material", [&] {
         spc::SceneBuilder& builder = builder_of(scene);
         uint32_t& index = checked_output(material_index, "material_index");
-        index = builder.add_material(to_graph(checked(desc, "desc")));
+        const spc_material_desc& d = checked(desc, "desc");
+        index = spc::with_memory_for(owner_of("material", d.name),
+                                     [&] { return builder.add_material(to_graph(d)); });
     });
 }
 
@@ -287,7 +300,9 @@ spc_status spc_scene_add_mesh(spc_scene* scene, const spc_mesh_desc* desc, uint3
     return gate("spc_scene_add_mesh", [&] {
         spc::SceneBuilder& builder = builder_of(scene);
         uint32_t& index = checked_output(mesh_index, "mesh_index");
-        index = builder.add_mesh(to_mesh(checked(desc, "desc")));
+        const spc_mesh_desc& d = checked(desc, "desc");
+        index = spc::with_memory_for(owner_of("mesh", d.name),
+                                     [&] { return builder.add_mesh(to_mesh(d)); });
     });
 }
 
@@ -296,7 +311,9 @@ spc_status spc_scene_add_instance(spc_scene* scene, const spc_instance_desc* des
     return gate("spc_scene_add_instance", [&] {
         spc::SceneBuilder& builder = builder_of(scene);
         uint32_t& index = checked_output(instance_index, "instance_index");
-        index = builder.add_instance(to_instance(checked(desc, "desc")));
+        const spc_instance_desc& d = checked(desc, "desc");
+        index = spc::with_memory_for(owner_of("object", d.name),
+                                     [&] { return builder.add_instance(to_instance(d)); });
     });
 }
 
@@ -304,7 +321,9 @@ spc_status spc_scene_add_light(spc_scene* scene, const spc_light_desc* desc, uin
     return gate("spc_scene_add_light", [&] {
         spc::SceneBuilder& builder = builder_of(scene);
         uint32_t& index = checked_output(light_index, "light_index");
-        index = builder.add_light(to_light(checked(desc, "desc")));
+        const spc_light_desc& d = checked(desc, "desc");
+        index = spc::with_memory_for(owner_of("light", d.name),
+                                     [&] { return builder.add_light(to_light(d)); });
     });
 }
 
@@ -332,7 +351,11 @@ spc_status spc_scene_commit(spc_scene* scene, uint32_t threads) {
         // From here on only a lack of memory can stop it; then the scene is lost, and says so to
         // every later call.
         const std::unique_ptr<spc::SceneBuilder> taken = std::move(scene->builder);
-        spc::RenderScene world = spc::prepare(taken->freeze(threads), threads);
+        std::unique_ptr<spc::Scene> frozen = spc::with_memory_for(
+            "the trees over the scene's geometry", [&] { return taken->freeze(threads); });
+        spc::RenderScene world =
+            spc::with_memory_for("the tables of the scene's lights and casters",
+                                 [&] { return spc::prepare(std::move(frozen), threads); });
         for (const std::string& line : world.scene->report) scene->report += line + "\n";
         scene->world = std::move(world);
         scene->commit_seconds =

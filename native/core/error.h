@@ -5,12 +5,13 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <new>
 #include <stdexcept>
 #include <string>
 
 namespace spc {
 
-enum class ErrorKind { invalid_argument, wrong_state, io };
+enum class ErrorKind { invalid_argument, wrong_state, io, out_of_memory };
 
 // How messages name an object: `mesh "Cube"`, or its kind alone where it has no name of its own.
 inline std::string named(const std::string& kind, const std::string& name) {
@@ -26,6 +27,21 @@ public:
 private:
     ErrorKind kind_;
 };
+
+// Runs `act`; where memory runs out, the error says for what.
+template <class Act>
+decltype(auto) with_memory_for(const std::string& what, Act&& act) {
+    const auto fail = [&]() { throw Error(ErrorKind::out_of_memory, what + ": out of memory"); };
+    try {
+        return act();
+    } catch (const std::bad_alloc&) {
+        fail();
+        throw;
+    } catch (const std::length_error&) {  // of a vector longer than any can be
+        fail();
+        throw;
+    }
+}
 
 }  // namespace spc
 

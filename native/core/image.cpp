@@ -2,6 +2,7 @@
 #include "core/image.h"
 
 #include "core/image_file.h"
+#include "core/limits.h"
 
 namespace spc {
 
@@ -60,7 +61,7 @@ void repair(Image& image) {
     for (size_t texel = 0; texel < image.floats.size(); texel += image.channels) {
         bool finite = true;
         for (size_t c = 0; c < image.channels; ++c)
-            finite = finite && std::isfinite(image.floats[texel + c]);
+            finite = finite && std::abs(image.floats[texel + c]) <= kLargestNumber;
         if (finite) continue;
         for (size_t c = 0; c < image.channels; ++c) image.floats[texel + c] = 0.0f;
         ++image.repaired_texels;
@@ -108,9 +109,10 @@ Image image_from_floats(const std::string& name, std::span<const float> texels, 
                         uint32_t height, uint32_t channels, ColorSpace space, AlphaMode alpha) {
     Image image = image_from_texels(name, texels, width, height, channels, &Image::floats);
     for (size_t i = 0; i < texels.size(); ++i)
-        if (!std::isfinite(texels[i]))
+        if (!(std::abs(texels[i]) <= kLargestNumber))
             fail_image(ErrorKind::invalid_argument, name,
-                       "texel " + std::to_string(i / channels) + " is not finite");
+                       "texel " + std::to_string(i / channels) +
+                           (std::isfinite(texels[i]) ? " exceeds 1e+15" : " is not finite"));
     finish(image, space, alpha, false);
     return image;
 }

@@ -45,6 +45,9 @@ float ratio(uint64_t part, uint64_t whole) {
                      : 0.0f;
 }
 
+// The weights of a narrow filter may lift variances beyond single precision, with room for a sum.
+float to_float(double value) { return static_cast<float>(std::min(value, 1e37)); }
+
 void write_pixel(Pass pass, const PixelSums& pixel, float* out) {
     const double n = pixel.count;
     const auto mean = [n](double sum) { return static_cast<float>(sum / n); };
@@ -212,7 +215,7 @@ void Film::read(Pass pass, std::span<float> out) const {
             const SplatMean mean = layer.mean(at);
             for (size_t c = 0; c < 3; ++c)
                 out[at * channels + c] +=
-                    static_cast<float>(pass == Pass::variance ? mean.variance[c] : mean.value[c]);
+                    to_float(pass == Pass::variance ? mean.variance[c] : mean.value[c]);
         }
     }
     if (pass == Pass::combined && preview_block_ > 0) show_preview(out);

@@ -12,6 +12,12 @@
 
 namespace spc {
 
+// Whether sums of such values and of their squares are finite; others are dropped and counted.
+inline bool can_be_held(const Spectrum& value) {
+    constexpr float kBrightest = 1e18f;
+    return std::abs(value.x) + std::abs(value.y) + std::abs(value.z) <= kBrightest;
+}
+
 // Newton walks and Bernoulli trials that the manifold made for a sample or a pixel.
 struct WalkCounts {
     uint64_t walks = 0, converged = 0;

@@ -178,7 +178,7 @@ private:
         if (!densities || !(densities->light_tracing > 0.0)) return;
         value *= static_cast<float>(densities->scale()) * seen(surface, *view);
         if (is_black(value)) return;
-        if (!is_finite(value)) {
+        if (!can_be_held(value)) {
             ++stats_.nan_splats;
             return;
         }

@@ -297,8 +297,9 @@ AreaLamp make_area(const LightDesc& desc) {
     lamp.spread = make_spread(desc.spread);
     lamp.ellipse = desc.shape == AreaShape::ellipse;
     lamp.area = length(across) * (lamp.ellipse ? kPi : 4.0f);
-    lamp.radiance = lamp.area > 0.0f ? scaled(desc.power, 1.0 / (std::numbers::pi * lamp.area))
-                                     : Spectrum(0.0f);
+    lamp.radiance = lamp.area > kLeastLampArea
+                        ? scaled(desc.power, 1.0 / (std::numbers::pi * lamp.area))
+                        : Spectrum(0.0f);
     constexpr float kRightAngle = 1e-4f;  // cosine below which the sides count as orthogonal
     const bool rectangle = !lamp.ellipse && std::abs(dot(lamp.axis_x, lamp.axis_y)) < kRightAngle;
     lamp.near_squared =
@@ -353,7 +354,8 @@ Lamp make_lamp(const LightDesc& desc) {
 }
 
 double lamp_flux(const LightDesc& desc, const Lamp& lamp) {
-    if (const auto* area = std::get_if<AreaLamp>(&lamp); area != nullptr && !(area->area > 0.0f))
+    if (const auto* area = std::get_if<AreaLamp>(&lamp);
+        area != nullptr && !(area->area > kLeastLampArea))
         return 0.0;
     const double power = luminance(desc.power);
     if (desc.type != LightType::spot) return power;

@@ -13,6 +13,8 @@ namespace spc {
 // apart.
 inline constexpr float kLeastLampRadius = 1e-9f;  // m
 inline constexpr float kLeastSunAngle = 1e-5f;    // rad
+// An area light below this has no surface that shines.
+inline constexpr float kLeastLampArea = 1e-18f;  // m^2
 // An area light's beam is no narrower.
 inline constexpr float kLeastSpread = 0.1f * kPi / 180.0f;  // rad
 

@@ -3,6 +3,7 @@
 
 #include "light/mesh_emitter.h"
 #include "light/world.h"
+#include "math/triangle.h"
 
 namespace spc {
 namespace {
@@ -198,7 +199,7 @@ float pdf_direct_surface(const LightSet& lights, const Scene& scene, const LitPo
         scene.triangle_world(hit.surface.instance, hit.surface.triangle);
     const Vec3 e1 = corner[1] - corner[0], e2 = corner[2] - corner[0];
     const float d2 = length_squared(corner[0] + e1 * hit.surface.u + e2 * hit.surface.v - at.p);
-    const float cos = std::abs(dot(normalize(cross(e1, e2)), wi));
+    const float cos = std::abs(dot(unit_normal(e1, e2), wi));
     if (!(cos > 0.0f)) return 0.0f;
     const uint32_t leaf = emitter.first_leaf + emitter.places[hit.surface.triangle].part;
     return lights.tree.probability(leaf, at) * pdf_area * d2 / cos;

@@ -22,6 +22,17 @@ float nearest_cosine(const Vec3& axis, const Vec3& along, float distance_squared
     return cos * cos_sphere + sin * std::sqrt(sine_squared);
 }
 
+// What brings the largest strength near 1, without rounding: then importances are finite, and none
+// is lost to denormals that is worth a choice.
+float unit_of_strength(std::span<const LightReach> lights) {
+    constexpr int kMostDoublings = 100;
+    float largest = 0.0f;
+    for (const LightReach& light : lights) largest = std::max(largest, light.strength);
+    if (!(largest > 0.0f)) return 1.0f;
+    return std::ldexp(1.0f, std::clamp(-std::ilogb(largest), -kMostDoublings, kMostDoublings));
+}
+constexpr float kLeastStrength = 0x1p-60f;  // in those units
+
 float half_angle(const LampBeam& beam) {
     return std::acos(std::max(1.0f - beam.one_minus_cos, -1.0f));
 }
@@ -104,14 +115,17 @@ LightTree::LightTree(std::span<const LightReach> lights)
     : leaf_of_(lights.size(), kNone), distant_of_(lights.size(), kNone) {
     std::vector<Binary> leaves;
     std::vector<float> even(lights.size(), 0.0f);
+    const float unit = unit_of_strength(lights);
     for (uint32_t i = 0; i < lights.size(); ++i) {
         if (!(lights[i].strength > 0.0f)) continue;
         even[i] = lights[i].even;
-        if (lights[i].distant) {
+        LightReach reach = lights[i];
+        reach.strength = std::max(reach.strength * unit, kLeastStrength);
+        if (reach.distant) {
             distant_of_[i] = static_cast<uint32_t>(distant_.size());
-            distant_.push_back({lights[i], i});
+            distant_.push_back({reach, i});
         } else {
-            leaves.push_back({.reach = lights[i], .light = i});
+            leaves.push_back({.reach = reach, .light = i});
         }
     }
     evenly_ = DiscreteDistribution(even);

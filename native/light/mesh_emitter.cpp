@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "light/mesh_emitter.h"
 
+#include "core/limits.h"
+#include "math/triangle.h"
 #include "math/warp.h"
 #include "scene/surface.h"
 
 namespace spc {
 
 namespace {
+
+constexpr double kBrightestPart = 1e37;  // W
 
 struct ShiningTriangle {
     uint32_t index;
@@ -42,7 +46,7 @@ private:
         const auto index = static_cast<uint32_t>(built_.emitter.parts.size());
         EmissiveInstance::Part part;
         std::vector<float> flux;
-        float sum = 0.0f;
+        double sum = 0.0;
         for (const ShiningTriangle& one : triangles) {
             built_.emitter.places[one.index] = {index, static_cast<uint32_t>(flux.size())};
             part.triangles.push_back(one.index);
@@ -52,9 +56,10 @@ private:
         part.choice = DiscreteDistribution(flux);
         built_.emitter.parts.push_back(std::move(part));
         const Vec3 center = (bounds.lower + bounds.upper) * 0.5f;
-        built_.reaches.push_back({.strength = sum * 0.25f * kInvPi,
-                                  .center = center,
-                                  .radius = length(bounds.upper - center)});
+        built_.reaches.push_back(
+            {.strength = static_cast<float>(std::min(sum, kBrightestPart)) * 0.25f * kInvPi,
+             .center = center,
+             .radius = length(bounds.upper - center)});
     }
 
     BuiltEmitter& built_;
@@ -68,7 +73,7 @@ EmitterPoint point_on(const EmissiveInstance& emitter, const Scene& scene, uint3
     const float side = scene.instances[emitter.instance].mirrored ? -1.0f : 1.0f;
     return {{emitter.instance, triangle, b.x, b.y},
             corner[0] + e1 * b.x + e2 * b.y,
-            normalize(cross(e1, e2)) * side,
+            unit_normal(e1, e2) * side,
             probability * emitter.inv_area[triangle]};
 }
 
@@ -85,11 +90,12 @@ std::optional<BuiltEmitter> build_emitter(const Scene& scene, uint32_t instance,
     built.emitter.places.resize(count);
     for (uint32_t t = 0; t < count; ++t) {
         const Material& material = scene.materials[scene.material_index(instance, t)];
-        const float brightness = material.emits ? luminance(material.mean_emission) : 0.0f;
+        const float brightness =
+            material.emits ? std::min(luminance(material.mean_emission), kLargestNumber) : 0.0f;
         if (!(brightness > 0.0f)) continue;
         const std::array<Vec3, 3> corner = scene.triangle_world(instance, t);
         const float area = 0.5f * length(cross(corner[1] - corner[0], corner[2] - corner[0]));
-        if (!(area > 0.0f)) continue;
+        if (!(area >= std::numeric_limits<float>::min())) continue;
         flux[t] = 2.0f * kPi * area * brightness;
         built.emitter.inv_area[t] = 1.0f / area;
         built.flux += flux[t];

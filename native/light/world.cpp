@@ -2,6 +2,7 @@
 // A world's strength is its radiance (Cycles 5.0.1: irradiance pi times it on an open plane).
 #include "light/world.h"
 
+#include "core/limits.h"
 #include "core/parallel.h"
 #include "math/warp.h"
 
@@ -66,7 +67,7 @@ Table tabulate(const Scene& scene, const Material& material, uint32_t threads) {
             (static_cast<float>(fine_y) + 0.5f) / static_cast<float>(height * finer));
         const float value =
             luminance(evaluate_background(material, scene.images, to_direction(position)));
-        return std::isfinite(value) ? std::max(value, 0.0f) : 0.0f;
+        return std::isfinite(value) ? std::clamp(value, 0.0f, kLargestNumber) : 0.0f;
     };
     parallel_for(threads, height, [&](uint32_t y) {
         for (uint32_t x = 0; x < width; ++x) {

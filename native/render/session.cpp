@@ -262,6 +262,8 @@ bool Session::render_splats(uint32_t pass, uint32_t part, RenderStats& stats) {
             if (stops_in(pass)) return std::nullopt;
             estimate(i, result.splats);
         }
+        stats.nan_samples += static_cast<uint64_t>(std::erase_if(
+            result.splats, [](const Splat& splat) { return !can_be_held(splat.value); }));
         for (Splat& splat : result.splats) splat.film -= corner;
         return result;
     };
@@ -334,7 +336,7 @@ FilmSample Session::take_sample(uint32_t x, uint32_t y, uint32_t index,
     PathSample path =
         path_radiance(world_, integrator, state, ray, lens, sampler, stats.path, &pixel);
     ++stats.samples;
-    if (!is_finite(path.radiance) || !is_finite(path.caustics) || !is_finite(path.position) ||
+    if (!can_be_held(path.radiance) || !can_be_held(path.caustics) || !is_finite(path.position) ||
         !is_finite(path.normal) || !std::isfinite(path.alpha)) {
         ++stats.nan_samples;
         path = PathSample{};
@@ -390,8 +392,11 @@ RenderProgress Session::wait(std::chrono::milliseconds patience) {
 }
 
 RenderStats Session::stats() const {
+    const uint64_t lost_rays = world_.scene->accel->lost_rays() - lost_rays_before_;
     const std::lock_guard lock(mutex_);
-    return stats_;
+    RenderStats stats = stats_;
+    stats.lost_rays = lost_rays;
+    return stats;
 }
 
 std::vector<std::string> Session::report() const {

@@ -42,6 +42,7 @@ inline constexpr size_t kRenderStages = 6;
 struct RenderStats {
     uint64_t samples = 0;
     uint64_t nan_samples = 0;
+    uint64_t lost_rays = 0;  // since the session began, by all who share its scene
     double manifold_energy = 0.0;
     PathStats path;
     LightPathStats light;
@@ -157,6 +158,7 @@ private:
     double seconds() const;
 
     const RenderScene& world_;
+    const uint64_t lost_rays_before_ = world_.scene->accel->lost_rays();
     RenderSettings settings_;                // constant once prepared_
     const IntegratorSettings path_tracing_;  // of the preview
     const PixelFilter filter_;

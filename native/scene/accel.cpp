@@ -2,6 +2,7 @@
 #include "scene/accel.h"
 
 #include "core/error.h"
+#include "core/limits.h"
 #include "scene/scene.h"
 
 #if __has_include(<embree3/rtcore.h>)
@@ -11,6 +12,8 @@
 #include <embree4/rtcore.h>
 #define SPC_EMBREE 4
 #endif
+
+#include <atomic>
 
 #include <fmt/format.h>
 
@@ -36,6 +39,16 @@ void occluded1(RTCScene scene, RTCRay& ray) {
 #else
     rtcOccluded1(scene, &ray, nullptr);
 #endif
+}
+
+// Embree takes no other ray, and ends the program where it checks them, as Debian's does. What rays
+// start on lies within kFarthest; in a mesh's own space they stay within what Embree can square.
+bool can_be_cast(const Ray& ray) {
+    constexpr float kFarthestStart = 100.0f * kFarthest;
+    const Vec3 &o = ray.origin, &d = ray.direction;
+    const float reach = std::abs(o.x) + std::abs(o.y) + std::abs(o.z) + std::abs(d.x) +
+                        std::abs(d.y) + std::abs(d.z);
+    return reach <= kFarthestStart && ray.t_near >= 0.0f && !std::isnan(ray.t_far);
 }
 
 RTCRay to_embree(const Ray& ray, uint32_t mask) {
@@ -102,7 +115,7 @@ struct Accel::Impl {
     std::vector<RTCScene> caster_scenes;  // per instance, null unless prepared
     std::vector<const Instance*> instances;
     uint32_t instance_count = 0;
-    std::string error;
+    std::atomic<uint64_t> lost_rays{0};
 
     ~Impl() {
         for (RTCGeometry geometry : baked)
@@ -113,6 +126,12 @@ struct Accel::Impl {
             if (s != nullptr) rtcReleaseScene(s);
         if (scene != nullptr) rtcReleaseScene(scene);
         if (device != nullptr) rtcReleaseDevice(device);
+    }
+
+    bool casts(const Ray& ray) {
+        if (can_be_cast(ray)) return true;
+        lost_rays.fetch_add(1, std::memory_order_relaxed);
+        return false;
     }
 
     // Embree reports errors through the device: out of memory is the one that input can cause.
@@ -216,6 +235,7 @@ Accel::Accel(const Scene& scene, uint32_t threads) : impl_(std::make_unique<Impl
 Accel::~Accel() = default;
 
 std::optional<Hit> Accel::intersect(const Ray& ray, uint32_t kind) const {
+    if (!impl_->casts(ray)) return std::nullopt;
     RTCRayHit ray_hit = to_embree_hit(ray, kind);
     intersect1(impl_->scene, ray_hit);
     if (ray_hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
@@ -228,6 +248,7 @@ std::optional<Hit> Accel::intersect(const Ray& ray, uint32_t kind) const {
 }
 
 bool Accel::occluded(const Ray& ray, uint32_t kind) const {
+    if (!impl_->casts(ray)) return true;
     RTCRay r = to_embree(ray, kind);
     occluded1(impl_->scene, r);
     return r.tfar < 0.0f;
@@ -243,6 +264,7 @@ void Accel::prepare_caster(const Scene& scene, uint32_t index) {
 }
 
 std::optional<Hit> Accel::intersect_caster(uint32_t index, const Ray& ray) const {
+    if (!impl_->casts(ray)) return std::nullopt;
     RTCScene alone = impl_->caster_scenes[index];
     Ray local = ray;
     if (alone == nullptr) {  // instanced: the direction keeps its length, so t is the world's
@@ -256,6 +278,8 @@ std::optional<Hit> Accel::intersect_caster(uint32_t index, const Ray& ray) const
     if (ray_hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
     return Hit{ray_hit.ray.tfar, kNone, {index, ray_hit.hit.primID, ray_hit.hit.u, ray_hit.hit.v}};
 }
+
+uint64_t Accel::lost_rays() const { return impl_->lost_rays.load(std::memory_order_relaxed); }
 
 const char* Accel::library_version() {
     static const std::string text = fmt::format("Embree {}", RTC_VERSION_STRING);

@@ -31,6 +31,9 @@ public:
     Accel(const Accel&) = delete;
     Accel& operator=(const Accel&) = delete;
 
+    // A ray that is not finite, or starts beyond everything, is not cast but counted: it meets
+    // nothing, and no light passes along it.
+
     // Nearest hit of anything that shows itself to `kind`, a bit of Visibility. Lamps are hit by
     // their surface.
     std::optional<Hit> intersect(const Ray& ray, uint32_t kind) const;
@@ -40,6 +43,9 @@ public:
     std::optional<Hit> intersect_caster(uint32_t instance, const Ray& ray) const;
     // Makes intersect_caster available for an instance; called while freezing.
     void prepare_caster(const Scene& scene, uint32_t instance);
+
+    // Rays that could not be cast so far, by all who share the scene.
+    uint64_t lost_rays() const;
 
     static const char* library_version();  // "Embree 3.13.5"
 

@@ -2,6 +2,8 @@
 #include "scene/builder.h"
 
 #include "core/error.h"
+#include "core/limits.h"
+#include "math/triangle.h"
 
 #include <fmt/format.h>
 
@@ -13,9 +15,28 @@ namespace {
     throw Error(ErrorKind::invalid_argument, message);
 }
 
-void require_finite(const std::vector<Vec3>& values, const std::string& owner, const char* what) {
+bool is_within(const Vec3& value, float most) {
+    return std::max({std::abs(value.x), std::abs(value.y), std::abs(value.z)}) <= most &&
+           is_finite(value);
+}
+
+// `what`: the subject of the message.
+void require_within(const Vec3& value, float most, const std::string& owner,
+                    const std::string& what) {
+    if (!is_finite(value)) invalid(fmt::format("{}: {} is not finite", owner, what));
+    if (!is_within(value, most)) invalid(fmt::format("{}: {} exceeds {:g}", owner, what, most));
+}
+
+void require_within(float value, float most, const std::string& owner, const std::string& what) {
+    require_within(Vec3(value, 0.0f, 0.0f), most, owner, what);
+}
+
+// `what`: of each.
+void require_all_within(const std::vector<Vec3>& values, float most, const std::string& owner,
+                        const char* what) {
     for (size_t i = 0; i < values.size(); ++i)
-        if (!is_finite(values[i])) invalid(fmt::format("{}: {} {} is not finite", owner, what, i));
+        if (!is_within(values[i], most))
+            require_within(values[i], most, owner, fmt::format("{} {}", what, i));
 }
 
 // Twice the area, relative to the longest edge squared, below which a triangle has no direction in
@@ -68,8 +89,8 @@ void normalize_corner_normals(Mesh& mesh) {
     bool flat = true;
     for (size_t t = 0; t < mesh.triangles.size() && !mesh.normals.empty(); ++t) {
         const auto& [a, b, c] = mesh.triangles[t];
-        const Vec3 face = normalize(
-            cross(mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a]));
+        const Vec3 face = unit_normal(mesh.positions[b] - mesh.positions[a],
+                                      mesh.positions[c] - mesh.positions[a]);
         for (size_t k = 0; k < 3; ++k) {
             Vec3& normal = mesh.normals[3 * t + k];
             normal = safe_normalize(normal, face);
@@ -80,23 +101,27 @@ void normalize_corner_normals(Mesh& mesh) {
 }
 
 Transform checked_inverse(const Transform& transform, const std::string& name) {
-    for (const Vec3& row : transform.row)
-        if (!is_finite(row)) invalid(fmt::format("{}: the transform is not finite", name));
-    if (!is_finite(transform.translation))
-        invalid(fmt::format("{}: the transform is not finite", name));
+    for (const Vec3& row : transform.row) require_within(row, kFarthest, name, "the transform");
+    require_within(transform.translation, kFarthest, name, "the transform's translation");
     const Transform inverse = transform.inverse();
-    // An infinite determinant would leave an inverse of zeros.
-    if (!std::isfinite(transform.determinant()))
-        invalid(fmt::format("{}: the transform cannot be inverted", name));
     for (const Vec3& row : inverse.row)
-        if (!is_finite(row))
+        if (!is_within(row, kFarthest))
             invalid(fmt::format("{}: the transform cannot be inverted (a scale of 0?)", name));
     return inverse;
+}
+
+// The box around the mesh, as it stands in the world.
+void require_bounds_within(const Mesh& mesh, const Transform& to_world, const std::string& name) {
+    const std::array<Vec3, 2> ends{mesh.bounds.lower, mesh.bounds.upper};
+    for (size_t i = 0; i < 8 && !mesh.bounds.empty(); ++i)
+        require_within(to_world.point({ends[i & 1].x, ends[(i >> 1) & 1].y, ends[i >> 2].z}),
+                       kFarthest, name, "a coordinate in the world");
 }
 
 void check_aperture(const Camera& camera) {
     if (!(std::isfinite(camera.aperture_radius) && camera.aperture_radius >= 0.0f))
         invalid("camera: the aperture's radius must be finite and not negative");
+    require_within(camera.aperture_radius, kFarthest, "camera", "the aperture's radius");
     if (camera.aperture_radius == 0.0f) return;
     if (!(std::isfinite(camera.focus_distance) && camera.focus_distance > 0.0f))
         invalid("camera: the focus distance must be finite and positive");
@@ -106,6 +131,8 @@ void check_aperture(const Camera& camera) {
         invalid("camera: the aperture's rotation is not finite");
     if (!(std::isfinite(camera.aperture_ratio) && camera.aperture_ratio > 0.0f))
         invalid("camera: the aperture's ratio must be finite and positive");
+    require_within(camera.aperture_radius / camera.aperture_ratio, kFarthest, "camera",
+                   "the aperture's half width");
 }
 
 }  // namespace
@@ -138,8 +165,8 @@ uint32_t SceneBuilder::add_material(const Graph& graph) {
 
 uint32_t SceneBuilder::add_mesh(Mesh mesh) {
     const std::string name = named("mesh", mesh.name);
-    require_finite(mesh.positions, name, "position");
-    require_finite(mesh.normals, name, "corner normal");
+    require_all_within(mesh.positions, kFarthest, name, "position");
+    require_all_within(mesh.normals, kLargestNumber, name, "corner normal");
     for (size_t t = 0; t < mesh.triangles.size(); ++t)
         for (const uint32_t index : mesh.triangles[t])
             if (index >= mesh.positions.size())
@@ -150,12 +177,13 @@ uint32_t SceneBuilder::add_mesh(Mesh mesh) {
             invalid(fmt::format("{}: triangle {} names material slot {} of {}", name, t,
                                 mesh.slots[t], mesh.slot_count));
     for (const UvLayer& layer : mesh.uv_layers) {
-        for (size_t i = 0; i < layer.uv.size(); ++i)
-            if (!std::isfinite(layer.uv[i].x) || !std::isfinite(layer.uv[i].y))
-                invalid(fmt::format("{}: UV layer \"{}\": coordinate {} is not finite", name,
-                                    layer.name, i));
-        require_finite(layer.tangents, fmt::format("{}: UV layer \"{}\"", name, layer.name),
-                       "tangent");
+        const std::string of_layer = fmt::format("{}: UV layer \"{}\"", name, layer.name);
+        for (size_t i = 0; i < layer.uv.size(); ++i) {
+            const Vec3 uv(layer.uv[i].x, layer.uv[i].y, 0.0f);
+            if (!is_within(uv, kLargestNumber))
+                require_within(uv, kLargestNumber, of_layer, fmt::format("coordinate {}", i));
+        }
+        require_all_within(layer.tangents, kLargestNumber, of_layer, "tangent");
     }
     if (!mesh.uv_layers.empty() && mesh.active_uv_layer >= mesh.uv_layers.size())
         invalid(fmt::format("{}: active UV layer {} of {}", name, mesh.active_uv_layer,
@@ -163,6 +191,7 @@ uint32_t SceneBuilder::add_mesh(Mesh mesh) {
     if (mesh.slot_count == 1) mesh.slots.clear();
     drop_degenerate_triangles(mesh);
     normalize_corner_normals(mesh);
+    for (const Vec3& p : mesh.positions) mesh.bounds.extend(p);
     mesh.positions.reserve(mesh.positions.size() + 1);  // Embree reads 16 bytes at the last vertex
     scene_->meshes.push_back(std::move(mesh));
     return static_cast<uint32_t>(scene_->meshes.size() - 1);
@@ -193,6 +222,7 @@ uint32_t SceneBuilder::add_instance(Instance instance) {
             invalid(fmt::format("{}: material index {} of {}", name, material,
                                 scene_->materials.size()));
     instance.world_to_object = checked_inverse(instance.object_to_world, name);
+    require_bounds_within(scene_->meshes[instance.mesh], instance.object_to_world, name);
     instance.mirrored = instance.object_to_world.determinant() < 0.0f;
     for (uint32_t& material : instance.materials)
         if (material == kNone) material = invisible_material();
@@ -209,8 +239,10 @@ uint32_t SceneBuilder::add_light(LightDesc light) {
     require(
         is_finite(light.power) && std::min({light.power.x, light.power.y, light.power.z}) >= 0.0f,
         "the power must be finite and not negative");
+    require_within(light.power, kLargestNumber, name, "the power");
     require(std::isfinite(light.radius) && light.radius >= 0.0f,
             "the radius must be finite and not negative");
+    require_within(light.radius, kFarthest, name, "the radius");
     if (light.type == LightType::spot) {
         require(light.spot_angle > 0.0f && light.spot_angle <= kPi * 1.0001f,
                 "the spot angle must lie in (0, pi]");
@@ -224,6 +256,8 @@ uint32_t SceneBuilder::add_light(LightDesc light) {
         require(std::isfinite(light.size.x) && std::isfinite(light.size.y) && light.size.x > 0.0f &&
                     light.size.y > 0.0f,
                 "the size of an area light must be finite and positive");
+        require_within(light.half_x(), kFarthest, name, "half the size in x");
+        require_within(light.half_y(), kFarthest, name, "half the size in y");
         require(light.spread >= 0.0f && light.spread <= kPi * 1.0001f,
                 "the spread must lie in [0, pi]");
     }
@@ -243,8 +277,11 @@ void SceneBuilder::set_camera(const Camera& camera) {
     if (!std::isfinite(left) || !std::isfinite(right) || !std::isfinite(bottom) ||
         !std::isfinite(top) || left == right || bottom == top)
         invalid("camera: the viewplane is empty or not finite");
+    for (const float edge : camera.viewplane)
+        require_within(edge, kFarthest, "camera", "the viewplane");
     if (!(camera.clip_near >= 0.0f && camera.clip_near < camera.clip_far))
         invalid("camera: clipping needs 0 <= near < far");
+    require_within(camera.clip_near, kFarthest, "camera", "the near clip");
     check_aperture(camera);
     // Scale would otherwise change depths.
     const Vec3 z = normalize(camera.to_world.column(2));

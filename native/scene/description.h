@@ -2,7 +2,7 @@
 // The parts of a scene as plain data: what the builder collects and the frozen Scene keeps.
 #pragma once
 
-#include "math/vec.h"
+#include "math/bounds.h"
 #include "shading/program.h"
 
 #include <string>
@@ -41,6 +41,7 @@ struct Mesh {
     std::vector<UvLayer> uv_layers;
     uint32_t active_uv_layer = 0;
     uint32_t dropped_triangles = 0;
+    Bounds bounds;  // of all positions
 
     uint32_t slot_of(uint32_t triangle) const { return slots.empty() ? 0 : slots[triangle]; }
 };

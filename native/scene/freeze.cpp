@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "math/triangle.h"
 #include "scene/builder.h"
 
 #include <fmt/format.h>
@@ -50,7 +51,7 @@ void derive_tangents(const Mesh& mesh, UvLayer& layer) {
         const Vec2 d1 = layer.uv[3 * t + 1] - layer.uv[3 * t],
                    d2 = layer.uv[3 * t + 2] - layer.uv[3 * t];
         const float det = d1.x * d2.y - d1.y * d2.x;
-        const Vec3 fallback = Frame::around(normalize(cross(e1, e2))).x;
+        const Vec3 fallback = Frame::around(unit_normal(e1, e2)).x;
         const Vec3 along_u = (e1 * d2.y - e2 * d1.y) * (det < 0.0f ? -1.0f : 1.0f);
         for (size_t k = 0; k < 3; ++k) {
             layer.tangents[3 * t + k] = safe_normalize(along_u, fallback);

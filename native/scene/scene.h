@@ -3,7 +3,6 @@
 // and shared by all threads; indices refer, vectors own.
 #pragma once
 
-#include "math/bounds.h"
 #include "scene/accel.h"
 #include "scene/description.h"
 

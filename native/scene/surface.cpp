@@ -3,6 +3,7 @@
 
 #include "core/error.h"
 #include "core/room.h"
+#include "math/triangle.h"
 
 namespace spc {
 
@@ -25,14 +26,13 @@ std::array<Vec3, 3> normal_rows(const Transform& world_to_object) {
 }
 
 Vec3 front_normal_of(const std::array<Vec3, 3>& corner, bool mirrored) {
-    const Vec3 n = normalize(cross(corner[1] - corner[0], corner[2] - corner[0]));
+    const Vec3 n = unit_normal(corner[1] - corner[0], corner[2] - corner[0]);
     return mirrored ? n * -1.0f : n;
 }
 
 Vec3 object_face_normal(const Mesh& mesh, uint32_t triangle) {
     const auto& [a, b, c] = mesh.triangles[triangle];
-    return normalize(
-        cross(mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a]));
+    return unit_normal(mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a]);
 }
 
 // The sums that rounding errors of a triangle's points grow with, for coordinates of at most M and

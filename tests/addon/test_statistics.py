@@ -46,6 +46,8 @@ def test_wording():
     assert rows["Method"] == "Automatic (SMS Unbiased)"
     assert rows["Caustics"] == "1 caster, 2 receivers"
     assert rows["Dropped"] == "1 sample not finite, 0 triangles of zero area"
+    rows = dict(statistics(lost_rays=2).rows())
+    assert rows["Dropped"].endswith("0 triangles of zero area, 2 rays not cast")
 
 
 def test_the_first_sample_of_the_whole_picture_is_told():

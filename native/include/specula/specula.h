@@ -7,6 +7,10 @@
  *   Transforms row-major 3x4, float[12]: world = M * (x, y, z, 1).
  *   Colour     linear Rec.709 primaries, float[3] or float[4].
  *   Images     rows from the bottom up, left to right (Blender's order).
+ *   Numbers    finite. Coordinates and extents, in a mesh's own space and in the world, are at most 1e8 m,
+ *              and so are the entries of a transform and of its inverse; all that has no unit of length
+ *              (colours, strengths, powers, texels, normals, UV) is at most 1e15. What exceeds that is
+ *              refused with SPC_INVALID_ARGUMENT; what overflows on the way is counted in spc_render_stats.
  *   Text       UTF-8, zero-terminated. Names are only used in messages; they need not be unique.
  *   Structs    `struct_size` comes first and must be sizeof the struct as compiled by the caller; a
  *              library that does not know that size refuses it with SPC_INVALID_ARGUMENT.
@@ -14,6 +18,8 @@
  *              own destroy function; destroying NULL does nothing.
  *   Errors     every function that can fail returns an spc_status. On failure nothing has changed and
  *              spc_last_error() says what was wrong, naming the object. No exception crosses this boundary.
+ *              A call that runs out of memory returns SPC_OUT_OF_MEMORY and says for what; everything but
+ *              a scene whose commit failed so is as usable as before.
  *   Threads    a scene may be used by one thread at a time until it is committed; afterwards it is
  *              immutable and may feed any number of sessions. A session may be polled, read and
  *              cancelled from any thread.
@@ -402,7 +408,7 @@ typedef struct spc_render_settings {
     uint32_t caustics_reflective,
         caustics_refractive;   /* 0: no such light after a diffuse bounce, by any method */
     uint32_t pixel_filter;     /* spc_pixel_filter */
-    float filter_width;        /* pixels, full width; (0, 1000]; ignored by the box */
+    float filter_width;        /* pixels, full width; [0.01, 1000]; ignored by the box */
     uint32_t transparent_film; /* 1: the world is seen as alpha 0 by the camera */
     /* The only chains that walks look for, from the receiver on, at most 6: "TT" are two refractions, "R"
      * is one reflection; the rest is path tracing's. NULL or empty: all. Ignored by other methods. */
@@ -467,7 +473,7 @@ typedef struct spc_render_stats {
     uint64_t capped_estimates;    /* gave up at the trial cap */
     double capped_energy; /* what those estimates added as far as they counted, luminance, sum over samples */
     double manifold_energy; /* radiance added by the manifold, luminance, sum over samples */
-    uint64_t nan_samples;   /* samples and splats dropped for not being finite */
+    uint64_t nan_samples;   /* samples and splats dropped for not being finite, or above 1e18 */
     uint64_t light_paths;   /* from lights; those that learned where to start included */
     uint64_t splats;        /* that light paths added to the picture */
     /* Of light sheets and highlights: chains that were known to be worth looking for, different ones
@@ -481,6 +487,7 @@ typedef struct spc_render_stats {
     uint64_t glint_bytes;    /* of memory that the method has for such maps, beside the images */
     double stage_seconds[6]; /* of each spc_render_stage, as far as they have ended */
     double first_sample_seconds; /* from the start until every pixel had a sample; 0: it has not yet */
+    uint64_t lost_rays; /* not cast, for not being finite; by all sessions of the scene since this one's start */
 } spc_render_stats;
 SPC_API spc_status spc_render_get_stats(spc_session* session, spc_render_stats* stats);
 

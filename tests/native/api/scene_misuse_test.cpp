@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <thread>
+#include <utility>
 
 namespace spc::test {
 namespace {
@@ -291,7 +292,7 @@ TEST_F(SceneMisuse, Instances) {
     // Determinants beyond single precision.
     for (const float scale : {1e-20f, 1e13f, 1e20f})
         refuses(spoilt([&](auto& d) { d.transform[0] = d.transform[5] = d.transform[10] = scale; }),
-                {"Yard", "inverted"});
+                {"Yard", "the transform"});
     for (const uint32_t bits : {32u, 0x80000000u})
         refuses(spoilt([&](auto& d) { d.visibility = bits; }), {"Yard", "visibility"});
     for (const uint32_t role : {5u, 0xffffffffu})
@@ -393,6 +394,71 @@ TEST_F(SceneMisuse, CameraAndWorld) {
     world.visibility = 32;
     expect_refused(spc_scene_set_environment(scene, &world), SPC_INVALID_ARGUMENT,
                    {"world", "visibility"});
+}
+
+// Finite, but so large that sums and squares on the way would not be.
+TEST_F(SceneMisuse, NumbersBeyondTheirBounds) {
+    constexpr float kFar = 1.01e8f, kLarge = 1.01e15f;
+    const float texels[] = {0.5f, 0.5f, -kLarge, 0.5f};
+    spc_image_desc image = valid_image();
+    image.pixels = texels;
+    image.channels = 1;
+    image.pixel_type = SPC_PIXEL_F32;
+    refuses(image, {"image \"Bricks\"", "texel 2", "1e+15"});
+
+    spc_material_desc material = textured_material();
+    const spc_node_input strong[] = {{1, "Color", {kLarge, 0, 0, 0}}};
+    material.inputs = strong;
+    expect_refused(spc_scene_add_material(scene, &material, &index), SPC_INVALID_ARGUMENT,
+                   {"material \"Plaster\"", "Diff", "1e+15"});
+
+    spc_mesh_desc mesh = valid_mesh();
+    std::vector<float> positions(mesh.positions, mesh.positions + 12), normals(18, 1.0f),
+        uv(12, 0.5f), tangents(24, 1.0f);
+    const spc_uv_layer layer = {"Unwrap", uv.data(), tangents.data()};
+    mesh.normals = normals.data();
+    mesh.uv_layers = &layer;
+    const auto refuses_beyond = [&](float& value, float beyond,
+                                    const std::vector<std::string>& words) {
+        const float good = std::exchange(value, beyond);
+        refuses(mesh, words);
+        value = good;
+    };
+    refuses_beyond(normals[7], -kLarge, {"mesh \"Slate\"", "corner normal 2", "1e+15"});
+    refuses_beyond(uv[7], kLarge, {"Slate", "Unwrap", "coordinate 3", "1e+15"});
+    refuses_beyond(tangents[5], kLarge, {"Slate", "Unwrap", "tangent 1", "1e+15"});
+    mesh.positions = positions.data();
+    refuses_beyond(positions[7], -kFar, {"Slate", "position 2", "1e+08"});
+
+    const uint32_t plaster = 0;
+    const auto moved = [&](float scale, float x) {
+        spc_instance_desc desc = valid_instance(0, plaster);
+        desc.transform[0] = scale;
+        desc.transform[3] = x;
+        return desc;
+    };
+    refuses(moved(kFar, 0), {"object \"Yard\"", "transform", "1e+08"});
+    refuses(moved(1, -kFar), {"Yard", "translation", "1e+08"});
+    refuses(moved(6e7f, 0), {"Yard", "world", "1e+08"});
+    refuses(moved(0.9e-8f, 0), {"Yard", "inverted"});
+
+    spc_light_desc light = valid_light(SPC_LIGHT_AREA);
+    light.power[1] = kLarge;
+    refuses(light, {"light \"Lantern\"", "power", "1e+15"});
+    light = valid_light(SPC_LIGHT_POINT);
+    light.radius = kFar;
+    refuses(light, {"Lantern", "radius", "1e+08"});
+    light = valid_light(SPC_LIGHT_AREA);
+    light.size[1] = 2.0f * kFar;
+    refuses(light, {"Lantern", "size in y", "1e+08"});
+
+    spc_camera_desc camera = valid_camera();
+    camera.viewplane[1] = kFar;
+    refuses(camera, {"viewplane", "1e+08"});
+    camera = valid_camera();
+    camera.clip_near = kFar;
+    camera.clip_far = 1e12f;
+    refuses(camera, {"near", "1e+08"});
 }
 
 TEST_F(SceneMisuse, AbsurdNumbersOfThreadsForACommit) {

@@ -168,7 +168,7 @@ TEST(RenderMisuse, FrameBeyondAllMemoryIsRefused) {
     const spc_render_settings settings = quick_settings();
     spc_session* session = nullptr;
     expect_refused(spc_render_start(scene.get(), &settings, &session), SPC_OUT_OF_MEMORY,
-                   {"spc_render_start"});
+                   {"film", "4294967295 x 4294967295", "out of memory"});
     EXPECT_EQ(session, nullptr);
 }
 

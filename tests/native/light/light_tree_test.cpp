@@ -181,6 +181,18 @@ TEST(LightTree, StandsLightsInOnePlaceAndExtremes) {
         }
         EXPECT_GT(tree.probability(7, p), 0.75f);
     }
+    // Strengths whose sums and quotients by squared distances single precision cannot hold.
+    for (const float unit : {1e-30f, 1e20f, 1e37f}) {
+        std::vector<LightReach> alike;
+        for (int i = 0; i < 20; ++i) alike.push_back(point(1, Vec3(0.1f * float(i), 0, 0)));
+        const LightTree plain(alike);
+        for (LightReach& light : alike) light.strength *= unit;
+        const LightTree scaled(alike);
+        for (const Vec3& p : {Vec3(0.0f), Vec3(1e-5f, 0, 0), Vec3(1, 2, 3), Vec3(1e8f, 0, 0)})
+            for (uint32_t light = 0; light < 20; ++light)
+                EXPECT_NEAR(scaled.probability(light, p), plain.probability(light, p), 1e-5f)
+                    << unit << " " << light << " " << p;
+    }
     EXPECT_TRUE(LightTree().empty());
     EXPECT_TRUE(LightTree(std::vector<LightReach>(3)).empty());
     EXPECT_EQ(LightTree(std::vector<LightReach>(3)).probability(1, Vec3(0.0f)), 0.0f);

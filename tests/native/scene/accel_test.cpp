@@ -204,6 +204,37 @@ TEST(Accel, AnEmptySceneAndOneOfLampsAlone) {
     EXPECT_FALSE(lamps->accel->occluded(down, kVisibleShadow));
 }
 
+// Whatever it is that went wrong before: Embree itself would end the program.
+TEST(Accel, RaysThatCannotBeCastAreCounted) {
+    test::SceneMaker maker;
+    maker.add_area_light(test::rotation_x(kPi), 1.0f, 1.0f);  // shines along +z
+    const std::unique_ptr<Scene> scene = maker.builder.freeze(1);
+    const Accel& accel = *scene->accel;
+    const Vec3 origin(0, 0, 5), down(0, 0, -1);
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    std::vector<Ray> impossible;
+    for (const float bad : {nan, kInfinity, -kInfinity, 1e19f})
+        for (int axis = 0; axis < 3; ++axis) {
+            impossible.push_back({origin, down});
+            impossible.back().origin[axis] = bad;
+            impossible.push_back({origin, down});
+            impossible.back().direction[axis] = bad;
+        }
+    impossible.push_back({origin, down, nan, kInfinity});
+    impossible.push_back({origin, down, -1.0f, kInfinity});
+    impossible.push_back({origin, down, 0.0f, nan});
+    for (const Ray& ray : impossible) {
+        EXPECT_FALSE(accel.intersect(ray, kVisibleCamera));
+        EXPECT_TRUE(accel.occluded(ray, kVisibleShadow));
+    }
+    EXPECT_EQ(accel.lost_rays(), 2 * impossible.size());
+    // And those at the bounds are cast.
+    EXPECT_TRUE(accel.intersect({{0, 0, 1e8f}, down}, kVisibleCamera));
+    EXPECT_FALSE(accel.occluded({{1e8f, 1e8f, 1e8f}, down}, kVisibleShadow));
+    EXPECT_FALSE(accel.occluded({origin, down, 0.0f, kInfinity}, kVisibleShadow));
+    EXPECT_EQ(accel.lost_rays(), 2 * impossible.size());
+}
+
 // Rays that leave a triangle must not meet it again, in scenes of every size, near the origin and
 // far from it, baked and instanced; and the offset must be small against the scene and its
 // coordinates.

@@ -43,7 +43,7 @@ inline void expect_refused(spc_status actual, spc_status expected,
     EXPECT_EQ(actual, expected) << spc_last_error();
     if (actual == SPC_OK) return;
     const std::string message = spc_last_error();
-    const bool for_the_user = expected != SPC_OUT_OF_MEMORY && expected != SPC_INTERNAL_ERROR;
+    const bool for_the_user = expected != SPC_INTERNAL_ERROR;
     EXPECT_EQ(message.find("spc_") == std::string::npos, for_the_user) << message;
     for (const std::string& word : words)
         EXPECT_NE(message.find(word), std::string::npos) << "no \"" << word << "\" in: " << message;

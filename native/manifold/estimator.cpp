@@ -354,13 +354,14 @@ private:
             from = {patch.p, patch.ng, patch.p_error};
             kind = kind_at(i);
         }
-        if (!casts_shadow()) return through;
+        if (scene_.material_of(chain.hits[last]).interface().is_rough() && !casts_shadow())
+            return through;
         return through * transmittance(scene_, from, ray_end(scene_, y_), kind, transparent_left,
                                        media, stats_.rays);
     }
 
-    // Whether occluders stop the light. Where they do not, path tracing leaves the chains to the
-    // manifold: its rays cannot look through.
+    // Whether occluders stop the light, where next event estimation looks for it, too: rays, which
+    // look for it behind mirrors and glass, they always stop.
     bool casts_shadow() const {
         return (light_visibility(lights_, y_.light) & kVisibleShadow) != 0;
     }

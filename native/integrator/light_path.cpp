@@ -224,8 +224,8 @@ private:
         Media media = media_;
         if (dot(surface.ng, ray_.direction) > 0.0f) media.cross(scene_, surface.hit, surface.wo);
         return transmittance(scene_, {surface.p, surface.ng, surface.p_error},
-                             {false, view.origin, Vec3(0.0f), view.t_near}, kVisibleCamera,
-                             transparent_left, media, stats_.rays);
+                             {.at = {false, view.origin, Vec3(0.0f)}, .clip = view.t_near},
+                             kVisibleCamera, transparent_left, media, stats_.rays);
     }
 
     const RenderScene& world_;

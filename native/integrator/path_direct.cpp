@@ -69,9 +69,7 @@ bool PathTracer::throws_on(const Surface& surface, const CameraApproach& approac
 }
 
 Spectrum PathTracer::unblocked(const Surface& surface, const DirectSample& light) {
-    const bool distant = std::isinf(light.distance);
-    const ChainEnd end{distant, distant ? Vec3(0.0f) : surface.p + light.wi * light.distance,
-                       light.wi, light.margin};
+    const RayEnd end = ray_end(world.lights, scene(), surface.p, light);
     uint32_t transparent_left = bounces.transparent_left(settings.limits);
     Media along = media;
     if (dot(surface.ng, light.wi) < 0.0f) along.cross(scene(), surface.hit, light.wi);

@@ -76,9 +76,10 @@ float PathTracer::weight_of(const LightEnd& end) const {
 }
 
 float PathTracer::weight_of_lamp(const LightEnd& end) const {
-    const float weight = weight_of(end);
     const bool casts_shadow = (light_visibility(world.lights, end.light) & kVisibleShadow) != 0;
-    return casts_shadow || weight == 1.0f ? weight : 0.0f;
+    const bool is_connected_to =
+        history.stage == PathHistory::Stage::scattered && end.pdf_direct > 0.0f;
+    return casts_shadow || !is_connected_to ? weight_of(end) : 0.0f;
 }
 
 float PathTracer::weight_since_x(const LightEnd& end) const {

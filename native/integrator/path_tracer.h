@@ -90,8 +90,8 @@ struct PathTracer {
     Spectrum emission_of_world() const;
     // `end.pdf`: 0 where light points are never drawn there; `end.pdf_direct`: likewise.
     float weight_of(const LightEnd& end) const;
-    // A lamp without shadow shines through everything: rays, which do not, leave it to those who
-    // connect to it, if there is one.
+    // Next event estimation looks through everything for a lamp without shadow: rays, which do not,
+    // leave the lamp to it.
     float weight_of_lamp(const LightEnd& end) const;
     float weight_since_x(const LightEnd& end) const;
     float weight_of_chain(const LightEnd& end) const;

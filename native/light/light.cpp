@@ -63,8 +63,7 @@ std::optional<DirectSample> sample_part_from(const LightSet& lights, const Scene
     if (!(cos > 0.0f)) return std::nullopt;
     const Spectrum radiance = surface_emission(scene, q.hit, wi * -1.0f);
     if (is_black(radiance)) return std::nullopt;
-    const float margin = position_error(scene, q.hit.instance, q.hit.triangle) / cos;
-    return DirectSample{wi, d, radiance, q.pdf_area * d2 / cos, false, leaf.light, margin, q.hit};
+    return DirectSample{wi, d, radiance, q.pdf_area * d2 / cos, false, leaf.light, q.hit};
 }
 
 }  // namespace
@@ -339,6 +338,27 @@ LightPoint light_point_of(const LightSet& lights, const Scene& scene, const Vec3
         y.pdf = pdf_light_point_lamp(lights, {sample.distance, y.light, y.surface});
     }
     return y;
+}
+
+namespace {
+
+RayEnd end_on_lamp(const Vec3& p, const Vec3& n) {
+    return {{false, p, Vec3(0.0f)}, n, position_error(p), kRayError};
+}
+
+}  // namespace
+
+RayEnd ray_end(const LightSet& lights, const Scene& scene, const Vec3& p,
+               const DirectSample& sample) {
+    if (std::isinf(sample.distance)) return {{true, Vec3(0.0f), sample.wi}};
+    const Vec3 y = p + sample.wi * sample.distance;
+    if (sample.light >= lights.lamps.size()) return end_on(scene, sample.surface, y);
+    return end_on_lamp(y, sample.delta ? Vec3(0.0f) : lamp_normal(lights.lamps[sample.light], y));
+}
+
+RayEnd ray_end(const Scene& scene, const LightPoint& y) {
+    if (y.distant) return {{true, y.p, y.direction}};
+    return y.surface.instance == kNone ? end_on_lamp(y.p, y.n) : end_on(scene, y.surface, y.p);
 }
 
 }  // namespace spc

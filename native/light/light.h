@@ -11,7 +11,7 @@
 #include "core/distribution.h"
 #include "light/light_tree.h"
 #include "scene/scene.h"
-#include "scene/surface.h"
+#include "scene/transmittance.h"
 
 namespace spc {
 
@@ -91,7 +91,6 @@ struct DirectSample {
     float density;  // 1/sr; of a delta light the probability of its selection
     bool delta;
     uint32_t light;
-    float margin = 0.0f;                 // of a mesh: as ChainEnd has it
     SurfaceHit surface{kNone, 0, 0, 0};  // of a mesh
     float weight = 1.0f;                 // beside the other one of two, see LightTree
 };
@@ -163,5 +162,10 @@ float pdf_direct(const LightSet& lights, const Scene& scene, const LitPoint& at,
 // Where a direct sample from p arrives from, with the density by which sample_light_point finds it.
 LightPoint light_point_of(const LightSet& lights, const Scene& scene, const Vec3& p,
                           const DirectSample& sample);
+// Where a ray from p ends that looks for what lies before the light: the light itself, or what it lies
+// in, does not hide it.
+RayEnd ray_end(const LightSet& lights, const Scene& scene, const Vec3& p,
+               const DirectSample& sample);
+RayEnd ray_end(const Scene& scene, const LightPoint& y);
 
 }  // namespace spc

@@ -85,7 +85,8 @@ float remapped(float u, float begin, float end) {
 }  // namespace
 
 float LightTree::Node::importance(const LitPoint& at) const {
-    constexpr float kLeast = 1e-12f;  // m^2
+    constexpr float kLeast =
+        1e-24f;  // m^2: smaller than any scene, so that every one has its choice
     const Vec3 to_p = at.p - reach.center;
     const float d2 = length_squared(to_p);
     float result = reach.strength / std::max({d2, sqr(reach.radius), kLeast});

@@ -75,15 +75,11 @@ private:
     bool is_lit_from_around(const SurfaceHit& hit) {
         const CasterPatch patch = evaluate_caster(scene_, hit, false);
         return std::any_of(around_.begin(), around_.end(), [&](const LightPoint& y) {
-            ChainEnd end{y.distant, y.p, y.direction};
-            if (y.surface.instance != kNone)
-                end.margin = position_error(scene_, y.surface.instance, y.surface.triangle) /
-                             std::max(kLeastCosine, dot(y.n, normalize(patch.p - y.p)));
             uint32_t transparent_left = kMostReceivers;
             Media media{};
-            return !is_black(transmittance(scene_, {patch.p, patch.ng, patch.p_error}, end,
-                                           kVisibleShadow, transparent_left, media, rays_,
-                                           Opaque::casters_too));
+            return !is_black(transmittance(scene_, {patch.p, patch.ng, patch.p_error},
+                                           ray_end(scene_, y), kVisibleShadow, transparent_left,
+                                           media, rays_, Opaque::casters_too));
         });
     }
 

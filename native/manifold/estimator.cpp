@@ -9,8 +9,6 @@ namespace spc {
 
 namespace {
 
-// Of a segment that touches a surface: nearer to grazing the margin would swallow the segment.
-constexpr float kLeastCosine = 1e-3f;
 // Chains of less throughput have their trials counted by chance, of no less than that.
 constexpr float kWeak = 1.0f / 4, kLeastChance = 1.0f / 16;
 
@@ -348,7 +346,7 @@ private:
         for (uint32_t i = 0; i < chain.count; ++i) {
             const CasterPatch& patch = chain.vertices[i].patch;
             // Chains that look through a caster are path tracing's: CausticPath::through_caster.
-            through *= transmittance(scene_, from, vertex_end(from.p, patch), kind,
+            through *= transmittance(scene_, from, end_on(scene_, chain.hits[i], patch), kind,
                                      transparent_left, media, stats_.rays, Opaque::casters_too);
             if (is_black(through)) return through;
             if (chain.vertices[i].interaction == Interaction::refraction)
@@ -356,29 +354,21 @@ private:
             from = {patch.p, patch.ng, patch.p_error};
             kind = kind_at(i);
         }
-        if (!casts_shadow()) return through;
+        if (scene_.material_of(chain.hits[last]).interface().is_rough() && !casts_shadow())
+            return through;
         return through * transmittance(scene_, from, end_of_light(from.p), kind, transparent_left,
                                        media, stats_.rays);
     }
 
-    // An emissive mesh does not block its own light.
-    ChainEnd end_of_light(const Vec3& last) const {
-        ChainEnd end = end_of(y_);
-        if (!end.distant) end.p = light_begins(lights_, y_, last);
-        if (y_.surface.instance == kNone) return end;
-        const float cosine = std::abs(dot(y_.n, normalize(y_.p - last)));
-        end.margin = position_error(scene_, y_.surface.instance, y_.surface.triangle) /
-                     std::max(cosine, kLeastCosine);
+    // Where the lamp's light begins on its way to `last`.
+    RayEnd end_of_light(const Vec3& last) const {
+        RayEnd end = ray_end(scene_, y_);
+        if (!end.at.distant) end.at.p = light_begins(lights_, y_, last);
         return end;
     }
 
-    static ChainEnd vertex_end(const Vec3& from, const CasterPatch& vertex) {
-        const float cosine = std::abs(dot(vertex.ng, normalize(vertex.p - from)));
-        return {false, vertex.p, Vec3(0.0f), vertex.p_error / std::max(cosine, kLeastCosine)};
-    }
-
-    // Whether occluders stop the light. Where they do not, path tracing leaves the chains to the
-    // manifold: its rays cannot look through.
+    // Whether occluders stop the light, where next event estimation looks for it, too: rays, which
+    // look for it behind mirrors and glass, they always stop.
     bool casts_shadow() const {
         return (light_visibility(lights_, y_.light) & kVisibleShadow) != 0;
     }

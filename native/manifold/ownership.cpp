@@ -79,11 +79,14 @@ bool is_seen_through(const LightSet& lights, uint32_t light) {
     return (light_visibility(lights, light) & kVisibleShadow) == 0;
 }
 
-// Lights without size show no highlights; what shines through everything does, to rays, where
-// nothing stands in their way.
+// Whether next event estimation looks for lights at the path's last vertex, or at x.
+bool ends_scattered(const CausticPath& path) {
+    return path.count == 0 || path.vertices[path.count - 1].rough;
+}
+
+// Lights without size show no highlights.
 bool shows_highlights(const Techniques& techniques, const LightEnd& end) {
-    return techniques.highlights->has(end.light) && !end.delta &&
-           !is_seen_through(techniques.lights, end.light);
+    return techniques.highlights->has(end.light) && !end.delta;
 }
 
 // Product over the vertices of the chance that a path from the light takes the same lobe.
@@ -343,12 +346,12 @@ std::optional<CausticDensities> caustic_densities(const Techniques& techniques,
             if (manifold.finder == ChainFinder::mnee && !manifold.biased) p.missed = 0.0;
         }
     }
-    if (path.count == 0 || path.vertices[path.count - 1].rough)
-        p.direct = direct_density(path, before_last, from, end, p.geometry);
-    // Rays do not look through what a lamp without shadow shines through: they leave such a light
-    // to those who connect to it.
-    const bool by_rays = !is_seen_through(techniques.lights, end.light);
-    if (!end.delta && (by_rays || !by_manifold))
+    if (ends_scattered(path)) p.direct = direct_density(path, before_last, from, end, p.geometry);
+    // Where next event estimation looks for a lamp without shadow, whatever stands in the way, rays
+    // leave it to those who connect to it.
+    const bool seen_through = is_seen_through(techniques.lights, end.light),
+               by_rays = !seen_through || !ends_scattered(path);
+    if (!end.delta && by_rays)
         p.path_tracing = static_cast<double>(path.pdf_omega) * probability * p.geometry;
     if (!end.delta && by_rays && by_manifold && !path.is_rough() && path.folds != nullptr)
         p.folds = kWorthOfFolds *
@@ -359,7 +362,7 @@ std::optional<CausticDensities> caustic_densities(const Techniques& techniques,
         p.manifold = 0.0;
         p.missed.reset();
     }
-    if (by_rays && light_tracing_owns(techniques, path)) {
+    if (!seen_through && light_tracing_owns(techniques, path)) {
         float unused;
         const Vec3 wi = chain.empty() ? end.end.from(path.x, unused)
                                       : normalize(chain.front().patch.p - path.x);

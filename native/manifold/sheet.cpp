@@ -87,9 +87,7 @@ Vec3 moved_by(const std::array<Vec3, 3>& moved, const Vec3& shift) {
 LightSheet::LightSheet(const SheetWorld& world, const LightPoint& y, uint32_t tiles, float reach,
                        std::span<const LightPoint> around)
     : y_(y), all_(trace_beams(world, y, tiles, around)) {
-    // Rays come to neither points nor what is seen through.
-    if (!y.delta && (light_visibility(world.lights, y.light) & kVisibleShadow) != 0)
-        build_folds(reach);
+    if (!y.delta) build_folds(reach);  // rays do not come to points
     build_layers(reach, world.threads);
 }
 

@@ -46,24 +46,32 @@ Vec3 object_face_normal(const Mesh& mesh, uint32_t triangle) {
 // Together less than 50 u; the next power of two keeps some reserve.
 constexpr float kPositionError = 0x1p-18f;
 
+// kRayError, at the far end of a ray of length d, is the sum of
+//   - its direction and length: 5 u d and 3 u d;
+//   - the corners as seen from its origin, and their products with the normal: 6 u d;
+//   - the product of direction and normal, and its reciprocal: 5 u d.
+// The transforms of a tree in object space multiply it as they do coordinates.
+
+Vec3 absolute(const Vec3& v) { return {std::abs(v.x), std::abs(v.y), std::abs(v.z)}; }
+
+float largest(const Vec3& v) { return std::max({v.x, v.y, v.z}); }
+
+// Sums of the sizes of all terms that transforms to the object and back multiply.
+Vec3 terms_there_and_back(const Instance& instance, const Vec3& size) {
+    const auto terms = [](const Transform& m, const Vec3& v) {
+        return Vec3(dot(absolute(m.row[0]), v), dot(absolute(m.row[1]), v),
+                    dot(absolute(m.row[2]), v));
+    };
+    return terms(instance.object_to_world, terms(instance.world_to_object, size));
+}
+
 float position_error(const Instance& instance, const std::array<Vec3, 3>& corner) {
     Vec3 size(0.0f);
     for (const Vec3& p : corner)
         for (int i = 0; i < 3; ++i) size[i] = std::max(size[i], std::abs(p[i]));
-    if (instance.world_positions.empty()) {
-        const auto terms = [](const Transform& m, const Vec3& v) {
-            Vec3 sum;
-            for (int i = 0; i < 3; ++i) {
-                const Vec3& row = m.row[static_cast<size_t>(i)];
-                sum[i] = std::abs(row.x) * v.x + std::abs(row.y) * v.y + std::abs(row.z) * v.z;
-            }
-            return sum;
-        };
-        const Vec3& t = instance.object_to_world.translation;
-        size += Vec3(std::abs(t.x), std::abs(t.y), std::abs(t.z));
-        size = terms(instance.object_to_world, terms(instance.world_to_object, size));
-    }
-    return kPositionError * std::max({size.x, size.y, size.z});
+    if (instance.world_positions.empty())
+        size = terms_there_and_back(instance, size + absolute(instance.object_to_world.translation));
+    return kPositionError * largest(size);
 }
 
 // A ShadingPoint with the storage for what it points to.
@@ -192,6 +200,20 @@ Vec3 front_normal(const Scene& scene, uint32_t instance, uint32_t triangle) {
 
 float position_error(const Scene& scene, uint32_t instance, uint32_t triangle) {
     return position_error(scene.instances[instance], scene.triangle_world(instance, triangle));
+}
+
+RayStart ray_start(const Scene& scene, const SurfaceHit& hit, const Vec3& p) {
+    const Instance& instance = scene.instances[hit.instance];
+    const std::array<Vec3, 3> corner = scene.triangle_world(hit.instance, hit.triangle);
+    return {p, front_normal_of(corner, instance.mirrored), position_error(instance, corner)};
+}
+
+float position_error(const Vec3& p) { return kPositionError * largest(absolute(p)); }
+
+float ray_error(const Scene& scene, uint32_t instance) {
+    const Instance& one = scene.instances[instance];
+    if (!one.world_positions.empty()) return kRayError;
+    return kRayError * largest(terms_there_and_back(one, Vec3(1.0f)));
 }
 
 Vec3 surface_position(const Scene& scene, const SurfaceHit& hit) {

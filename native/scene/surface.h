@@ -29,6 +29,13 @@ struct Surface {
 // Bound of the distance along the normal, in m, by which rounding may part a point of the triangle,
 // as the functions here compute it, from the triangle that a ray cast meets.
 float position_error(const Scene& scene, uint32_t instance, uint32_t triangle);
+// The same of a lamp's points, which no tree knows.
+float position_error(const Vec3& p);
+// What a ray adds to that by each metre of its way to a surface: of an instance, and of a lamp.
+float ray_error(const Scene& scene, uint32_t instance);
+constexpr float kRayError = 0x1p-19f;
+// Of the point p of the hit's triangle; ng on its front side.
+RayStart ray_start(const Scene& scene, const SurfaceHit& hit, const Vec3& p);
 
 // Fills `surface` with everything, closures included. `wo` = -direction of the ray that made the
 // hit.

@@ -3,17 +3,35 @@
 
 namespace spc {
 
-Spectrum transmittance(const Scene& scene, const RayStart& from, const ChainEnd& end, uint32_t kind,
-                       uint32_t& transparent_left, Media& media, uint64_t& rays, Opaque opaque) {
-    constexpr float kFarMargin =
-        1e-4f;  // relative: the surface at the far end does not block itself
+Vec3 RayEnd::beside(const Vec3& vertex) const {
     float distance;
-    Vec3 direction = end.from(from.p, distance);
+    const Vec3 direction = at.from(vertex, distance);
+    const float off = error + ray_error * distance;
+    if (is_black(ng)) return at.p - direction * std::min(off, distance);
+    return at.p - ng * std::copysign(off, dot(ng, direction));
+}
+
+RayEnd end_on(const Scene& scene, const SurfaceHit& hit, const Vec3& p) {
+    const RayStart start = ray_start(scene, hit, p);
+    return {{false, p, Vec3(0.0f)}, start.ng, start.error, ray_error(scene, hit.instance)};
+}
+
+RayEnd end_on(const Scene& scene, const SurfaceHit& hit, const CasterPatch& vertex) {
+    return {
+        {false, vertex.p, Vec3(0.0f)}, vertex.ng, vertex.p_error, ray_error(scene, hit.instance)};
+}
+
+Spectrum transmittance(const Scene& scene, const RayStart& from, const RayEnd& end, uint32_t kind,
+                       uint32_t& transparent_left, Media& media, uint64_t& rays, Opaque opaque) {
+    ChainEnd aim = end.at;
+    if (!aim.distant) aim.p = end.beside(from.p);
+    float distance;
+    Vec3 direction = aim.from(from.p, distance);
     // Aimed anew from where the ray starts: a parallel ray would meet the far surface off its mark.
     const Vec3 origin = offset_origin(from, direction);
-    direction = end.from(origin, distance);
-    Ray ray{origin, direction, 0.0f, distance * (1.0f - kFarMargin) - end.margin};
-    const float reach = distance - end.margin;
+    direction = aim.from(origin, distance);
+    const float reach = distance - end.clip;
+    Ray ray{origin, direction, 0.0f, reach};
     if (!scene.any_transparency) {
         ++rays;
         return scene.accel->occluded(ray, kind) ? Spectrum(0.0f) : media.transmittance(reach);

@@ -11,9 +11,6 @@ struct ChainEnd {
     bool distant;
     Vec3 p;          // if not distant
     Vec3 direction;  // if distant: unit, towards the light
-    // How far along the ray rounding may put the surface on which p lies, m; 0 if p lies on none
-    // that blocks.
-    float margin = 0.0f;
     Vec3 from(const Vec3& vertex, float& distance) const {
         if (distant) {
             distance = kInfinity;
@@ -25,6 +22,21 @@ struct ChainEnd {
     }
 };
 
+// The far end as a ray comes to it. What lies there, such as the light itself, must not block the
+// ray, and whatever stands in front of it must: the ray ends as near to p as rounding lets it.
+struct RayEnd {
+    ChainEnd at;
+    Vec3 ng{0.0f};           // of the surface that p lies on: unit, either side; zero: of none
+    float error = 0.0f;      // m: position_error() of p
+    float ray_error = 0.0f;  // see there
+    float clip = 0.0f;       // m: so much of the ray's end is left out
+
+    // The end of a ray from `vertex`: beside p, on its side.
+    Vec3 beside(const Vec3& vertex) const;
+};
+RayEnd end_on(const Scene& scene, const SurfaceHit& hit, const Vec3& p);
+RayEnd end_on(const Scene& scene, const SurfaceHit& hit, const CasterPatch& vertex);
+
 // What a connection cannot be looked through.
 enum class Opaque : uint8_t {
     by_material,  // what its material says
@@ -35,7 +47,7 @@ enum class Opaque : uint8_t {
 // transparent surfaces, as a ray of `kind` sees them, and the media between them. Takes those
 // surfaces off `transparent_left`; one more blocks. `media`: those behind `from`, then, if any light
 // passes, those before `end`. Counts the rays that it casts in `rays`.
-Spectrum transmittance(const Scene& scene, const RayStart& from, const ChainEnd& end, uint32_t kind,
+Spectrum transmittance(const Scene& scene, const RayStart& from, const RayEnd& end, uint32_t kind,
                        uint32_t& transparent_left, Media& media, uint64_t& rays,
                        Opaque opaque = Opaque::by_material);
 

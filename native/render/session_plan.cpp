@@ -143,15 +143,20 @@ void Session::leave_out(const std::vector<double>& chains, const char* what) {
     const CasterSet& all = settings_.integrator.casters_of(world_);
     std::vector<bool> crowded(chains.size());
     std::vector<std::string> lines;
+    double most = 0.0;  // of those that are searched
     for (size_t i = 0; i < chains.size(); ++i) {
-        if (chains[i] <= 1.0) continue;
         crowded[i] = chains[i] > kMostChains;
-        lines.push_back(
-            fmt::format("{}: some {:.2g} chains at once {}, {} {:.0f}: {}",
-                        world_.scene->instances[all.casters[i].instance].name, chains[i], what,
-                        crowded[i] ? "more than" : "of at most", kMostChains,
-                        crowded[i] ? "left to light paths and path tracing" : "searched"));
+        if (!crowded[i]) {
+            most = std::max(most, chains[i]);
+            continue;
+        }
+        lines.push_back(fmt::format(
+            "{}: some {:.2g} chains at once {}, more than {:.0f}: left to light paths and path tracing",
+            world_.scene->instances[all.casters[i].instance].name, chains[i], what, kMostChains));
     }
+    if (most > 0.0)
+        lines.push_back(fmt::format("Casters that are searched: up to {:.2g} chains at once {}", most,
+                                    what));
     if (std::find(crowded.begin(), crowded.end(), true) != crowded.end()) {
         searched_ = without(all, crowded);
         settings_.integrator.searched = &searched_;

@@ -250,7 +250,7 @@ class Session:
         return struct_values(stats)
 
     def report(self) -> list[str]:
-        """Lines about what the method has chosen for the casters; complete once samples are taken."""
+        """What the method has chosen, a line each; complete once samples are taken."""
         text = library().spc_render_report(self.handle)
         return text.decode().splitlines() if text else []
 

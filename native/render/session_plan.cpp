@@ -151,12 +151,13 @@ void Session::leave_out(const std::vector<double>& chains, const char* what) {
             continue;
         }
         lines.push_back(fmt::format(
-            "{}: some {:.2g} chains at once {}, more than {:.0f}: left to light paths and path tracing",
+            "{}: some {:.2g} chains at once {}, more than {:.0f}: left to light paths and path "
+            "tracing",
             world_.scene->instances[all.casters[i].instance].name, chains[i], what, kMostChains));
     }
     if (most > 0.0)
-        lines.push_back(fmt::format("Casters that are searched: up to {:.2g} chains at once {}", most,
-                                    what));
+        lines.push_back(
+            fmt::format("Casters that are searched: up to {:.2g} chains at once {}", most, what));
     if (std::find(crowded.begin(), crowded.end(), true) != crowded.end()) {
         searched_ = without(all, crowded);
         settings_.integrator.searched = &searched_;

@@ -125,7 +125,6 @@ def test_settings_that_are_left_to_cycles_say_what_holds():
     scene.specula.samples, scene.cycles.samples = 0, 77
     layout = draw(ui.SPECULA_PT_sampling, Context())
     assert "0: as Cycles, 77" in layout.texts
-    assert "Light Sheets" in layout.texts
     assert layout.shown.index("samples") < layout.shown.index("method")
     scene.specula.samples = 5
     assert "0: as Cycles, 77" not in draw(ui.SPECULA_PT_sampling, Context()).texts

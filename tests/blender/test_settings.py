@@ -109,7 +109,7 @@ def test_our_settings_win(scene):
 
 
 def test_method_and_constraint(scene):
-    assert export_settings(scene).method == Method.SHEETS
+    assert export_settings(scene).method == Method.AUTO
     scene.specula.method, scene.specula.constraint = "PT", "ANGLE_DIFFERENCE"
     settings = export_settings(scene)
     assert (settings.method, settings.constraint) == (Method.PT, Constraint.ANGLE_DIFFERENCE)
@@ -124,7 +124,7 @@ def test_glints_are_searched_for_unless_another_method_is_asked_for(scene):
 
 def test_light_tracing_is_automatic_and_stays_so_with_any_method(scene):
     settings = export_settings(scene)
-    assert (settings.method, settings.light_tracing) == (Method.SHEETS, LightTracing.AUTO)
+    assert (settings.method, settings.light_tracing) == (Method.AUTO, LightTracing.AUTO)
     for choice in LightTracing:
         scene.specula.light_tracing = choice.name
         assert export_settings(scene).light_tracing == choice
@@ -134,7 +134,7 @@ def test_light_tracing_is_automatic_and_stays_so_with_any_method(scene):
 
 
 def test_labels_are_those_of_the_interface(scene):
-    assert method_label(scene) == "Automatic (Light Sheets)"
+    assert method_label(scene) == "Automatic"
     scene.specula.method = "SMS_BIASED"
     assert method_label(scene) == "SMS Biased"
     scene.specula.method = "LT"

@@ -65,22 +65,36 @@ RenderScene pixel_of(Near near, double share, int pixel, GlintsMode mode) {
 struct Difference {
     double rms, contrast, mean, error;
 };
-Difference difference(Near near, double share) {
+Difference difference(const std::string& name, Near near, double share) {
     constexpr uint32_t kGlints = 1500, kReference = 12000;
+    const auto seed_of = [](int pixel, uint32_t i) {
+        return 4 * static_cast<uint32_t>(pixel) + 2 * i;
+    };
+    const test::Estimates traced = test::truth(name, kReference, [&](uint32_t samples) {
+        test::Estimates all;
+        for (int pixel = 0; pixel < kPixels; ++pixel) {
+            const RenderScene off = pixel_of(near, share, pixel, GlintsMode::off);
+            for (uint32_t i = 0; i < 2; ++i)
+                all.push_back(
+                    test::estimate_pixel(off, test::unlimited(), samples, seed_of(pixel, i) + 1)
+                        .radiance);
+        }
+        return all;
+    });
     double excess = 0.0, truth = 0.0, squares = 0.0, truth_squares = 0.0, variance = 0.0;
     for (int pixel = 0; pixel < kPixels; ++pixel) {
-        const RenderScene on = pixel_of(near, share, pixel, GlintsMode::on),
-                          off = pixel_of(near, share, pixel, GlintsMode::off);
+        const RenderScene on = pixel_of(near, share, pixel, GlintsMode::on);
         // Two independent estimates of each: their product has no noise on average.
         std::array<double, 2> a, b;
         for (uint32_t i = 0; i < 2; ++i) {
-            const uint32_t seed = 4 * static_cast<uint32_t>(pixel) + 2 * i;
-            const auto glints = test::estimate_pixel(on, test::unlimited(), kGlints, seed),
-                       paths = test::estimate_pixel(off, test::unlimited(), kReference, seed + 1);
-            a[i] = glints.radiance.mean();
-            b[i] = paths.radiance.mean();
-            variance += 0.25 * (std::pow(glints.radiance.standard_error(), 2) +
-                                std::pow(paths.radiance.standard_error(), 2));
+            const test::MeanEstimate glints = test::estimate_pixel(on, test::unlimited(), kGlints,
+                                                                   seed_of(pixel, i))
+                                                  .radiance,
+                                     paths = traced[2 * static_cast<size_t>(pixel) + i];
+            a[i] = glints.mean();
+            b[i] = paths.mean();
+            variance +=
+                0.25 * (std::pow(glints.standard_error(), 2) + std::pow(paths.standard_error(), 2));
             excess += 0.5 * (a[i] - b[i]);
             truth += 0.5 * b[i];
         }
@@ -98,10 +112,10 @@ Difference difference(Near near, double share) {
 TEST(FarFieldSlow, IsTheTruthWhileDirectionsTurnByLessThanTheLobe) {
     for (const Near near : {Near::light, Near::camera, Near::curvature})
         for (const double share : {0.25, 1.0, 4.0}) {
-            const Difference d = difference(near, share);
             const char* name = near == Near::light    ? "light"
                                : near == Near::camera ? "camera"
                                                       : "curvature";
+            const Difference d = difference(fmt::format("{}, {}", name, share), near, share);
             const std::string text = fmt::format(
                 "{}, {} of the lobe: rms {:.3f} of contrast {:.3f}, mean {:+.4f} +- {:.4f}", name,
                 share, d.rms, d.contrast, d.mean, d.error);

@@ -2,6 +2,7 @@
 // Glints against path tracing of the same map, in the far field, where both estimate the same.
 #include "support/glints.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 namespace spc {
@@ -192,10 +193,10 @@ struct Comparison {
 double z_of(const test::MeanEstimate& a, const test::MeanEstimate& b) {
     return (a.mean() - b.mean()) / std::hypot(a.standard_error(), b.standard_error());
 }
-Comparison compare(const RenderScene& on, const RenderScene& off, FilterKind filter,
-                   uint32_t samples, uint32_t reference_samples) {
+Comparison compare(const std::string& name, const RenderScene& on, const RenderScene& off,
+                   FilterKind filter, uint32_t samples, uint32_t reference_samples) {
     Comparison c{test::estimate_pixel(on, test::unlimited(), samples, 1, filter),
-                 test::estimate_pixel(off, test::unlimited(), reference_samples, 2, filter),
+                 test::path_traced_pixel(name, off, reference_samples, 2, filter),
                  0.0,
                  0.0,
                  {}};
@@ -204,9 +205,9 @@ Comparison compare(const RenderScene& on, const RenderScene& off, FilterKind fil
     for (size_t k = 0; k < 3; ++k) c.z_channels[k] = z_of(c.on.channels[k], c.off.channels[k]);
     return c;
 }
-Comparison compare(const GlintFloor& floor, FilterKind filter, uint32_t samples,
-                   uint32_t reference_samples, bool mirrored = false) {
-    return compare(test::finish(floor, GlintsMode::on, mirrored),
+Comparison compare(const std::string& name, const GlintFloor& floor, FilterKind filter,
+                   uint32_t samples, uint32_t reference_samples, bool mirrored = false) {
+    return compare(name, test::finish(floor, GlintsMode::on, mirrored),
                    test::finish(floor, GlintsMode::off, mirrored), filter, samples,
                    reference_samples);
 }
@@ -225,8 +226,9 @@ void expect_agreement(const std::vector<Case>& all) {
     const double significance = test::sidak(kFamily, 2 * 3 * int(all.size()));
     for (const Case& c : all)
         for (const bool mirrored : {false, true}) {
-            const Comparison result = compare(c.floor, c.filter, kSamples, kReference, mirrored);
             const std::string name = std::string(c.name) + (mirrored ? ", in a mirror" : "");
+            const Comparison result =
+                compare(name, c.floor, c.filter, kSamples, kReference, mirrored);
             EXPECT_GT(least_chance(result), significance)
                 << name << ": " << result.on.radiance.mean() << " and "
                 << result.off.radiance.mean() << " +- " << result.error << ", z of the channels "
@@ -250,8 +252,8 @@ TEST(Glints, ComparisonNoticesALittleLight) {
         const auto on =
             test::estimate_pixel(test::finish(floor, GlintsMode::on), test::unlimited(), 20000, 1);
         floor.light = sun(0.1f, 1.08f);
-        const auto off = test::estimate_pixel(test::finish(floor, GlintsMode::off),
-                                              test::unlimited(), 200000, 2);
+        const auto off =
+            test::path_traced_pixel(c.name, test::finish(floor, GlintsMode::off), 200000, 2);
         EXPECT_LT(chance_of(z_of(on.radiance, off.radiance)), significance) << c.name;
     }
 }
@@ -262,7 +264,7 @@ TEST(Glints, ComparisonNoticesASwappedTint) {
     const auto floor = [](const Vec3& color) {
         return GlintFloor{metal(color), bumps(), 12.0, 0.6f, sun(0.1f)};
     };
-    const Comparison c = compare(test::finish(floor(kGold), GlintsMode::on),
+    const Comparison c = compare("swapped", test::finish(floor(kGold), GlintsMode::on),
                                  test::finish(floor({kGold.y, kGold.x, kGold.z}), GlintsMode::off),
                                  FilterKind::blackman_harris, 8000, 200000);
     EXPECT_LT(std::abs(c.z), 4.0);
@@ -274,7 +276,7 @@ TEST(Glints, ComparisonNoticesASwappedTint) {
 TEST(Glints, HaveLittleNoise) {
     GlintFloor floor = cases()[0].floor;
     floor.light = sun(0.009f);
-    const Comparison c = compare(floor, FilterKind::blackman_harris, 4000, 40000);
+    const Comparison c = compare("a narrow sun", floor, FilterKind::blackman_harris, 4000, 40000);
     EXPECT_LT(c.on.radiance.standard_error() * std::sqrt(4000.0), 0.5 * c.on.radiance.mean());
     EXPECT_LT(c.on.radiance.standard_error() * std::sqrt(4000.0),
               0.1 * c.off.radiance.standard_error() * std::sqrt(40000.0));
@@ -329,13 +331,13 @@ TEST(GlintsSlow, FurnaceUnderAnEvenSky) {
             const RenderScene off = test::finish(floor, GlintsMode::off);
             for (const bool is_image : {true, false}) {
                 floor.light = is_image ? sky(0.0f) : uniform;
-                const Comparison c = compare(test::finish(floor, GlintsMode::on), off,
+                const std::string name =
+                    fmt::format("{}{}, {}", f.name, is_image ? "" : ", uniform", texels);
+                const Comparison c = compare(name, test::finish(floor, GlintsMode::on), off,
                                              FilterKind::blackman_harris, 20000, 100000);
-                const std::string name = std::string(f.name) + (is_image ? "" : ", uniform");
                 EXPECT_GT(least_chance(c), significance)
-                    << name << ", " << texels << ": " << c.on.radiance.mean() << " and "
-                    << c.off.radiance.mean();
-                EXPECT_LT(c.error, 0.004) << name << ", " << texels << ": too little power";
+                    << name << ": " << c.on.radiance.mean() << " and " << c.off.radiance.mean();
+                EXPECT_LT(c.error, 0.004) << name << ": too little power";
                 EXPECT_EQ(c.on.stats.glints.estimates, 0u) << name;
             }
         }

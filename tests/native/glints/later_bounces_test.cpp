@@ -146,15 +146,15 @@ TEST(LaterGlintsSlow, AgreeWithPathTracing) {
         for (const float sun_angle : {0.009f, 0.2f}) {
             Floor floor;
             floor.sun_angle = sun_angle;
-            const auto off = test::estimate_pixel(scene_of(via, floor, GlintsMode::off),
-                                                  test::unlimited(), kReference, 2);
+            const std::string name = fmt::format("{}, sun of {} rad", via.name, sun_angle);
+            const auto off =
+                test::path_traced_pixel(name, scene_of(via, floor, GlintsMode::off), kReference, 2);
             const auto with = [&](float irradiance) {
                 floor.irradiance = irradiance;
                 return test::estimate_pixel(scene_of(via, floor, GlintsMode::on), test::unlimited(),
                                             kSamples, 1);
             };
             const auto on = with(1.0f), twin = with(1.1f);
-            const std::string name = fmt::format("{}, sun of {} rad", via.name, sun_angle);
             EXPECT_GT(chance_of_difference(on.radiance, off.radiance), significance)
                 << name << ": " << on.radiance.mean() << " and " << off.radiance.mean();
             EXPECT_GT(on.stats.glints.estimates, kSamples / 3) << name;
@@ -252,13 +252,13 @@ TEST(LaterGlintsSlow, LeaveToLightPathsWhatTheyFind) {
         Floor floor;
         floor.sun_angle = 0.1f;
         floor.width = 0.1f;
-        const auto off = test::estimate_pixel(scene_of(c.via, floor, GlintsMode::off),
-                                              test::unlimited(), 4 * kSamples, 2, FilterKind::box);
+        const std::string name = fmt::format("{}, beside glints {}", c.via.name, c.beside_glints);
+        const auto off = test::path_traced_pixel(name, scene_of(c.via, floor, GlintsMode::off),
+                                                 4 * kSamples, 2, FilterKind::box);
         floor.role = CausticsRole::caster;
         const RenderScene world = scene_of(c.via, floor, GlintsMode::on);
         ASSERT_TRUE(world.scene->instances[0].rough_caster);
         const WithLightPaths with = with_light_paths(world, kSamples, kLightPaths, c.beside_glints);
-        const std::string name = fmt::format("{}, beside glints {}", c.via.name, c.beside_glints);
         EXPECT_EQ(with.camera_paths.stats.glints.estimates == 0, c.all_by_light_paths) << name;
         const double error = std::hypot(with.error(), off.radiance.standard_error());
         EXPECT_LT(std::abs(with.mean() - off.radiance.mean()), 3.5 * error)
@@ -281,8 +281,8 @@ TEST(LaterGlintsSlow, LeaveToRoughChainsWhatTheyFind) {
         floor.sun_angle = 0.1f;
         floor.width = 0.1f;
         floor.half_plain = half_plain;
-        const auto off = test::estimate_pixel(scene_of(via, floor, GlintsMode::off),
-                                              test::unlimited(), 6 * kSamples, 2, FilterKind::box);
+        const auto off = test::path_traced_pixel(via.name, scene_of(via, floor, GlintsMode::off),
+                                                 6 * kSamples, 2, FilterKind::box);
         floor.role = CausticsRole::caster;
         const RenderScene world = scene_of(via, floor, GlintsMode::on);
         ASSERT_FALSE(world.rough_chain_casters.empty());

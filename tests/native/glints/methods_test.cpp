@@ -229,12 +229,12 @@ TEST(GlintWalksSlow, AgreeWithPathTracing) {
         for (const bool mirrored : {false, true}) {
             const auto on = test::estimate_pixel(test::finish(c.floor, GlintsMode::on, mirrored),
                                                  settings, kSamples, 1);
-            const auto off = test::estimate_pixel(test::finish(c.floor, GlintsMode::off, mirrored),
-                                                  test::unlimited(), kReference, 2);
+            const std::string name = std::string(c.name) + (mirrored ? ", in a mirror" : "");
+            const auto off = test::path_traced_pixel(
+                name, test::finish(c.floor, GlintsMode::off, mirrored), kReference, 2);
             const double error =
                 std::hypot(on.radiance.standard_error(), off.radiance.standard_error());
             const double z = (on.radiance.mean() - off.radiance.mean()) / error;
-            const std::string name = std::string(c.name) + (mirrored ? ", in a mirror" : "");
             EXPECT_GT(std::erfc(std::abs(z) / std::sqrt(2.0)), significance)
                 << name << ": " << on.radiance.mean() << " and " << off.radiance.mean() << " +- "
                 << error;

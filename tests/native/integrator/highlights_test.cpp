@@ -4,6 +4,8 @@
 #include "integrator/highlights.h"
 #include "integrator/pictures.h"
 
+#include <fmt/format.h>
+
 namespace spc::test {
 namespace {
 
@@ -183,7 +185,11 @@ struct Case {
 // Path tracing has to find the lamps often enough for a comparison: some pixels wide.
 void expect_agreement(std::vector<Case> cases, By by = By::leads) {
     for (Case& one : cases) {
-        const Picture expected = render_highlights(one.world, By::rays, one.rounds, 11, one.limits),
+        const Picture expected = true_picture(one.name, one.rounds,
+                                              [&](uint32_t rounds) {
+                                                  return render_highlights(one.world, By::rays,
+                                                                           rounds, 11, one.limits);
+                                              }),
                       actual = render_highlights(one.world, by, one.rounds / 16, 12, one.limits,
                                                  kWalks, one.finder);
         for (size_t i = 0; i < actual.mean.size(); ++i) {
@@ -257,7 +263,9 @@ TEST(HighlightsSlow, AgreeWithPathTracingBesideEveryFinder) {
     std::vector<Case> cases;
     for (const ChainFinder finder : {ChainFinder::walks, ChainFinder::mnee})
         for (const auto& add_ball : {add_mirror_ball, add_glass_ball}) {
-            cases.push_back(with_bulb("a ball", add_ball, 0.1f));
+            cases.push_back(with_bulb(
+                fmt::format("ball {} beside finder {}", cases.size() % 2, static_cast<int>(finder)),
+                add_ball, 0.1f));
             cases.back().finder = finder;
         }
     expect_agreement(std::move(cases));

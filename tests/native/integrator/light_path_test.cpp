@@ -278,7 +278,7 @@ void expect_agreement(const std::vector<Setup>& setups,
         add_floor(maker, floor);
         setup.build(maker);
         const RenderScene world = maker.finish();
-        const Picture expected = render(world, settings, kPathTracing, factor * kRounds, 1);
+        const Picture expected = path_traced(setup.name, world, settings, factor * kRounds);
         Picture light_paths;
         std::vector<Method> methods{kManifold, kLightPaths, kAll, kSheets};
         if (from_fixed_starts) methods.insert(methods.end(), {kMnee, kMneeAndLight});
@@ -307,7 +307,7 @@ void expect_agreement_of_missed(const std::vector<Setup>& setups) {
         setup.build(maker);
         const RenderScene world = maker.finish();
         expect_same(render(world, few_bounces(), kMissed, kRounds, 1u << 20),
-                    render(world, few_bounces(), kPathTracing, 6 * kRounds, 1), setup.name,
+                    path_traced(setup.name, world, few_bounces(), 6 * kRounds), setup.name,
                     int(setups.size()));
     }
 }

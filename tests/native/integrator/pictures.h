@@ -5,6 +5,7 @@
 #include "integrator/light_path.h"
 #include "support/casters.h"
 #include "support/radiance.h"
+#include "support/truths.h"
 
 #include <gtest/gtest.h>
 
@@ -107,6 +108,24 @@ inline Picture render(const RenderScene& world, IntegratorSettings settings, con
     }
     EXPECT_EQ(light_stats.nan_splats, 0u);
     return picture;
+}
+
+// As brute force finds it, `find(rounds)`.
+inline Picture true_picture(const std::string& name, uint32_t rounds,
+                            const std::function<Picture(uint32_t)>& find) {
+    const Estimates means = truth(name, rounds, [&](uint32_t count) {
+        const Picture found = find(count);
+        return Estimates(found.mean.begin(), found.mean.end());
+    });
+    Picture picture;
+    std::copy(means.begin(), means.end(), picture.mean.begin());
+    return picture;
+}
+inline Picture path_traced(const std::string& name, const RenderScene& world,
+                           const IntegratorSettings& settings, uint32_t rounds) {
+    return true_picture(name, rounds, [&](uint32_t count) {
+        return render(world, settings, kPathTracing, count, 1);
+    });
 }
 
 inline void expect_same(const Picture& a, const Picture& b, const std::string& what,

@@ -91,7 +91,7 @@ void expect_agreement(const std::vector<Setup>& setups, const IntegratorSettings
         add_floor(maker);
         setup.build(maker);
         const RenderScene world = maker.finish();
-        const Picture expected = render(world, settings, kPathTracing, 24 * kRounds, 1);
+        const Picture expected = path_traced(setup.name, world, settings, 24 * kRounds);
         const Picture actual = render(world, settings, kSheets, kRounds, 1u << 20);
         expect_same(actual, expected, setup.name, int(setups.size()));
         expect_light_paths_to_matter(actual, expected, setup.name);

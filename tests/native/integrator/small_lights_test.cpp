@@ -46,7 +46,11 @@ void expect_agreement(const std::set<std::string>& kinds, Reliefs reliefs, const
     for (const ChainScene& scene : chain_scenes()) {
         if (!kinds.contains(scene.name)) continue;
         const RenderScene world = make(scene, reliefs, light, half_view);
-        const Picture by_light = render(world, few_bounces(), kLightPaths, kLightRounds, 1u << 20);
+        const std::string scene_name =
+            scene.name + ", " + to_string(reliefs.one) + ", under " + light.name;
+        const Picture by_light = true_picture(scene_name, kLightRounds, [&](uint32_t rounds) {
+            return render(world, few_bounces(), kLightPaths, rounds, 1u << 20);
+        });
         std::vector<Method> methods{kSheetsAlone};
         // Of the ball walks hardly meet some chains.
         if (reliefs.one == Relief::none && scene.has_relief) methods.push_back(kManifold);
@@ -54,8 +58,7 @@ void expect_agreement(const std::set<std::string>& kinds, Reliefs reliefs, const
             const bool walks = method.finder == ChainFinder::walks;
             const Picture found =
                 render(world, few_bounces(), method, walks ? kRoundsOfWalks : kRounds, 1);
-            const std::string what = scene.name + ", " + to_string(reliefs.one) + ", under " +
-                                     light.name + " by " + method.name;
+            const std::string what = scene_name + " by " + method.name;
             double largest = 0.0;  // of all parts, in standard deviations
             for (size_t i = 0; i < found.mean.size(); ++i)
                 largest =

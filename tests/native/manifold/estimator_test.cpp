@@ -86,14 +86,13 @@ TEST(ManifoldEstimatorSlow, AgreesWithPathTracingForEveryLight) {
         add_floor_and_casters(maker);
         light.add(maker);
         const RenderScene world = maker.finish();
-        const test::RadianceEstimate expected =
-            test::estimate(world, test::unlimited(), kSamples, camera_ray);
+        const test::MeanEstimate expected =
+            test::path_traced(light.name, world, test::unlimited(), kSamples, camera_ray);
         for (const Constraint constraint : {Constraint::half_vector, Constraint::angle_difference}) {
             const test::RadianceEstimate actual =
                 test::estimate(world, test::unlimited(test::unbiased_manifold(constraint)),
                                kSamples / 3, camera_ray, 2);
-            EXPECT_TRUE(test::same_mean(actual.radiance, expected.radiance, significance))
-                << light.name;
+            EXPECT_TRUE(test::same_mean(actual.radiance, expected, significance)) << light.name;
             EXPECT_GT(actual.caustics.mean(), 1e-3 * actual.radiance.mean())
                 << light.name << " feeds no caustics";
         }
@@ -111,11 +110,11 @@ TEST(ManifoldEstimatorSlow, ReachesReceiversThroughTheirBack) {
     maker.builder.add_light(large);
     const RenderScene world = maker.finish();
     const Ray from_below = test::ray_to({0.0f, -0.5f, -1.5f}, {0.3f, 0.1f, 0.0f});
-    const test::RadianceEstimate expected =
-        test::estimate(world, test::unlimited(), 1000000, from_below);
+    const test::MeanEstimate expected =
+        test::path_traced("from below", world, test::unlimited(), 1000000, from_below);
     const test::RadianceEstimate actual =
         test::estimate(world, test::unlimited(test::unbiased_manifold()), 100000, from_below, 2);
-    EXPECT_TRUE(test::same_mean(actual.radiance, expected.radiance, kFamily));
+    EXPECT_TRUE(test::same_mean(actual.radiance, expected, kFamily));
     EXPECT_GT(actual.caustics.mean(), 0.3 * actual.radiance.mean());
 }
 
@@ -130,13 +129,12 @@ TEST(ManifoldEstimatorSlow, ComparisonNoticesAWrongShare) {
     maker.builder.add_light(large);
     const RenderScene world = maker.finish();
     const Ray below = test::ray_to({0.0f, -1.0f, 0.4f}, {0.2f, 0.1f, 0.0f});
-    const test::RadianceEstimate expected =
-        test::estimate(world, test::unlimited(), 12000000, below);
+    const test::MeanEstimate expected =
+        test::path_traced("under glass", world, test::unlimited(), 12000000, below);
     const test::RadianceEstimate actual =
         test::estimate(world, test::unlimited(test::unbiased_manifold()), 1000000, below, 2);
-    EXPECT_TRUE(test::same_mean(actual.radiance, expected.radiance, kFamily));
-    const double deviation =
-        std::hypot(expected.radiance.standard_error(), actual.radiance.standard_error());
+    EXPECT_TRUE(test::same_mean(actual.radiance, expected, kFamily));
+    const double deviation = std::hypot(expected.standard_error(), actual.radiance.standard_error());
     EXPECT_GT(0.05 * actual.caustics.mean(), 5.0 * deviation);
 }
 
@@ -210,11 +208,11 @@ TEST(ManifoldEstimatorSlow, ManyCastersAgreeWithPathTracing) {
     add_many_mirrors(maker, 60);
     finite_lights()[0].add(maker);
     const RenderScene world = maker.finish();
-    const test::RadianceEstimate expected =
-        test::estimate(world, test::unlimited(), 400000, camera_ray);
+    const test::MeanEstimate expected =
+        test::path_traced("many mirrors", world, test::unlimited(), 400000, camera_ray);
     const test::RadianceEstimate actual =
         test::estimate(world, test::unlimited(test::unbiased_manifold()), 200000, camera_ray, 2);
-    EXPECT_TRUE(test::same_mean(actual.radiance, expected.radiance, kFamily));
+    EXPECT_TRUE(test::same_mean(actual.radiance, expected, kFamily));
     EXPECT_GT(actual.caustics.mean(), 1e-3 * actual.radiance.mean());
 }
 
@@ -230,10 +228,11 @@ TEST(ManifoldEstimatorSlow, TransparentCastersInTheWayAreCountedOnce) {
     const RenderScene world = maker.finish();
     // Part of what the ball throws here comes through the sheet, part beside it.
     const Ray ray = test::ray_to({0.0f, -1.0f, 0.2f}, {0.15f, 0.05f, 0.0f});
-    const test::RadianceEstimate expected = test::estimate(world, test::unlimited(), 400000, ray);
+    const test::MeanEstimate expected =
+        test::path_traced("beside a sheet", world, test::unlimited(), 400000, ray);
     const test::RadianceEstimate actual =
         test::estimate(world, test::unlimited(test::unbiased_manifold()), 400000, ray, 2);
-    EXPECT_TRUE(test::same_mean(actual.radiance, expected.radiance, kFamily));
+    EXPECT_TRUE(test::same_mean(actual.radiance, expected, kFamily));
     EXPECT_GT(actual.caustics.mean(), 0.0);
 }
 
@@ -263,11 +262,11 @@ TEST(ManifoldEstimatorSlow, SharesOfSeveralLobesSumToOne) {
         const Ray ray = test::ray_to({0.0f, -2.0f, 0.5f}, {0.0f, 0.25f, 0.0f});
         IntegratorSettings settings = test::unlimited();
         settings.manifold.refractions = c.refractions;
-        const test::RadianceEstimate expected = test::estimate(world, settings, 400000, ray);
+        const test::MeanEstimate expected = test::path_traced(c.name, world, settings, 400000, ray);
         settings.manifold = test::unbiased_manifold();
         settings.manifold.refractions = c.refractions;
         const test::RadianceEstimate actual = test::estimate(world, settings, 400000, ray, 2);
-        EXPECT_TRUE(test::same_mean(actual.radiance, expected.radiance, kFamily)) << c.name;
+        EXPECT_TRUE(test::same_mean(actual.radiance, expected, kFamily)) << c.name;
         EXPECT_GT(actual.caustics.mean(), 1e-3 * actual.radiance.mean()) << c.name;
     }
 }
@@ -387,7 +386,7 @@ TEST(ManifoldEstimatorSlow, FixedStartsAgreeWithPathTracing) {
     for (const CausticCase& c : cases) {
         const RenderScene world = under_a_lamp(c);
         const test::MeanEstimate truth =
-            test::estimate(world, settings_for({}), 10 * kSamples, ray_under_casters).radiance;
+            test::path_traced(c.name, world, settings_for({}), 10 * kSamples, ray_under_casters);
         const auto mean_of = [&](bool biased) {
             return test::estimate(world, settings_for(fixed_starts(biased)), kSamples,
                                   ray_under_casters, 2);

@@ -5,6 +5,7 @@
 
 #include "support/casters.h"
 #include "support/radiance.h"
+#include "support/truths.h"
 
 namespace spc::test {
 
@@ -110,6 +111,23 @@ inline PixelEstimate estimate_pixel(const RenderScene& world, const IntegratorSe
         for (size_t k = 0; k < 3; ++k)
             result.channels[k].add(double(sample.radiance[static_cast<int>(k)]));
     }
+    return result;
+}
+
+// As path tracing finds it: the radiance and its channels.
+inline PixelEstimate path_traced_pixel(const std::string& name, const RenderScene& world,
+                                       uint32_t samples, uint32_t seed,
+                                       FilterKind kind = FilterKind::blackman_harris) {
+    PixelEstimate result;
+    const Estimates means = truth(name, samples, [&](uint32_t count) {
+        const PixelEstimate found = estimate_pixel(world, unlimited(), count, seed, kind);
+        result.stats = found.stats;
+        Estimates all(found.channels.begin(), found.channels.end());
+        all.push_back(found.radiance);
+        return all;
+    });
+    std::copy_n(means.begin(), 3, result.channels.begin());
+    result.radiance = means[3];
     return result;
 }
 

@@ -60,6 +60,13 @@ private:
 // Running mean and its standard error.
 class MeanEstimate {
 public:
+    MeanEstimate() = default;
+    // As another one of `count` numbers was.
+    MeanEstimate(size_t count, double mean, double standard_error)
+        : count_(static_cast<int64_t>(count)), mean_(mean) {
+        const double n = static_cast<double>(count);
+        sum_squares_ = standard_error * standard_error * n * (n - 1);
+    }
     void add(double x) {
         ++count_;
         const double delta = x - mean_;

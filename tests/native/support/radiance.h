@@ -4,6 +4,7 @@
 
 #include "support/numerics.h"
 #include "support/scenes.h"
+#include "support/truths.h"
 
 namespace spc::test {
 
@@ -52,6 +53,15 @@ inline RadianceEstimate estimate(const RenderScene& world, const IntegratorSetti
                                  uint32_t samples, const Ray& ray, uint32_t seed = 1) {
     return estimate(
         world, settings, samples, [&](uint32_t) { return ray; }, seed);
+}
+
+// As path tracing finds it; `rays` as of estimate().
+template <class Rays>
+MeanEstimate path_traced(const std::string& name, const RenderScene& world,
+                         const IntegratorSettings& settings, uint32_t samples, const Rays& rays) {
+    return truth(name, samples, [&](uint32_t count) {
+        return Estimates{estimate(world, settings, count, rays).radiance};
+    })[0];
 }
 
 inline Ray ray_to(const Vec3& from, const Vec3& to) { return {from, normalize(to - from)}; }

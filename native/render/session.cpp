@@ -111,14 +111,15 @@ bool Session::should_stop() const {
     return must_stop() || out_of_time_.load(std::memory_order_relaxed);
 }
 // However short the time, each pixel gets its first sample, unless that takes much longer: then it shows
-// the preview. A sample that takes as long, of thousands of trials, is given up.
+// the preview, which is waited for. A sample that takes as long, of thousands of trials, is given up.
 void Session::look_at_clock() {
     constexpr double kGrace = 0.5, kShare = 0.03;  // s, and of the limit
     const auto limit = static_cast<double>(settings_.time_limit);
     if (!(limit > 0.0)) return;
     const double now = seconds();
     if (now > limit) out_of_time_ = true;
-    if (now > limit * (1.0 + kShare) + kGrace) cut_short_ = true;
+    const bool shows_all = previewed_ || tiles_begun_ == film_.tile_count();
+    if (now > limit * (1.0 + kShare) + kGrace && shows_all) cut_short_ = true;
 }
 bool Session::stops_in(uint32_t pass) const {
     return pass > 0 ? should_stop() : must_stop() || cut_short_.load(std::memory_order_relaxed);

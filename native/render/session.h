@@ -186,6 +186,7 @@ private:
     std::atomic<uint64_t> next_job_{0};
     // `cut_short_`: what is under way is not worth its end.
     std::atomic<bool> cancelled_{false}, out_of_time_{false}, cut_short_{false}, failed_{false};
+    std::atomic<bool> previewed_{false};
     const Clock::time_point start_;
 
     mutable std::mutex mutex_;  // guards the rest

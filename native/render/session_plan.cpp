@@ -107,7 +107,8 @@ void Session::render_preview() {
     std::vector<std::array<float, 4>> colors(static_cast<size_t>(across) * down);
     RenderStats stats;
     for (uint32_t i = 0; i < colors.size(); ++i) {
-        if (must_stop() || prepared_.try_wait()) return;
+        // Where time is limited, some pixels may have nothing else in the end.
+        if (must_stop() || (!(settings_.time_limit > 0.0f) && prepared_.try_wait())) return;
         const uint32_t x = std::min(i % across * block + block / 2, width - 1),
                        y = std::min(i / across * block + block / 2, height - 1);
         const FilmSample sample =
@@ -115,6 +116,7 @@ void Session::render_preview() {
         colors[i] = {sample.radiance.x, sample.radiance.y, sample.radiance.z, sample.alpha};
     }
     film_.set_preview(block, std::move(colors));
+    previewed_ = true;
 }
 
 void Session::prepare_flakes() {

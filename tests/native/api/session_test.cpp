@@ -275,7 +275,6 @@ TEST(Session, TimeLimitIsAnEnd) {
         const spc_render_progress end = wait_for(session.get());
         EXPECT_EQ(end.state, static_cast<uint32_t>(SPC_RENDER_DONE));
         EXPECT_EQ(end.fraction, 1.0f);
-        EXPECT_GE(end.samples_done, 1u) << "every pixel gets a sample, however short the time";
         EXPECT_LT(end.seconds, 2.0);
         const std::vector<float> combined = read_pass(session.get(), SPC_PASS_COMBINED, 40, 40);
         for (size_t i = 3; i < combined.size(); i += 4)
@@ -284,14 +283,14 @@ TEST(Session, TimeLimitIsAnEnd) {
 }
 
 // With many threads the first to finish its tile sees the time run out while others work on their
-// first samples.
+// first samples. What has none by then shows the preview.
 TEST(Session, TheShortestTimeLeavesNoPixelEmpty) {
     const ScenePtr scene = hard_scene(32, 32);
     for (int i = 0; i < 5; ++i) {
         spc_render_settings settings = endless(5);
         settings.time_limit = 1e-6f;
         const SessionPtr session = start(scene.get(), settings);
-        EXPECT_GE(wait_for(session.get()).samples_done, 1u);
+        EXPECT_EQ(wait_for(session.get()).state, static_cast<uint32_t>(SPC_RENDER_DONE));
         const std::vector<float> combined = read_pass(session.get(), SPC_PASS_COMBINED, 32, 32);
         for (size_t k = 3; k < combined.size(); k += 4)
             ASSERT_EQ(combined[k], 1.0f) << "pixel " << k / 4;

@@ -20,8 +20,13 @@ from tools.build import build
 from tools.common import BUILD, PYTHON, ROOT, DevError, say
 
 LOGS = BUILD / "test-logs"
-# Far from what is usual: a suite that hangs must not hold up a machine for ever.
+# A suite that hangs must not hold up a machine for ever: three times what the longest takes on two
+# cores, by day and by night.
 SUITE_SECONDS = 40 * 60
+NIGHTLY_SUITE_SECONDS = 3 * 60 * 60
+# What tests/native/support/ goes by.
+NIGHTLY = "SPECULA_TEST_NIGHTLY"
+WRITE_TRUTHS = "SPECULA_TEST_WRITE_TRUTHS"
 
 CTEST_CLOSING = re.compile(r"^(\d+% tests passed, .*|No tests were found!!!)$")
 PYTEST_CLOSING = re.compile(r"^=+ .* in [\d.]+s.*=+$")
@@ -39,14 +44,21 @@ class Result:
     seconds: float = 0.0
 
 
+def suite_seconds() -> int:
+    """How long a suite may take."""
+    long = NIGHTLY in os.environ or WRITE_TRUTHS in os.environ
+    return NIGHTLY_SUITE_SECONDS if long else SUITE_SECONDS
+
+
 def run_logged(
     command: list[str], log: Path, env: Mapping[str, str] | None = None
 ) -> tuple[int, list[str]]:
     """Run a program in the project's root; returns (exit code, lines of its output).
 
-    The output goes to the terminal and to `log`. After SUITE_SECONDS, or when ./dev is interrupted,
-    it is killed with all of its children.
+    The output goes to the terminal and to `log`. After suite_seconds(), or when ./dev is
+    interrupted, it is killed with all of its children.
     """
+    limit = suite_seconds()
     print(f"\n--- {' '.join(command)}", flush=True)
     lines = []
     with subprocess.Popen(
@@ -65,10 +77,10 @@ def run_logged(
             os.killpg(process.pid, signal.SIGKILL)
 
         def give_up() -> None:
-            say(f"no end after {SUITE_SECONDS} s, killing: {' '.join(command)}")
+            say(f"no end after {limit} s, killing: {' '.join(command)}")
             kill()
 
-        timer = threading.Timer(SUITE_SECONDS, give_up)
+        timer = threading.Timer(limit, give_up)
         timer.start()
         try:
             with open(log, "w") as file:
@@ -218,6 +230,16 @@ def main(argv: list[str]) -> int:
     parser.add_argument(
         "-k", metavar="EXPRESSION", help="only tests that match (pytest -k, ctest -R)"
     )
+    parser.add_argument(
+        "--nightly",
+        action="store_true",
+        help="native tests at their full power, with all truths made anew (hours)",
+    )
+    parser.add_argument(
+        "--write-truths",
+        action="store_true",
+        help="keep in tests/native/truths/ what brute force finds for the tests that run",
+    )
     args = parser.parse_args(argv)
     for name in args.suites:
         if name not in SUITES:
@@ -225,6 +247,9 @@ def main(argv: list[str]) -> int:
     wanted = set(args.suites or SUITES.keys() - {"asan"}) | ({"asan"} if args.asan else set())
     names = [name for name in SUITES if name in wanted]
 
+    for name, wished in ((NIGHTLY, args.nightly), (WRITE_TRUTHS, args.write_truths)):
+        if wished:
+            os.environ[name] = "1"
     signal.signal(signal.SIGTERM, raise_interrupt)
     setup.ensure(*(f"test {name}" for name in names))
     LOGS.mkdir(parents=True, exist_ok=True)

@@ -4,6 +4,7 @@
 #include "render/session.h"
 
 #include "support/casters.h"
+#include "support/power.h"
 #include "support/radiance.h"
 
 #include <gtest/gtest.h>
@@ -16,8 +17,11 @@ namespace {
 using test::SceneMaker;
 using namespace std::chrono_literals;
 
-constexpr uint32_t kSide = 48, kSamples = 10, kSeeds = 12;
-constexpr uint32_t kPart = 12, kParts = kSide / kPart;  // pixels of a square, squares in a row
+// By day of half the size: the means of its parts have twice the error.
+const uint32_t kSmaller = test::power(2, 1);
+const uint32_t kSide = 48 / kSmaller;
+constexpr uint32_t kSamples = 10, kSeeds = 12;
+constexpr uint32_t kParts = 4;  // squares in a row
 
 Camera looking_down(const Vec3& from, float half) {
     Camera camera;
@@ -136,7 +140,7 @@ void expect_same(const Pictures& a, const Pictures& b, const std::string& what) 
 
 // Rays and iterations of a render long enough for what is learned beforehand to pay.
 double work_of(const RenderScene& world, const Method& method) {
-    Session session(world, settings_for(kAll, method, 8 * kSamples, 1));
+    Session session(world, settings_for(kAll, method, 8 * kSamples * kSmaller * kSmaller, 1));
     EXPECT_EQ(session.wait(600s).state, RenderState::done);
     const RenderStats stats = session.stats();
     return double(stats.path.rays + stats.path.manifold.rays + stats.path.manifold.iterations +
@@ -154,18 +158,27 @@ struct Expected {
     uint32_t samples_of_means = kSamples;  // fewer do not know of the tail of walks
 };
 
-void expect_no_harm(const RenderScene& world, const Method& without, const Method& with,
-                    const Expected& expected) {
+// What a method makes of a scene.
+struct Outcome {
+    double work;
+    Pictures means, all;  // of short chains with many samples, and of all chains
+};
+Outcome outcome_of(const RenderScene& world, const Method& method, const Expected& expected) {
+    return {work_of(world, method),
+            pictures_of(world, kShortChains, method, expected.samples_of_means),
+            pictures_of(world, kAll, method)};
+}
+
+void expect_no_harm(const RenderScene& world, const Method& without, const Outcome& outcome_without,
+                    const Method& with, const Expected& expected) {
     const bool more_sheets = with.finder != without.finder;
     const std::string what = more_sheets ? "sheets and light tracing" : "light tracing";
-    const double work = work_of(world, with) / work_of(world, without);
+    const Outcome outcome_with = outcome_of(world, with, expected);
+    const double work = outcome_with.work / outcome_without.work;
     std::cout << what << ": work x " << work << std::endl;
-    ASSERT_LE(work, more_sheets ? kMoreWorkOfSheets : kMoreWork) << what;
-    expect_same(pictures_of(world, kShortChains, with, expected.samples_of_means),
-                pictures_of(world, kShortChains, without, expected.samples_of_means),
-                "with " + what);
-    const Pictures before = pictures_of(world, kAll, without),
-                   after = pictures_of(world, kAll, with);
+    EXPECT_LE(work, more_sheets ? kMoreWorkOfSheets : kMoreWork) << what;
+    expect_same(outcome_with.means, outcome_without.means, "with " + what);
+    const Pictures &before = outcome_without.all, &after = outcome_with.all;
     EXPECT_EQ(after.splats > 0, expected.useful) << what;
     const double variance = after.trimmed_variance() / before.trimmed_variance();
     std::cout << what << ": " << after.splats << " splats, maximum x "
@@ -183,8 +196,9 @@ void expect_no_harm(const std::function<void(SceneMaker&)>& build, const Expecte
     SceneMaker maker;
     build(maker);
     const RenderScene world = maker.finish();
-    expect_no_harm(world, kWalks, kWalksAndLight, expected);
-    expect_no_harm(world, kWalks, kSheetsAndLight, expected);
+    const Outcome without = outcome_of(world, kWalks, expected);
+    for (const Method& with : {kWalksAndLight, kSheetsAndLight})
+        expect_no_harm(world, kWalks, without, with, expected);
 }
 
 TEST(LightTracingStressSlow, CloseUpOfAWideCaustic) {
@@ -258,7 +272,9 @@ TEST(LightTracingStressSlow, ACasterThatFillsTheView) {
     // From above all is seen through it, lamps too, which sheets always find; from below lit through it.
     SceneMaker above;
     build(above, 2.0f, kVisibleAll);
-    expect_no_harm(above.finish(), kSheets, kSheetsAndLight, {.useful = false});
+    const RenderScene world = above.finish();
+    const Expected useless{.useful = false};
+    expect_no_harm(world, kSheets, outcome_of(world, kSheets, useless), kSheetsAndLight, useless);
     expect_no_harm([build](SceneMaker& m) { build(m, 0.4f, kHidden); });
 }
 
@@ -299,7 +315,7 @@ TEST(LightTracingSeamsSlow, OrthographicCamera) {
 }
 TEST(LightTracingSeamsSlow, Border) {
     Camera camera = looking_down({0.0f, -3.0f, 2.0f}, 0.3f);
-    camera.crop = {11, 5, 24, 36};
+    camera.crop = {11 / kSmaller, 5 / kSmaller, 24 / kSmaller, 36 / kSmaller};
     expect_agreement(camera);
 }
 

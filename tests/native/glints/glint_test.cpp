@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Glints against path tracing of the same map, in the far field, where both estimate the same.
 #include "support/glints.h"
+#include "support/power.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -222,20 +223,21 @@ double least_chance(const Comparison& c) {
 
 // Hypothesis: both have the same mean, in each channel.
 void expect_agreement(const std::vector<Case>& all) {
-    constexpr uint32_t kSamples = 8000, kReference = 400000;
+    constexpr uint32_t kReference = 400000;
+    const auto samples = test::power(4000u, 8000u);
     const double significance = test::sidak(kFamily, 2 * 3 * int(all.size()));
     for (const Case& c : all)
         for (const bool mirrored : {false, true}) {
             const std::string name = std::string(c.name) + (mirrored ? ", in a mirror" : "");
             const Comparison result =
-                compare(name, c.floor, c.filter, kSamples, kReference, mirrored);
+                compare(name, c.floor, c.filter, samples, kReference, mirrored);
             EXPECT_GT(least_chance(result), significance)
                 << name << ": " << result.on.radiance.mean() << " and "
                 << result.off.radiance.mean() << " +- " << result.error << ", z of the channels "
                 << ::testing::PrintToString(result.z_channels);
             EXPECT_LT(result.error, 0.02 * result.on.radiance.mean())
                 << name << ": too little power";
-            EXPECT_GT(result.on.stats.glints.estimates, kSamples / 3) << name;
+            EXPECT_GT(result.on.stats.glints.estimates, samples / 3) << name;
             EXPECT_EQ(result.off.stats.glints.estimates, 0u) << name;
         }
 }

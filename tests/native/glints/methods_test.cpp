@@ -2,6 +2,7 @@
 // The methods that glints are compared with: against rays through the pixel, each of which looks
 // the map up at one point, and against the search.
 #include "support/glints.h"
+#include "support/power.h"
 
 #include <gtest/gtest.h>
 
@@ -150,16 +151,17 @@ TEST(GlintWalksSlow, AgreeWithRays) {
         for (uint64_t light = 1; light <= kLights; ++light) {
             const Vec3 wi = site.light(light, 0.3f);
             GlintStats stats;
-            const MeanEstimate walks =
-                site.by({GlintMethod::walks}, kCentre, wi, c.estimates, stats);
+            const uint32_t estimates = test::power(c.estimates / 2, c.estimates);
+            const MeanEstimate walks = site.by({GlintMethod::walks}, kCentre, wi, estimates, stats);
             const double rays = site.by_rays(kCentre, wi, 300);
             const double z = (walks.mean() - rays) / walks.standard_error();
             EXPECT_GT(std::erfc(std::abs(z) / std::sqrt(2.0)), significance)
                 << c.name << ": " << walks.mean() << " and " << rays << " +- "
                 << walks.standard_error();
-            EXPECT_LT(walks.standard_error(), 0.05 * rays) << c.name << ": too little power";
+            EXPECT_LT(walks.standard_error(), test::power(0.07, 0.05) * rays)
+                << c.name << ": too little power";
             // Solutions at the very edge of the filter, next to which no walk starts.
-            EXPECT_LE(stats.capped, c.estimates / 10000) << c.name;
+            EXPECT_LE(stats.capped, estimates / 10000) << c.name;
         }
     }
 }

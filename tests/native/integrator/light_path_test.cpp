@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Light paths against path tracing and the manifold: whoever takes part, the picture is the same.
 #include "integrator/pictures.h"
+#include "support/power.h"
 
 namespace spc::test {
 namespace {
@@ -272,6 +273,7 @@ void expect_agreement(const std::vector<Setup>& setups,
                       CausticsRole floor = CausticsRole::receiver, uint32_t factor = 12,
                       bool from_fixed_starts = false) {
     constexpr uint32_t kRounds = 2000;
+    const uint32_t rounds = power(kRounds / 2, kRounds);
     for (const Setup& setup : setups) {
         SceneMaker maker;
         set_camera(maker);
@@ -283,7 +285,7 @@ void expect_agreement(const std::vector<Setup>& setups,
         std::vector<Method> methods{kManifold, kLightPaths, kAll, kSheets};
         if (from_fixed_starts) methods.insert(methods.end(), {kMnee, kMneeAndLight});
         for (const Method& method : methods) {
-            const Picture actual = render(world, settings, method, kRounds, 1u << 20);
+            const Picture actual = render(world, settings, method, rounds, 1u << 20);
             const std::string what = std::string(setup.name) + " by " + method.name;
             expect_same(actual, expected, what, 5 * int(setups.size()));
             if (!method.light_paths) continue;

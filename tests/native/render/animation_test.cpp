@@ -2,6 +2,7 @@
 // Glints from frame to frame: what a picture shows must be the map's, not the noise's.
 #include "render/session.h"
 #include "support/glints.h"
+#include "support/power.h"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +13,7 @@ using test::SceneMaker;
 using namespace std::chrono_literals;
 
 constexpr uint32_t kSide = 24;  // pixels
-constexpr int kFrames = 24;
+const int kFrames = test::power(8, 24);
 constexpr uint32_t kSamples = 16, kReference = 64;
 
 // What turns by a little in each frame, about the plate's middle.

@@ -59,6 +59,11 @@ def render_view_layer(engine, depsgraph) -> statistics.Statistics | None:
             stats.render_seconds = completed.seconds
             stats.render_stats = session.stats()
             stats.report += session.report()
+            if stats.first_sample_seconds is None:
+                stats.warnings.append(
+                    "the time limit ended before every pixel had a sample; those without show a "
+                    "coarse preview"
+                )
     return None if completed.state == native.RENDER_CANCELLED else stats
 
 

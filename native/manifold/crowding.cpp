@@ -65,6 +65,17 @@ void count_casters(const CasterSet& casters, const ChainKind& kind, std::vector<
 
 }  // namespace
 
+bool rays_find_all(const Scene& scene, const LightSet& lights) {
+    for (uint32_t i = 0; i < lights.count(); ++i) {
+        if (lights.caustic_selection.empty() || !(lights.caustic_selection.probability(i) > 0.0f))
+            continue;
+        const std::optional<LightPoint> y =
+            sample_point_of_light(lights, scene, i, Vec2(0.5f, 0.5f));
+        if (!y || y->delta || (light_visibility(lights, i) & kVisibleShadow) == 0) return false;
+    }
+    return true;
+}
+
 std::vector<double> chains_by_maps(const Scene& scene, const LightSet& lights,
                                    const CasterSet& casters, uint32_t seed) {
     std::vector<double> chains(casters.casters.size(), 0.0);

@@ -7,6 +7,10 @@
 
 namespace spc {
 
+// Whether path tracing comes to every light that feeds casters, so that it finds what neither the manifold nor
+// light paths do: not to lights without extent, nor to those that shine through everything.
+bool rays_find_all(const Scene& scene, const LightSet& lights);
+
 // Of each caster of the set, about: those that its normal map makes. For slopes that vary fast, the mean
 // number of places where a map has the slope that light needs [Rice44]: mean |det d slope / d p| times the
 // area on which the slopes that light needs are those that the map has.

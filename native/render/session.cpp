@@ -177,8 +177,18 @@ void Session::work(uint32_t worker) {
         fail();
     }
     const std::lock_guard lock(mutex_);
-    if (--active_workers_ == 0) seconds_at_end_ = seconds();
+    if (--active_workers_ == 0) {
+        end_stage();
+        seconds_at_end_ = stage_begin_;
+    }
     ended_.notify_all();
+}
+
+// With the lock.
+void Session::end_stage() {
+    const double now = seconds();
+    stats_.stage_seconds[static_cast<size_t>(stage_)] += now - stage_begin_;
+    stage_begin_ = now;
 }
 
 // Keeps what is being thrown.
@@ -355,7 +365,7 @@ FilmSample Session::take_sample(uint32_t x, uint32_t y, uint32_t index,
 }
 
 RenderProgress Session::wait(std::chrono::milliseconds patience) {
-    if (settings_.time_limit > 0.0f) look_at_clock();
+    look_at_clock();
     std::unique_lock lock(mutex_);
     ended_.wait_for(lock, patience, [this] { return active_workers_ == 0; });
     RenderProgress progress{};

@@ -66,15 +66,10 @@ const Budget& Session::begin(RenderStage stage, double work, double share) {
     auto budget =
         std::make_shared<const Budget>(work, limit > 0.0 ? share * limit : kGuard, cut_short_);
     const std::lock_guard lock(mutex_);
+    end_stage();
     budget_ = budget;
     stage_ = stage;
-    stage_begin_ = seconds();
     return *budget;
-}
-
-void Session::end_stage() {
-    const std::lock_guard lock(mutex_);
-    stats_.stage_seconds[static_cast<size_t>(stage_)] += seconds() - stage_begin_;
 }
 
 // Shares of a limited time: what stages usually take is a third of that.
@@ -83,16 +78,11 @@ void Session::prepare() {
     begin(RenderStage::maps, kMost, 1.0);
     prepare_flakes();
     choose_casters();
-    end_stage();
     prepare_sheets();
-    end_stage();
     learn_light_paths();
-    end_stage();
     find_highlights();
-    end_stage();
     weigh_noise();
     weigh_estimates();
-    end_stage();
     count_splats();
     begin(RenderStage::samples, kMost, 1.0);
 }
@@ -136,7 +126,9 @@ void Session::prepare_flakes() {
 
 // Which casters the manifold searches: not those that make more chains at once than a search is worth.
 void Session::choose_casters() {
-    if (!settings_.chooses || !settings_.light_tracing) return;
+    settings_.chooses =
+        settings_.chooses && settings_.light_tracing && rays_find_all(*world_.scene, world_.lights);
+    if (!settings_.chooses) return;
     leave_out(chains_by_maps(*world_.scene, world_.lights, world_.casters, settings_.seed),
               "by its map");
 }
@@ -192,7 +184,7 @@ void Session::prepare_sheets() {
         for (const auto& sheet : sheet_pool_) stats.path.manifold.rays += sheet->rays();
     };
     build();
-    if (settings_.chooses && settings_.light_tracing) {
+    if (settings_.chooses) {
         const CasterSet* before = settings_.integrator.searched;
         leave_out(
             chains_by_sheets(settings_.integrator.casters_of(world_), sheet_pool_, settings_.seed),

@@ -483,9 +483,9 @@ typedef struct spc_render_stats {
     uint64_t glint_estimates; /* of the light of one direction, over a footprint */
     uint64_t glint_nodes;     /* parts of maps that they looked at, or slopes on walks */
     uint64_t glint_points;    /* points of those, or Gaussians, at which they evaluated a lobe */
-    uint64_t glint_capped;   /* estimates of SPC_GLINT_METHOD_WALKS that gave up at the trial cap */
-    uint64_t glint_bytes;    /* of memory that the method has for such maps, beside the images */
-    double stage_seconds[6]; /* of each spc_render_stage, as far as they have ended */
+    uint64_t glint_capped; /* estimates of SPC_GLINT_METHOD_WALKS that gave up at the trial cap */
+    uint64_t glint_bytes;  /* of memory that the method has for such maps, beside the images */
+    double stage_seconds[6]; /* of each spc_render_stage, as far as they have ended; all together: the render's */
     double first_sample_seconds; /* from the start until every pixel had a sample; 0: it has not yet */
     uint64_t lost_rays; /* not cast, for not being finite; by all sessions of the scene since this one's start */
 } spc_render_stats;

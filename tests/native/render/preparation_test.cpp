@@ -67,10 +67,11 @@ TEST(Preparation, GoesThroughItsStages) {
     EXPECT_EQ(last, RenderStage::samples);
     const RenderProgress end = session.wait(0ms);
     const RenderStats stats = session.stats();
-    const double prepared =
-        std::accumulate(stats.stage_seconds.begin(), stats.stage_seconds.end(), 0.0);
+    const double all = std::accumulate(stats.stage_seconds.begin(), stats.stage_seconds.end(), 0.0);
     EXPECT_GT(stats.stage_seconds[static_cast<size_t>(RenderStage::light_paths)], 0.0);
-    EXPECT_LT(prepared, stats.first_sample_seconds);
+    EXPECT_NEAR(all, end.seconds, 1e-9);
+    EXPECT_LT(all - stats.stage_seconds[static_cast<size_t>(RenderStage::samples)],
+              stats.first_sample_seconds);
     EXPECT_LE(stats.first_sample_seconds, end.seconds);
 }
 
@@ -147,6 +148,17 @@ TEST(Crowding, OnlyFineMapsAreLeftToOthers) {
         const auto sheets = static_cast<size_t>(RenderStage::sheets);
         EXPECT_EQ(session.stats().path.manifold.estimates == 0, left) << wave;
         EXPECT_GT(session.stats().stage_seconds[sheets], 0.0);
+    }
+}
+
+// A sun without extent is found by the manifold and light paths alone, and light paths do not come to what is
+// seen in mirrors: nothing may be left out.
+TEST(Crowding, NothingIsLeftOutThatRaysDoNotFind) {
+    for (const double wave : {0.2, 0.015}) {
+        const RenderScene world = beside_a_mirror(wave, 0.0f);
+        Session session(world, settings_with(1));
+        EXPECT_EQ(session.wait(60s).state, RenderState::done);
+        EXPECT_TRUE(session.report().empty()) << session.report().front();
     }
 }
 

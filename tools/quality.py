@@ -13,7 +13,7 @@ from tools import setup, venvs
 from tools.build import configure
 from tools.common import BUILD, ROOT, DevError, run, say
 
-CPP_FOLDERS = ("native", "tests/native", "tests/fuzz", "tests/bench/native")
+CPP_FOLDERS = ("native", "tests/native", "tests/fuzz", "tests/instruments/bench/native")
 PYTHON_FOLDERS = ("tools", "addon", "tests", "blend_scenes")
 
 

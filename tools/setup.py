@@ -47,6 +47,7 @@ COMMAND_NEEDS = {
     "test blender": ["build", "blender", "python tests"],
     "test bpy": ["build", "bpy"],
     "test images": ["build", "blender", "bpy", "python tests"],
+    "test instruments": ["build", "blender", "bpy", "python tests"],
     "bench": ["build", "blender", "bpy"],
     "stability": ["build", "python tests"],
     "field": ["build", "blender", "bpy", "python tests"],

@@ -118,7 +118,7 @@ class Generator:
 
     @staticmethod
     def _parse(header: str) -> c_ast.FileAST:
-        # Without the system's headers, which are not plain C; and as a compiler that exports nothing.
+        # Without the headers of the system, and as for a compiler that marks no exports: plain C.
         own = re.sub(r"^#include <std(def|int)\.h>$", "", header, flags=re.M)
         command = ["cc", "-E", "-xc", "-std=c99", "-nostdinc", "-U__GNUC__", "-"]
         result = subprocess.run(command, input=own, capture_output=True, text=True)

@@ -36,7 +36,11 @@ COMMANDS = {
     "blender": ("host", "blender", "ARGS: Debian's Blender with the addon enabled from the tree"),
     "bpy": ("host", "bpy", "[--version V] SCRIPT ARGS: a script in today's Blender, addon enabled"),
     "build": ("build", "main", "[--preset NAME]: compile into build/PRESET"),
-    "format": ("quality", "format_sources", "rewrite the sources with clang-format and ruff"),
+    "format": (
+        "quality",
+        "format_sources",
+        "rewrite the sources with clang-format and ruff, and addon/abi.py",
+    ),
     "lint": ("quality", "lint", "check the format, clang-tidy, ruff"),
 }
 

@@ -18,6 +18,7 @@ import bpy
 
 from blend_scenes.generators import stage
 from specula import native
+from specula.abi import RenderState
 from specula.export.desc import LightTracing, Method, RenderSettings
 from specula.export.log import ExportLog
 from specula.export.scene import export_scene
@@ -35,7 +36,7 @@ def rendered(native_scene, settings: RenderSettings, samples: int) -> dict:
     """Seconds of one render, by the clock and of all threads together, and its statistics."""
     cpu_start = time.process_time()
     with native.Session(native_scene, dataclasses.replace(settings, samples=samples)) as session:
-        while (progress := session.wait(POLL_MILLISECONDS)).state == native.RENDER_RUNNING:
+        while (progress := session.wait(POLL_MILLISECONDS)).state == RenderState.RUNNING:
             pass
         if progress.samples_done != samples:
             raise RuntimeError(f"{progress.samples_done} of {samples} samples rendered")

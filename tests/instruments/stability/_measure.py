@@ -12,6 +12,7 @@ from statistics import NormalDist
 import numpy as np
 
 from specula import native
+from specula.abi import Pass, RenderState
 from specula.export import desc
 from specula.upload import upload
 from tests.instruments.stability._cases import BRUTE_FORCE, LIGHT_PATHS, Case
@@ -107,9 +108,9 @@ def render(scene: native.Scene, values: desc.RenderSettings):
     """
     start = time.process_time()
     with native.Session(scene, values) as session:
-        while (progress := session.wait(POLL_MILLISECONDS)).state == native.RENDER_RUNNING:
+        while (progress := session.wait(POLL_MILLISECONDS)).state == RenderState.RUNNING:
             pass
-        if progress.state != native.RENDER_DONE:
+        if progress.state != RenderState.DONE:
             raise RuntimeError("the render did not come to its end")
 
         seconds = time.process_time() - start
@@ -118,7 +119,7 @@ def render(scene: native.Scene, values: desc.RenderSettings):
             pixels = session.read(source, SIDE, SIDE).reshape(SIDE, SIDE, -1)
             return pixels[..., :3].astype(np.float64).mean(axis=-1)
 
-        return read(desc.Pass.COMBINED), read(desc.Pass.VARIANCE), seconds, session.stats()
+        return read(Pass.COMBINED), read(Pass.VARIANCE), seconds, session.stats()
 
 
 def measure(case: Case, method: Method, seed: int) -> Pictures:

@@ -12,15 +12,12 @@ from html import escape
 from pathlib import Path
 from string import Template
 
-import numpy as np
-import OpenImageIO as oiio
-
-from tests.instruments.bench import _metrics
 from tests.instruments.bench._page import NONE, STYLE, ratio, table
-from tests.instruments.field._measure import BAD, DARK, VERDICTS, Child, Comparison, Picture, kind
+from tests.instruments.field._measure import BAD, VERDICTS, Child, kind
+from tests.instruments.pairs.comparison import Comparison
+from tests.instruments.pairs.files import replace
 
 TEMPLATE = Path(__file__).with_name("page.html")
-STRONG = 0.5  # (a - b) / (a + b) that is shown in full colour: three times the light
 
 
 @dataclass(frozen=True)
@@ -41,51 +38,6 @@ class Scene:
         return VERDICTS.index(self.verdict), -severity, self.blend
 
 
-# ----------------------------------------------------------------------------------------- pictures
-
-
-def draw(
-    folder: Path, stem: str, specula: Picture | None, cycles: Picture | None
-) -> dict[str, str]:
-    """Writes PNG files into folder/pictures, both of one exposure; returns label -> path."""
-    shown = {}
-    measure = next((p for p in (cycles, specula) if p and np.isfinite(p.mean).all()), None)
-    exposure = _metrics.exposure(measure.mean) if measure else 1.0
-    for label, picture in (("Specula", specula), ("Cycles", cycles)):
-        if picture:
-            shown[label] = _metrics.display(np.nan_to_num(picture.mean), exposure)
-    if specula and cycles:
-        shown["difference"] = difference(specula.mean, cycles.mean)
-    paths = {}
-    for label, image in shown.items():
-        paths[label] = f"pictures/{stem}-{label.lower()}.png"
-        write_png(folder / paths[label], image)
-    return paths
-
-
-def difference(image: np.ndarray, expected: np.ndarray) -> np.ndarray:
-    """sRGB: white where both are alike, red where `image` is brighter, blue where it is darker,
-    magenta where it is not finite."""
-    light, other = image @ _metrics.LUMINANCE, expected @ _metrics.LUMINANCE
-    total = np.abs(light) + np.abs(other) + DARK * max(float(np.abs(other).mean()), 1e-30)
-    amount = np.clip((light - other) / total / STRONG, -1.0, 1.0)
-    brighter, darker = np.maximum(amount, 0.0), np.maximum(-amount, 0.0)
-    shown = np.stack([1.0 - darker, 1.0 - darker - brighter, 1.0 - brighter], axis=-1)
-    shown[~np.isfinite(light)] = (1.0, 0.0, 1.0)
-    return shown.astype(np.float32)
-
-
-def write_png(path: Path, image: np.ndarray) -> None:
-    """Of sRGB values, bottom row first."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    pixels = np.ascontiguousarray(np.round(255.0 * image[::-1]), np.uint8)
-    output = oiio.ImageOutput.create(str(path))
-    spec = oiio.ImageSpec(pixels.shape[1], pixels.shape[0], 3, "uint8")
-    if not output or not output.open(str(path), spec) or not output.write_image(pixels):
-        raise OSError(f"{path}: {output.geterror() if output else oiio.geterror()}")
-    output.close()
-
-
 # --------------------------------------------------------------------------------------------- page
 
 
@@ -103,13 +55,6 @@ def write(folder: Path, about: str, limit: float, scenes: Sequence[Scene]) -> Pa
     page = folder / "index.html"
     replace(page, render(about, limit, scenes))
     return page
-
-
-def replace(path: Path, text: str) -> None:
-    """Whoever reads it meanwhile sees the old one."""
-    fresh = path.with_suffix(".new")
-    fresh.write_text(text)
-    fresh.replace(path)
 
 
 def verdict_counts(scenes: Sequence[Scene]) -> dict[str, int]:

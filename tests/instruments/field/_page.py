@@ -12,10 +12,11 @@ from html import escape
 from pathlib import Path
 from string import Template
 
-from tests.instruments.bench._page import NONE, STYLE, ratio, table
+from tests.instruments.bench._page import NONE, STYLE, table
 from tests.instruments.field._measure import BAD, VERDICTS, Child, kind
 from tests.instruments.pairs.comparison import Comparison
 from tests.instruments.pairs.files import replace
+from tests.instruments.pairs.page import badge, comparison_text, figures
 
 TEMPLATE = Path(__file__).with_name("page.html")
 
@@ -74,7 +75,7 @@ def render(about: str, limit: float, scenes: Sequence[Scene]) -> str:
         about=escape(about),
         verdicts=table(
             ["", "files"],
-            [[badge(name), str(n)] for name, n in verdict_counts(scenes).items()],
+            [[badge(name, name in BAD), str(n)] for name, n in verdict_counts(scenes).items()],
             f"{len(scenes)} files",
         ),
         warnings=table(
@@ -85,20 +86,9 @@ def render(about: str, limit: float, scenes: Sequence[Scene]) -> str:
     )
 
 
-def badge(verdict: str) -> str:
-    return f'<b class="{"bad" if verdict in BAD else "good"}">{escape(verdict)}</b>'
-
-
 def section(scene: Scene, limit: float) -> str:
     """One file: its pictures, and what is known of it."""
-    figures = "".join(
-        f'<figure><img loading="lazy" alt="{label}" src="{escape(path)}">'
-        f"<figcaption>{label}</figcaption></figure>"
-        for label, path in scene.pictures.items()
-    )
-    return (
-        f'<section class="scene"><h3>{badge(scene.verdict)} {escape(scene.blend)}</h3>'
-        f'<div class="crops">{figures}{children(scene, limit)}</div>'
+@@
         f"<p>{comparison_text(scene.comparison)}</p>"
         f"{troubles(scene)}{warnings(scene.specula)}</section>"
     )
@@ -138,29 +128,6 @@ def seconds(value: float | None) -> str:
 
 def number(value: float | None) -> str:
     return NONE if value is None else f"{value:.1f}"
-
-
-def comparison_text(found: Comparison | None) -> str:
-    if not found:
-        return "Not compared."
-    if found.not_finite:
-        return f"{found.not_finite} values of Specula's picture are not finite."
-    caustics = (
-        f"; caustics are {found.caustics:.0%} of Specula's light, mean without them "
-        f"{ratio3(found.bare_ratio)}"
-        if found.caustics > 0.0
-        else ""
-    )
-    return (
-        f"Specula / Cycles: mean <b>{ratio3(found.ratio)}</b> ± {found.ratio_error:.3f}, median "
-        f"block {ratio3(found.median_ratio)}; <b>{found.differing:.0%}</b> of the blocks differ "
-        f"beyond noise{caustics}."
-    )
-
-
-def ratio3(value: float) -> str:
-    """Three digits behind the point, where the ratio is near 1."""
-    return f"{value:.3f}" if value < 10.0 else ratio(value)
 
 
 def troubles(scene: Scene) -> str:

@@ -24,6 +24,7 @@ import bpy
 from tests.instruments.bench._image_job import CyclesClock
 from tests.instruments.pairs.settings import plain_cycles
 
+
 class FirstSample(CyclesClock):
     """When Cycles had a sample of every pixel, too."""
 

@@ -88,7 +88,10 @@ def render(about: str, limit: float, scenes: Sequence[Scene]) -> str:
 
 def section(scene: Scene, limit: float) -> str:
     """One file: its pictures, and what is known of it."""
-@@
+    return (
+        f'<section class="scene"><h3>{badge(scene.verdict, scene.verdict in BAD)} '
+        f"{escape(scene.blend)}</h3>"
+        f'<div class="crops">{figures(scene.pictures)}{children(scene, limit)}</div>'
         f"<p>{comparison_text(scene.comparison)}</p>"
         f"{troubles(scene)}{warnings(scene.specula)}</section>"
     )

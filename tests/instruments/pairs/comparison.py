@@ -147,5 +147,3 @@ def quotient(light: float, expected: float) -> float:
     if expected > 0.0:
         return float(light / expected)
     return 1.0 if light == expected else float("inf")
-
-

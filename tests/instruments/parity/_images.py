@@ -38,7 +38,9 @@ def _new(name: str, pixels: np.ndarray, floating: bool, data: bool, alpha: bool 
 def _hues(name: str):
     """Smooth, periodic, of all hues and many brightnesses."""
     u, v = _grid()
-    waves = [np.cos(2 * np.pi * (a * u + b * v + c)) for a, b, c in ((1, 0, 0), (1, 1, 0.3), (0, 1, 0.6))]
+    waves = [
+        np.cos(2 * np.pi * (a * u + b * v + c)) for a, b, c in ((1, 0, 0), (1, 1, 0.3), (0, 1, 0.6))
+    ]
     return _new(name, 0.5 + 0.45 * np.stack(waves, axis=-1), True, True)
 
 

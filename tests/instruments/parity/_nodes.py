@@ -13,8 +13,8 @@ class Node:
     """A shader node and which of its outputs is read.
 
     `inputs` maps a socket's identifier, name or index to a constant or to a Node that feeds it.
-    `properties` are Python's, dots included; `image`, `ramp`, `curve`, `value` and `uv_map` are told in
-    _stage.py.
+    `properties` are Python's, dots included; what `image`, `ies`, `ramp`, `curve` and `value` mean
+    is told in _stage.py.
     """
 
     kind: str  # Blender's type without "ShaderNode"
@@ -47,9 +47,7 @@ NORMAL = N("TexCoord", output="Normal")
 
 def halved(vector: Node) -> Node:
     """From [-1, 1] to [0, 1], to be seen."""
-    return N(
-        "Mapping", {"Vector": vector, "Location": (0.5, 0.5, 0.5), "Scale": (0.5, 0.5, 0.5)}
-    )
+    return N("Mapping", {"Vector": vector, "Location": (0.5, 0.5, 0.5), "Scale": (0.5, 0.5, 0.5)})
 
 
 def shown(name: str, node: Node) -> Row:
@@ -62,9 +60,7 @@ def lit(name: str, shader: Node, **sockets: Node) -> Row:
     return Row(name, lambda stage: stage.dress(shader, **sockets))
 
 
-def modes(
-    name: str, make: Callable[..., Row], choices: Mapping[str, Sequence]
-) -> Iterator[Row]:
+def modes(name: str, make: Callable[..., Row], choices: Mapping[str, Sequence]) -> Iterator[Row]:
     """A row for each value of each property, the others left as they are."""
     for prop, values in choices.items():
         for value in values:

@@ -64,7 +64,9 @@ def _over_roughness(name, kind, inputs, distributions=(None,), roughnesses=ROUGH
 
 
 def _plain():
-    yield from _over_roughness("closure/diffuse", "BsdfDiffuse", {"Color": COPPER}, (None,), (0, 0.3, 1))
+    yield from _over_roughness(
+        "closure/diffuse", "BsdfDiffuse", {"Color": COPPER}, (None,), (0, 0.3, 1)
+    )
     yield from _over_roughness("closure/glossy", "BsdfGlossy", {"Color": COPPER}, DISTRIBUTIONS)
     glass = {"Color": PALE, "IOR": 1.45}
     yield from _over_roughness("closure/glass", "BsdfGlass", glass, DISTRIBUTIONS[:3])
@@ -91,10 +93,15 @@ def _plain():
         hair = N("BsdfHair", {"Color": COPPER, "RoughnessU": 0.3}, component=component)
         yield lit(label("closure/hair", component=component), hair)
     for model in ("CHIANG", "HUANG"):
-        yield lit(label("closure/principled_hair", model=model), N("BsdfHairPrincipled", model=model))
+        yield lit(
+            label("closure/principled_hair", model=model), N("BsdfHairPrincipled", model=model)
+        )
     for method in ("BURLEY", "RANDOM_WALK", "RANDOM_WALK_SKIN"):
         inputs = {"Color": COPPER, "Scale": 0.2}
-        yield lit(label("closure/subsurface", falloff=method), N("SubsurfaceScattering", inputs, falloff=method))
+        yield lit(
+            label("closure/subsurface", falloff=method),
+            N("SubsurfaceScattering", inputs, falloff=method),
+        )
     for fresnel in ("F82", "PHYSICAL_CONDUCTOR"):
         shader = N("BsdfMetallic", {"Roughness": 0.3}, fresnel_type=fresnel)
         yield lit(label("closure/metallic", fresnel=fresnel), shader)

@@ -76,7 +76,9 @@ for flag in ("camera", "diffuse", "glossy", "transmission"):
     ROWS.append(
         Row(
             f"light/invisible_{flag}",
-            lambda stage, f=flag: stage.light("AREA", energy=400, size=1.5, object={f"visible_{f}": False}, glossy=True),
+            lambda stage, f=flag: stage.light(
+                "AREA", energy=400, size=1.5, object={f"visible_{f}": False}, glossy=True
+            ),
         )
     )
 
@@ -86,7 +88,9 @@ LIGHT_NODES = {
     "linear_falloff": N("Emission", {"Strength": N("LightFalloff", {0: 0.3}, "Linear")}),
     "constant_falloff": N("Emission", {"Strength": N("LightFalloff", {0: 0.05}, "Constant")}),
     "smooth_falloff": N("Emission", {"Strength": N("LightFalloff", {0: 1.0, 1: 3.0}, 0)}),
-    "texture": N("Emission", {"Color": N("TexImage", {"Vector": N("TexCoord", output="UV")}, image="hues")}),
+    "texture": N(
+        "Emission", {"Color": N("TexImage", {"Vector": N("TexCoord", output="UV")}, image="hues")}
+    ),
     "light_path": N("Emission", {"Strength": N("LightPath", output="Is Shadow Ray")}),
 }
 for name, shader in LIGHT_NODES.items():
@@ -100,7 +104,12 @@ for name, shader in LIGHT_NODES.items():
 
 @row
 def light__ies(stage):
-    stage.light("POINT", energy=300, shadow_soft_size=0.0, nodes=N("Emission", {"Strength": N("TexIES", ies="lamp")}))
+    stage.light(
+        "POINT",
+        energy=300,
+        shadow_soft_size=0.0,
+        nodes=N("Emission", {"Strength": N("TexIES", ies="lamp")}),
+    )
 
 
 @row
@@ -126,7 +135,13 @@ def light__mesh_front_only(stage):
 def light__many(stage):
     for index in range(12):
         color = (1.0, 0.2 + 0.06 * index, 1.0 - 0.08 * index)
-        stage.add_light("POINT", (index % 4 - 1.5, index // 4 - 2.0, 2.5), energy=20, color=color, shadow_soft_size=0.1)
+        stage.add_light(
+            "POINT",
+            (index % 4 - 1.5, index // 4 - 2.0, 2.5),
+            energy=20,
+            color=color,
+            shadow_soft_size=0.1,
+        )
 
 
 @row
@@ -154,16 +169,25 @@ def background(**inputs) -> Callable:
 DIRECTION = N("TexCoord", output="Generated")
 WORLDS = {
     "color": background(Color=(0.3, 0.5, 0.8, 1.0), Strength=0.7),
-    "gradient": background(Color=N("ValToRGB", {0: N("TexGradient", {"Vector": DIRECTION})}, ramp="LINEAR")),
+    "gradient": background(
+        Color=N("ValToRGB", {0: N("TexGradient", {"Vector": DIRECTION})}, ramp="LINEAR")
+    ),
     "image": background(Color=N("TexEnvironment", image="sky")),
     "image_rotated": background(
-        Color=N("TexEnvironment", {"Vector": N("Mapping", {"Vector": DIRECTION, "Rotation": (0.2, 0.3, 1.0)})}, image="sky")
+        Color=N(
+            "TexEnvironment",
+            {"Vector": N("Mapping", {"Vector": DIRECTION, "Rotation": (0.2, 0.3, 1.0)})},
+            image="sky",
+        )
     ),
     "mirror_ball": background(Color=N("TexEnvironment", image="sky", projection="MIRROR_BALL")),
     "sharp_sun": background(Color=N("TexEnvironment", image="sun")),
     "window": background(Color=N("TexCoord", output="Window")),
     "mixed": lambda stage: stage.world(
-        N("MixShader", {0: 0.4, 1: N("Background", {"Color": (1, 0.5, 0.2, 1)}), 2: N("Background")})
+        N(
+            "MixShader",
+            {0: 0.4, 1: N("Background", {"Color": (1, 0.5, 0.2, 1)}), 2: N("Background")},
+        )
     ),
     "camera_alone": lambda stage: stage.world(
         N(
@@ -178,7 +202,9 @@ WORLDS = {
     "emission": lambda stage: stage.world(N("Emission", {"Color": (0.5, 0.6, 0.7, 1.0)})),
     "unlinked": lambda stage: stage.world(None),
     "none": lambda stage: stage.no_world(),
-    "volume": lambda stage: stage.world(N("Background"), volume=N("VolumeScatter", {"Density": 0.02})),
+    "volume": lambda stage: stage.world(
+        N("Background"), volume=N("VolumeScatter", {"Density": 0.02})
+    ),
 }
 for name, build in WORLDS.items():
     ROWS.append(Row(f"world/{name}", build))
@@ -489,7 +515,10 @@ def setting__resolution_percentage(stage):
 
 
 OBJECTS = {
-    **{f"invisible_{flag}": {f"visible_{flag}": False} for flag in ("camera", "diffuse", "glossy", "transmission", "shadow")},
+    **{
+        f"invisible_{flag}": {f"visible_{flag}": False}
+        for flag in ("camera", "diffuse", "glossy", "transmission", "shadow")
+    },
     "holdout": {"is_holdout": True},
     "shadow_catcher": {"is_shadow_catcher": True},
     "hidden": {"hide_render": True},

@@ -37,7 +37,9 @@ def _images():
     yield texture("TexImage", vector=GENERATED)("texture/image/box_blend", image="photo", **box)
     yield image("texture/image/float", image="hues")
     yield image("texture/image/alpha", image="cutout")
-    yield texture("TexImage", output="Alpha", vector=UV)("texture/image/alpha_output", image="cutout")
+    yield texture("TexImage", output="Alpha", vector=UV)(
+        "texture/image/alpha_output", image="cutout"
+    )
     for mode in ("STRAIGHT", "PREMUL", "CHANNEL_PACKED", "NONE"):
         settings = {"image": "cutout", "image.alpha_mode": mode}
         yield image(f"texture/image/alpha_mode={mode.lower()}", **settings)

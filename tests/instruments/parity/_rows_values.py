@@ -25,8 +25,12 @@ MATH_OF_ONE += " TANGENT ARCSINE ARCCOSINE ARCTANGENT SINH COSH TANH RADIANS DEG
 MATH_OF_TWO = "ADD SUBTRACT MULTIPLY DIVIDE POWER LOGARITHM MINIMUM MAXIMUM LESS_THAN GREATER_THAN"
 MATH_OF_TWO += " MODULO FLOORED_MODULO SNAP PINGPONG ARCTAN2"
 MATH_OF_THREE = "MULTIPLY_ADD COMPARE SMOOTH_MIN SMOOTH_MAX WRAP"
-VECTORS = "ADD SUBTRACT MULTIPLY DIVIDE MULTIPLY_ADD CROSS_PRODUCT PROJECT REFLECT REFRACT FACEFORWARD"
-VECTORS += " SCALE NORMALIZE WRAP SNAP FLOOR CEIL MODULO FRACTION ABSOLUTE POWER SIGN MINIMUM MAXIMUM"
+VECTORS = (
+    "ADD SUBTRACT MULTIPLY DIVIDE MULTIPLY_ADD CROSS_PRODUCT PROJECT REFLECT REFRACT FACEFORWARD"
+)
+VECTORS += (
+    " SCALE NORMALIZE WRAP SNAP FLOOR CEIL MODULO FRACTION ABSOLUTE POWER SIGN MINIMUM MAXIMUM"
+)
 VECTORS += " SINE COSINE TANGENT"
 SCALARS_OF_VECTORS = "DOT_PRODUCT DISTANCE LENGTH"
 BLENDS = "MIX DARKEN MULTIPLY BURN LIGHTEN SCREEN DODGE ADD OVERLAY SOFT_LIGHT LINEAR_LIGHT"
@@ -63,14 +67,10 @@ def _inputs():
     yield shown("input/value", N("Value", value=0.4))
     yield from modes(
         "input/tangent",
-        lambda name, axis: shown(
-            name, halved(N("Tangent", direction_type="RADIAL", axis=axis))
-        ),
+        lambda name, axis: shown(name, halved(N("Tangent", direction_type="RADIAL", axis=axis))),
         {"axis": "XYZ"},
     )
-    yield shown(
-        "input/tangent/uv", halved(N("Tangent", direction_type="UV_MAP", uv_map="UVMap"))
-    )
+    yield shown("input/tangent/uv", halved(N("Tangent", direction_type="UV_MAP", uv_map="UVMap")))
     for output in ("Fresnel", "Facing"):
         yield shown(f"input/layer_weight/{output}", N("LayerWeight", {0: 0.4}, output))
     yield shown("input/fresnel", N("Fresnel", {"IOR": 1.6}))

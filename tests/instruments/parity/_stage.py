@@ -176,7 +176,9 @@ class Stage:
     def varied(self, settings: dict) -> None:
         """A mirror, glass, a see-through card, and Cycles' settings."""
         glass = self.material(N("BsdfGlass", {"Roughness": 0.0}))
-        see_through = N("MixShader", {0: 0.5, 1: N("BsdfTransparent"), 2: N("BsdfDiffuse", {"Color": HUES})})
+        see_through = N(
+            "MixShader", {0: 0.5, 1: N("BsdfTransparent"), 2: N("BsdfDiffuse", {"Color": HUES})}
+        )
         self.block.data.materials[0] = glass
         self.card.data.materials[0] = self.material(see_through)
         self.sphere.data.materials[0] = self.material(N("BsdfGlossy", {"Roughness": 0.15}))
@@ -348,9 +350,7 @@ class Stage:
         points = np.stack(
             [np.c_[feet * (0.4 + 0.3 * h), np.full(40, 1.4 * h)] for h in heights], axis=1
         )
-        curves.attributes["position"].data.foreach_set(
-            "vector", points.astype(np.float32).ravel()
-        )
+        curves.attributes["position"].data.foreach_set("vector", points.astype(np.float32).ravel())
         radius = curves.attributes.new("radius", "FLOAT", "POINT")
         radius.data.foreach_set("value", np.full(160, 0.03, np.float32))
         obj = bpy.data.objects.new("Strands", curves)
@@ -411,7 +411,9 @@ class Stage:
         group = bpy.data.node_groups.new("Scatter", "GeometryNodeTree")
         if hasattr(group, "interface"):
             group.interface.new_socket("Geometry", in_out="INPUT", socket_type="NodeSocketGeometry")
-            group.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+            group.interface.new_socket(
+                "Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry"
+            )
         else:
             group.inputs.new("NodeSocketGeometry", "Geometry")
             group.outputs.new("NodeSocketGeometry", "Geometry")
@@ -422,7 +424,10 @@ class Stage:
         links.new(start.outputs[0], points.inputs[0])
         result = points.outputs[0]
         if what == "instances":
-            place, bead = nodes.new("GeometryNodeInstanceOnPoints"), nodes.new("GeometryNodeObjectInfo")
+            place, bead = (
+                nodes.new("GeometryNodeInstanceOnPoints"),
+                nodes.new("GeometryNodeObjectInfo"),
+            )
             bead.inputs["Object"].default_value = self._bead()
             links.new(result, place.inputs["Points"])
             links.new(bead.outputs["Geometry"], place.inputs["Instance"])
@@ -443,7 +448,9 @@ class Stage:
             N("MixShader", {0: 0.5, 1: N("BsdfDiffuse"), 2: N("BsdfGlossy", {"Roughness": 0.1})})
         )
         self.block.data.materials[0] = self.material(N("BsdfGlass", {"Roughness": 0.0}))
-        self.sphere.data.materials[0] = self.material(N("BsdfDiffuse", {"Color": (0.8, 0.2, 0.1, 1)}))
+        self.sphere.data.materials[0] = self.material(
+            N("BsdfDiffuse", {"Color": (0.8, 0.2, 0.1, 1)})
+        )
         assign(self.sphere, values)
 
     def layer_switch(self, name: str) -> None:

@@ -12,8 +12,6 @@ from tests.instruments.field import _measure, _page, field
 from tests.instruments.field._measure import TOLERANCE, Child
 from tests.instruments.pairs.comparison import Comparison
 
-
-
 # --------------------------------------------------------------------------------------- children
 
 

@@ -49,9 +49,7 @@ def renders(seed: int, factor=1.0) -> list[dict]:
     """Two noisy renders of a slope, times `factor`, with so much noise as parity asks for."""
     rng = np.random.default_rng(seed)
     light = np.linspace(0.2, 1.0, SIZE)[:, None, None] * np.ones((SIZE, SIZE, 3)) * factor
-    return [
-        {"Combined": light * (1.0 + NOISE * rng.normal(size=light.shape))} for _ in range(2)
-    ]
+    return [{"Combined": light * (1.0 + NOISE * rng.normal(size=light.shape))} for _ in range(2)]
 
 
 def compared(factor=1.0, seed: int = 2):
@@ -100,7 +98,11 @@ DESIGN = "setting/clamp_direct"
         (Outcome(DESIGN, "done"), OTHER, _verdict.DESIGN),
         (Outcome(DESIGN, "done"), SAME, _verdict.ALIKE),
         (Outcome("math/add", "absent", "no Math"), None, _verdict.ABSENT),
-        (Outcome("math/add", "failed", "camera: type PANO is not supported"), None, _verdict.WARNED),
+        (
+            Outcome("math/add", "failed", "camera: type PANO is not supported"),
+            None,
+            _verdict.WARNED,
+        ),
         (Outcome("math/add", "failed", "KeyError"), None, _verdict.FAILED),
         (Outcome("math/add", "crashed"), None, _verdict.CRASHED),
     ],

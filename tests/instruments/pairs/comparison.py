@@ -50,9 +50,9 @@ def picture(renders: Sequence[dict[str, np.ndarray]], splats: int = 0) -> Pictur
 def noise(picture: Picture) -> float:
     """Standard deviation of a block, as a share of its light: the median of those that are not
     dark."""
-    light = _statistics.block_sums(picture.mean) @ LUMINANCE
+    light = np.abs(_statistics.block_sums(picture.mean) @ LUMINANCE)
     deviation = np.sqrt(_statistics.block_sums(picture.variance)) @ LUMINANCE
-    seen = light > DARK * light.mean()
+    seen = light > DARK * light.mean()  # none of a black picture
     return float(np.median(deviation[seen] / light[seen])) if seen.any() else 0.0
 
 

@@ -462,11 +462,7 @@ class Stage:
         setattr(self.scene.view_layers[0].layer_collection.children["Apart"], name, True)
 
     def terminator_offset(self) -> None:
-        owner = self.sphere
-        if hasattr(owner, "shadow_terminator_geometry_offset"):
-            owner.shadow_terminator_geometry_offset = 0.3
-        else:
-            owner.cycles.shadow_terminator_geometry_offset = 0.3
+        self.sphere.cycles.shadow_terminator_geometry_offset = 0.3
 
     def animate(self, obj, shift) -> None:
         """Moves by `shift` within the frame."""

@@ -164,9 +164,7 @@ def shown(context, depsgraph) -> tuple:
     """What is visible, to compare with: hiding an object looks to Blender like selecting it."""
     scene, layer, space = context.scene, context.view_layer, context.space_data
     objects = tuple(
-        instance.object.name
-        for instance in depsgraph.object_instances
-        if is_shown(instance, space)
+        instance.object.name for instance in depsgraph.object_instances if is_shown(instance, space)
     )
     override = layer.material_override
     return (

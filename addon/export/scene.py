@@ -22,9 +22,7 @@ from .world import export_world
 UNSUPPORTED_TYPES = {"CURVES", "POINTCLOUD", "VOLUME", "GPENCIL", "GREASEPENCIL"}
 
 
-def export_scene(
-    depsgraph, log: ExportLog, images_as_pixels: bool = False, view=None
-) -> SceneDesc:
+def export_scene(depsgraph, log: ExportLog, images_as_pixels: bool = False, view=None) -> SceneDesc:
     """Everything that `depsgraph` renders. Raises ExportError naming what cannot be rendered.
 
     `images_as_pixels`: see `Images`. `view`: the context of a 3D view, whose camera and visible

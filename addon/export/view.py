@@ -51,7 +51,7 @@ def render_region(context, camera, width: int, height: int) -> tuple[int, int, i
         used, border, frame = space.use_render_border, space, np.array([[0.0, 0.0], [1.0, 1.0]])
     else:
         used, border = render.use_border, render
-        frame = camera_frame(context, camera)
+        frame = camera_frame(context.region_data, context.scene, camera)
     if not used:
         return 0, 0, width, height
     part = np.array(
@@ -73,10 +73,11 @@ def render_region(context, camera, width: int, height: int) -> tuple[int, int, i
     return int(x0), int(y0), int(x1 - x0), int(y1 - y0)
 
 
-def camera_frame(context, camera) -> np.ndarray:
-    """Lower left and upper right corner of the camera's frame, as shares of the region: (2, 2)."""
-    projection = np.array(context.region_data.window_matrix)
-    corners = np.array(camera.data.view_frame(scene=context.scene))
+def camera_frame(view, scene, camera) -> np.ndarray:
+    """Lower left and upper right corner of the camera's frame, as shares of the region of the
+    RegionView3D `view`, which looks through it: (2, 2)."""
+    projection = np.array(view.window_matrix)
+    corners = np.array(camera.data.view_frame(scene=scene))
     clip = np.column_stack([corners, np.ones(len(corners))]) @ projection.T
     shares = 0.5 + 0.5 * clip[:, :2] / clip[:, 3:]
     return np.array([shares.min(axis=0), shares.max(axis=0)])

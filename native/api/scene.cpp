@@ -338,7 +338,8 @@ spc_status spc_scene_set_camera(spc_scene* scene, const spc_camera_desc* desc) {
         const spc::Camera moved = spc::checked_camera(camera);
         const std::lock_guard lock(scene->renders_mutex);
         if (scene->renders > 0)
-            throw spc::Error(spc::ErrorKind::wrong_state, "the scene is being rendered: its camera is fixed");
+            throw spc::Error(spc::ErrorKind::wrong_state,
+                             "the scene is being rendered: its camera is fixed");
         scene->world->scene->move_camera(moved);
     });
 }

@@ -356,8 +356,7 @@ TEST(Determinism, MovedCameraIsAnotherScenes) {
     spc_camera_desc moved = valid_camera(20, 15);
     moved.transform[3] = 0.3f;
     moved.transform[11] = 3.0f;
-    const std::vector<float> wanted =
-        render_all(committed_scene(moved).get(), settings, 20, 15);
+    const std::vector<float> wanted = render_all(committed_scene(moved).get(), settings, 20, 15);
     const ScenePtr scene = committed_scene();
     const std::vector<float> before = render_all(scene.get(), settings);
     {

@@ -2,8 +2,8 @@
 """A picture that is there at once and gets better: the renders behind a rendered viewport.
 
 Knows nothing of Blender. While the camera moves, one path-traced sample of a coarser picture is
-taken from each place. Once it rests, finer ones follow; then path tracing shows the full picture while
-the scene's method prepares, which takes over when it has a sample of each pixel.
+taken from each place. Once it rests, finer ones follow; then path tracing shows the full picture
+while the scene's method prepares, which takes over when it has a sample of each pixel.
 """
 
 from __future__ import annotations

@@ -69,7 +69,7 @@ class Viewport:
         self._tick_soon()
 
     def draw(self, context, depsgraph) -> None:
-        """Draws the best picture there is of what the view shows now, or a note of what is wrong."""
+        """Draws the best picture there is of what the view shows, or a note of what is wrong."""
         with self._problems_noted():
             self._look(context, depsgraph)
         if self._problem or self._refinement is None:

@@ -74,16 +74,15 @@ def edits():
     yield "delete", lambda: bpy.ops.object.delete()
     yield "camera", lambda: setattr(bpy.context.scene.camera, "location", (0.4, -0.5, 4.0))
     yield "exposure", lambda: setattr(bpy.context.scene.cycles, "film_exposure", 0.5)
-    yield "undo", lambda: (bpy.ops.ed.undo_push(), floor_up(), bpy.ops.ed.undo_push(), bpy.ops.ed.undo())
+    bpy.ops.ed.undo_push()
+    bpy.data.objects["Floor"].location.z += 1.0
+    bpy.ops.ed.undo_push()
+    yield "undo", bpy.ops.ed.undo
 
 
 def hide(obj, hidden):
     obj.hide_set(hidden)
     obj.hide_render = hidden
-
-
-def floor_up():
-    bpy.data.objects["Floor"].location.z += 1.0
 
 
 def is_final():

@@ -35,6 +35,7 @@ Plan for_weights(Plan plan, Dice& dice) {
     lamp.visibility = lamp.kind == LampKind::mesh ? uint32_t{kVisibleAll} : test::kInCasters;
     lamp.extent = std::max(lamp.extent, 0.25f);
     lamp.feeds_caustics = true;
+    lamp.soft = false;  // the disk of which has no normal of its own
     plan.lamps = {lamp};
     plan.sky = Sky::none;
     plan.aperture = 0.0f;

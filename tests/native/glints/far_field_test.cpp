@@ -107,7 +107,7 @@ Difference difference(const std::string& name, Near near, double share) {
             std::sqrt(variance) / truth};
 }
 
-// docs/transport.md states what this measures. A quarter of the lobe's width does not show; where
+// docs/limits.md states what this measures. A quarter of the lobe's width does not show; where
 // four of them meet in a pixel, its glints are softer by most of what they differ.
 TEST(FarFieldSlow, IsTheTruthWhileDirectionsTurnByLessThanTheLobe) {
     for (const Near near : {Near::light, Near::camera, Near::curvature})

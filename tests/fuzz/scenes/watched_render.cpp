@@ -11,7 +11,8 @@
 namespace spc::fuzz {
 namespace {
 
-// Longer than that no stage stands still, s.
+// Longer than that no stage of the preparation stands still, s. Samples are those of whole tiles, of which
+// small pictures have one.
 constexpr double kStandstill = 3.0;
 
 constexpr const char* kStages[] = {"maps",          "sheets", "light paths",
@@ -86,7 +87,7 @@ spc_render_progress WatchedRender::wait(uint32_t milliseconds) {
     if (!same || now.stage_fraction > last_.stage_fraction ||
         now.samples_done > last_.samples_done || now.state != SPC_RENDER_RUNNING)
         stage_ = Stopwatch();
-    else if (stage_.seconds() > kStandstill)
+    else if (now.stage != SPC_STAGE_SAMPLES && stage_.seconds() > kStandstill)
         broken(Check::progress, fmt::format("{} stand still at {} for {} s", kStages[now.stage],
                                             now.stage_fraction, kStandstill));
     last_ = now;

@@ -397,7 +397,7 @@ class Stage:
         settings = modifier.particle_system.settings
         values = {"type": kind, "count": 60, "render_type": shown, "use_advanced_hair": True}
         if kind == "HAIR":
-            values |= {"hair_length": 0.4}
+            values |= {"hair_length": 0.4, "radius_scale": 0.06}
         else:
             values |= {"frame_start": 1, "frame_end": 1, "physics_type": "NO", "lifetime": 100}
         if shown == "OBJECT":

@@ -48,6 +48,7 @@ COMMAND_NEEDS = {
     "test bpy": ["build", "bpy"],
     "test images": ["build", "blender", "bpy", "python tests"],
     "bench": ["build", "blender", "bpy"],
+    "pictures": ["build", "blender", "bpy", "python tests"],
     "stability": ["build", "python tests"],
     "field": ["build", "blender", "bpy", "python tests"],
     "bench kernels": ["build", "kernels"],

@@ -15,7 +15,6 @@ from dataclasses import fields
 from pathlib import Path
 
 from . import abi
-from .abi import RENDER_CANCELLED, RENDER_DONE, RENDER_FAILED, RENDER_RUNNING  # noqa: F401
 
 LIBRARY_DIR_VARIABLE = "SPECULA_LIBRARY_DIR"
 CPUINFO = Path("/proc/cpuinfo")
@@ -111,14 +110,12 @@ def library() -> ctypes.CDLL:
 
 def _check(status: int, what: str = "the core") -> None:
     """Raises NativeError for a failure; `what` is being made, should memory run out."""
-    if status == 0:
+    if status == abi.Status.OK:
         return
-    if status == abi.STATUS_NAMES.index("out of memory"):
+    if status == abi.Status.OUT_OF_MEMORY:
         raise NativeError(f"{what}: out of memory", status)
     message = library().spc_last_error().decode(errors="replace")
-    names = abi.STATUS_NAMES
-    kind = names[status] if 0 <= status < len(names) else f"status {status}"
-    raise NativeError(message or f"the core failed without a message ({kind})", status)
+    raise NativeError(message or f"the core failed without a message (status {status})", status)
 
 
 def version() -> str:
@@ -224,7 +221,7 @@ class Session:
         """Progress when the render ends or the time is over. Raises if the render failed."""
         progress = abi.RenderProgress()
         _check(library().spc_render_wait(self.handle, milliseconds, byref(progress)))
-        if progress.state == RENDER_FAILED:
+        if progress.state == abi.RenderState.FAILED:
             message = library().spc_last_error().decode(errors="replace")
             raise NativeError(message or "the render failed without a message")
         return progress

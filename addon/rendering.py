@@ -6,7 +6,7 @@ from __future__ import annotations
 import time
 
 from . import native, passes, statistics
-from .export.desc import Stage
+from .abi import RenderStage, RenderState
 from .export.log import ExportLog
 from .export.scene import export_scene
 from .export.settings import export_settings, film_exposure, method_label
@@ -15,11 +15,11 @@ from .upload import upload
 POLL_MILLISECONDS = 100
 SHOW_SECONDS = 1.0  # between partial results
 STAGE_NAMES = {
-    Stage.MAPS: "reading normal maps",
-    Stage.SHEETS: "tracing light sheets",
-    Stage.LIGHT_PATHS: "learning light paths",
-    Stage.CAMERA_CHAINS: "finding lights in glass and metal",
-    Stage.PROBES: "measuring noise",
+    RenderStage.MAPS: "reading normal maps",
+    RenderStage.SHEETS: "tracing light sheets",
+    RenderStage.LIGHT_PATHS: "learning light paths",
+    RenderStage.CAMERA_CHAINS: "finding lights in glass and metal",
+    RenderStage.PROBES: "measuring noise",
 }
 
 
@@ -64,7 +64,7 @@ def render_view_layer(engine, depsgraph) -> statistics.Statistics | None:
                     "the time limit ended before every pixel had a sample; those without show a "
                     "coarse preview"
                 )
-    return None if completed.state == native.RENDER_CANCELLED else stats
+    return None if completed.state == RenderState.CANCELLED else stats
 
 
 def _poll(engine, session, settings, film: Film):
@@ -73,7 +73,7 @@ def _poll(engine, session, settings, film: Film):
     while True:
         progress = session.wait(POLL_MILLISECONDS)
         engine.update_progress(progress.fraction)
-        if progress.state != native.RENDER_RUNNING:
+        if progress.state != RenderState.RUNNING:
             return progress
         if engine.test_break():
             session.cancel()
@@ -90,10 +90,10 @@ def progress_text(progress, samples: float, wanted: int) -> str:
     `samples` is the mean over the pixels: it moves while all pixels wait for the slowest. What is
     left is told once something tells.
     """
-    stage = Stage(progress.stage)
+    stage = RenderStage(progress.stage)
     doing = (
         f"sample {samples:.1f}/{wanted}"
-        if stage == Stage.SAMPLES
+        if stage == RenderStage.SAMPLES
         else f"{STAGE_NAMES[stage]}, {progress.stage_fraction:.0%}"
     )
     text = f"Specula: {doing} | {_clock(progress.seconds)}"

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import ctypes
 import os
-from ctypes import c_uint32, c_void_p
+from dataclasses import fields
 
 import numpy as np
 
@@ -13,7 +13,10 @@ from . import abi, native
 from .export import desc
 from .export.log import ExportLog
 
-_PIXEL_TYPES = {np.dtype(np.uint8): 0, np.dtype(np.float32): 1}
+_PIXEL_TYPES = {
+    np.dtype(np.uint8): abi.PixelType.U8,
+    np.dtype(np.float32): abi.PixelType.F32,
+}
 
 
 def upload(scene_desc: desc.SceneDesc, log: ExportLog | None = None) -> native.Scene:
@@ -34,13 +37,13 @@ def upload(scene_desc: desc.SceneDesc, log: ExportLog | None = None) -> native.S
         for mesh in _drain(meshes):
             scene.add("mesh", _mesh(mesh))
         for light in scene_desc.lights:
-            scene.add("light", _light(light))
+            scene.add("light", _struct(abi.LightDesc, light))
         for instance in scene_desc.instances:
             scene.add("instance", _instance(instance))
         if scene_desc.camera:
-            scene.set("camera", _camera(scene_desc.camera))
+            scene.set("camera", _struct(abi.CameraDesc, scene_desc.camera))
         if scene_desc.environment:
-            scene.set("environment", _environment(scene_desc.environment))
+            scene.set("environment", _struct(abi.EnvironmentDesc, scene_desc.environment))
     except BaseException:
         scene.close()
         raise
@@ -51,7 +54,7 @@ def _add_image(scene: native.Scene, image: desc.ImageDesc, log: ExportLog | None
     try:
         scene.add("image", _image(image))
     except native.NativeError as error:
-        if log is None or error.status != abi.STATUS_NAMES.index("I/O error"):
+        if log is None or error.status != abi.Status.IO_ERROR:
             raise
         log.warn("images", f"{error}, shown in magenta")
         scene.add("image", _image(desc.missing_image()))
@@ -67,19 +70,32 @@ def _text(text: str) -> bytes:
     return text.encode(errors="replace")
 
 
-def _array(struct, array: np.ndarray | None, dtype: type, shape: tuple[int, ...]):
-    """Address of `array` for `struct`, which keeps it alive; None stays NULL."""
+def _struct(kind: type[ctypes.Structure], description, **given) -> ctypes.Structure:
+    """The C struct of a dataclass: `given` fields, and the rest from those of the same name."""
+    types = dict(kind._fields_)
+    for name in (field.name for field in fields(description) if field.name not in given):
+        value = getattr(description, name)
+        if isinstance(value, str):
+            value = _text(value)
+        elif issubclass(types[name], ctypes.Array):
+            value = types[name](*np.asarray(value).ravel().tolist())
+        given[name] = value
+    return kind(**given)
+
+
+def _point_to(owner, struct, name: str, array: np.ndarray | None, shape: tuple[int, ...]) -> None:
+    """Lets field `name` of `struct` point to `array`, which `owner` keeps alive; None stays NULL.
+
+    Numbers are converted to the type that the field points to; to void they stay as they are.
+    """
     if array is None:
-        return None
-    array = np.ascontiguousarray(array, dtype)
+        return
+    kind = dict(struct._fields_)[name]
+    array = np.ascontiguousarray(array, array.dtype if kind is ctypes.c_void_p else kind._type_)
     if array.shape != shape:
         raise ValueError(f"an array has shape {array.shape} where {shape} is needed")
-    struct.keep_alive = [*getattr(struct, "keep_alive", ()), array]
-    return c_void_p(array.ctypes.data)
-
-
-def _transform(matrix: np.ndarray):
-    return (ctypes.c_float * 12)(*np.asarray(matrix, np.float32).reshape(12).tolist())
+    setattr(struct, name, ctypes.cast(array.ctypes.data, kind))
+    owner.keep_alive = [*getattr(owner, "keep_alive", ()), array]
 
 
 def _image(image: desc.ImageDesc) -> abi.ImageDesc:
@@ -92,11 +108,11 @@ def _image(image: desc.ImageDesc) -> abi.ImageDesc:
     if image.pixels is not None:
         struct.height, struct.width, struct.channels = image.pixels.shape
         struct.pixel_type = _PIXEL_TYPES[image.pixels.dtype]
-        struct.pixels = _array(struct, image.pixels, image.pixels.dtype, image.pixels.shape)
+        _point_to(struct, struct, "pixels", image.pixels, image.pixels.shape)
     if image.encoded is not None:
         encoded = np.frombuffer(image.encoded, np.uint8)
-        struct.encoded = _array(struct, encoded, np.uint8, encoded.shape)
         struct.encoded_size = encoded.size
+        _point_to(struct, struct, "encoded", encoded, encoded.shape)
     return struct
 
 
@@ -133,14 +149,6 @@ def _material(material: desc.MaterialDesc) -> abi.MaterialDesc:
     )
 
 
-def _uv_layer(struct: abi.MeshDesc, layer: desc.UvLayerDesc, triangles: int) -> abi.UvLayer:
-    return abi.UvLayer(
-        name=_text(layer.name),
-        uv=_array(struct, layer.uv, np.float32, (triangles, 3, 2)),
-        tangents=_array(struct, layer.tangents, np.float32, (triangles, 3, 4)),
-    )
-
-
 def _mesh(mesh: desc.MeshDesc) -> abi.MeshDesc:
     vertices, triangles = len(mesh.positions), len(mesh.triangles)
     struct = abi.MeshDesc(
@@ -151,67 +159,20 @@ def _mesh(mesh: desc.MeshDesc) -> abi.MeshDesc:
         uv_layer_count=len(mesh.uv_layers),
         active_uv_layer=mesh.active_uv_layer,
     )
-    struct.positions = _array(struct, mesh.positions, np.float32, (vertices, 3))
-    struct.triangles = _array(struct, mesh.triangles, np.uint32, (triangles, 3))
-    struct.normals = _array(struct, mesh.normals, np.float32, (triangles, 3, 3))
-    struct.material_slots = _array(struct, mesh.material_slots, np.uint32, (triangles,))
-    layers = [_uv_layer(struct, layer, triangles) for layer in mesh.uv_layers]
-    struct.uv_layers = (abi.UvLayer * len(layers))(*layers)
+    _point_to(struct, struct, "positions", mesh.positions, (vertices, 3))
+    _point_to(struct, struct, "triangles", mesh.triangles, (triangles, 3))
+    _point_to(struct, struct, "normals", mesh.normals, (triangles, 3, 3))
+    _point_to(struct, struct, "material_slots", mesh.material_slots, (triangles,))
+    layers = (abi.UvLayer * len(mesh.uv_layers))()
+    for uv_layer, layer in zip(layers, mesh.uv_layers, strict=True):
+        uv_layer.name = _text(layer.name)
+        _point_to(struct, uv_layer, "uv", layer.uv, (triangles, 3, 2))
+        _point_to(struct, uv_layer, "tangents", layer.tangents, (triangles, 3, 4))
+    struct.uv_layers = layers
     return struct
 
 
 def _instance(instance: desc.InstanceDesc) -> abi.InstanceDesc:
-    return abi.InstanceDesc(
-        name=_text(instance.name),
-        mesh=instance.mesh,
-        transform=_transform(instance.transform),
-        materials=(c_uint32 * len(instance.materials))(*instance.materials),
-        material_count=len(instance.materials),
-        visibility=instance.visibility,
-        caustics_role=instance.caustics_role,
-    )
-
-
-def _light(light: desc.LightDesc) -> abi.LightDesc:
-    return abi.LightDesc(
-        name=_text(light.name),
-        type=light.type,
-        transform=_transform(light.transform),
-        power=tuple(light.power),
-        radius=light.radius,
-        spot_angle=light.spot_angle,
-        spot_blend=light.spot_blend,
-        sun_angle=light.sun_angle,
-        shape=light.shape,
-        size=tuple(light.size),
-        spread=light.spread,
-        visibility=light.visibility,
-        feeds_caustics=light.feeds_caustics,
-        soft_falloff=light.soft_falloff,
-    )
-
-
-def _camera(camera: desc.CameraDesc) -> abi.CameraDesc:
-    return abi.CameraDesc(
-        projection=camera.projection,
-        transform=_transform(camera.transform),
-        width=camera.width,
-        height=camera.height,
-        crop=tuple(camera.crop),
-        viewplane=tuple(camera.viewplane),
-        clip_near=camera.clip_near,
-        clip_far=camera.clip_far,
-        aperture_radius=camera.aperture_radius,
-        focus_distance=camera.focus_distance,
-        aperture_blades=camera.aperture_blades,
-        aperture_rotation=camera.aperture_rotation,
-        aperture_ratio=camera.aperture_ratio,
-    )
-
-
-def _environment(environment: desc.EnvironmentDesc) -> abi.EnvironmentDesc:
-    return abi.EnvironmentDesc(
-        material=environment.material,
-        visibility=environment.visibility,
-        feeds_caustics=environment.feeds_caustics,
-    )
+    count = len(instance.materials)
+    materials = (ctypes.c_uint32 * count)(*instance.materials)
+    return _struct(abi.InstanceDesc, instance, materials=materials, material_count=count)

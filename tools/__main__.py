@@ -15,11 +15,15 @@ from tools.common import DevError  # noqa: E402
 # name -> (module, function taking the arguments after the name, what --help says)
 COMMANDS = {
     "demo": ("demo", "main", "render blend_scenes/swimming_pool.blend to build/demo/"),
-    "test": ("testing", "main", "all tests, or some: native addon blender bpy images asan"),
+    "test": (
+        "testing",
+        "main",
+        "all tests, or some: native addon blender bpy images instruments asan",
+    ),
     "bench": (
         "studies",
         "bench",
-        "[NAME] ARGS: error against time, or the benchmark tests/bench/NAME.py",
+        "[NAME] ARGS: error against time, or the benchmark tests/instruments/bench/NAME.py",
     ),
     "fuzz": ("fuzz", "main", "[--minutes N]: mutated scenes that look for crashes and hangs"),
     "stability": ("studies", "stability", "every method in the scenes in which methods fail"),
@@ -37,7 +41,11 @@ COMMANDS = {
     "blender": ("host", "blender", "ARGS: Debian's Blender with the addon enabled from the tree"),
     "bpy": ("host", "bpy", "[--version V] SCRIPT ARGS: a script in today's Blender, addon enabled"),
     "build": ("build", "main", "[--preset NAME]: compile into build/PRESET"),
-    "format": ("quality", "format_sources", "rewrite the sources with clang-format and ruff"),
+    "format": (
+        "quality",
+        "format_sources",
+        "rewrite the sources with clang-format and ruff, and addon/abi.py",
+    ),
     "lint": ("quality", "lint", "check the format, clang-tidy, ruff"),
 }
 

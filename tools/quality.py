@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`./dev format` and `./dev lint`: how the sources look, and what static analysis says of them."""
+"""`./dev format` and `./dev lint`: how the sources look, and what static analysis says of them.
+
+What is generated from other sources is written by the former, too.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +16,7 @@ from tools import setup, venvs
 from tools.build import configure
 from tools.common import BUILD, ROOT, DevError, run, say
 
-CPP_FOLDERS = ("native", "tests/native", "tests/fuzz", "tests/bench/native")
+CPP_FOLDERS = ("native", "tests/native", "tests/fuzz", "tests/instruments/bench/native")
 PYTHON_FOLDERS = ("tools", "addon", "tests", "blend_scenes")
 
 
@@ -34,10 +37,13 @@ def format_sources(argv: list[str]) -> int:
         argv
     )
     setup.ensure("format")
+    from tools import abi  # not above: it needs a package that is there only now
+
     tool = venvs.quality_python().parent
     files = cpp_files(".cpp", ".h")
     if files:
         run([tool / "clang-format", "-i", *files], "clang-format")
+    abi.MODULE.write_text(abi.module_text())
     run([tool / "ruff", "check", "--fix-only", "--quiet", *python_folders()], "ruff check --fix")
     run([tool / "ruff", "format", "--quiet", *python_folders()], "ruff format")
     return 0

@@ -33,6 +33,7 @@ PACKAGES = {
         *("xvfb", "xauth"),
     ],
     "quality": ["python3-venv", "clang-tidy"],
+    "header": ["gcc", "python3-pycparser"],  # what reads specula.h
 }
 
 COMMAND_NEEDS = {
@@ -43,16 +44,17 @@ COMMAND_NEEDS = {
     "bpy": ["build", "bpy"],
     "test native": ["build", "native tests"],
     "test asan": ["build", "native tests"],
-    "test addon": ["python tests"],
+    "test addon": ["header", "python tests"],
     "test blender": ["build", "blender", "python tests"],
     "test bpy": ["build", "bpy"],
     "test images": ["build", "blender", "bpy", "python tests"],
+    "test instruments": ["build", "blender", "bpy", "python tests"],
     "bench": ["build", "blender", "bpy"],
     "pictures": ["build", "blender", "bpy", "python tests"],
     "stability": ["build", "python tests"],
     "field": ["build", "blender", "bpy", "python tests"],
     "bench kernels": ["build", "kernels"],
-    "format": ["quality"],
+    "format": ["header", "quality"],
     "lint": ["build", "native tests", "kernels", "quality"],
 }
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`./dev bench`, `./dev stability` and `./dev field`: programs in tests/ that measure."""
+"""`./dev bench`, `./dev stability` and `./dev field`: programs that measure."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from typing import NoReturn
 from tools import host, setup, venvs
 from tools.common import BUILD, PYTHON, ROOT, DevError
 
-BENCHES = ROOT / "tests" / "bench"
-STABILITY = ROOT / "tests" / "stability" / "stability.py"
-FIELD = ROOT / "tests" / "field" / "field.py"
+BENCHES = ROOT / "tests" / "instruments" / "bench"
+STABILITY = ROOT / "tests" / "instruments" / "stability" / "stability.py"
+FIELD = ROOT / "tests" / "instruments" / "field" / "field.py"
 DEFAULT_BENCH = "error"
 # They need the environment with Matplotlib, FLIP and EXR files.
 WITH_FIGURES = ("error", "figures", "reference", "scaling")

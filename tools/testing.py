@@ -142,12 +142,17 @@ def run_asan(log: Path, selection: str | None) -> Result:
     return run_ctest("asan", log, selection)
 
 
-def run_addon(log: Path, selection: str | None) -> Result:
-    """What of the addon works without Blender; `import specula` finds addon/."""
+def run_without_blender(folder: str, log: Path, selection: str | None) -> Result:
+    """Tests in Debian's Python; `import specula` finds addon/."""
     env = dict(os.environ)
     env["PYTHONPATH"] = str(host.scripts_folder(BUILD / "python") / "addons")
     env["SPECULA_LIBRARY_DIR"] = str(host.library_folder(quiet=False))
-    return run_pytest("tests/addon", log, selection, [PYTHON, "-m", "pytest"], env)
+    return run_pytest(folder, log, selection, [PYTHON, "-m", "pytest"], env)
+
+
+def run_addon(log: Path, selection: str | None) -> Result:
+    """What of the addon works without Blender."""
+    return run_without_blender("tests/addon", log, selection)
 
 
 def run_blender(log: Path, selection: str | None) -> Result:
@@ -167,8 +172,12 @@ def run_bpy(log: Path, selection: str | None) -> Result:
 
 def run_images(log: Path, selection: str | None) -> Result:
     """Renders against reference images."""
-    env = os.environ | {"SPECULA_LIBRARY_DIR": str(host.library_folder(quiet=False))}
-    return run_pytest("tests/images", log, selection, [PYTHON, "-m", "pytest"], env)
+    return run_without_blender("tests/images", log, selection)
+
+
+def run_instruments(log: Path, selection: str | None) -> Result:
+    """The programs that measure."""
+    return run_without_blender("tests/instruments", log, selection)
 
 
 SUITES: dict[str, Callable[[Path, str | None], Result]] = {
@@ -178,6 +187,7 @@ SUITES: dict[str, Callable[[Path, str | None], Result]] = {
     "blender": run_blender,
     "bpy": run_bpy,
     "images": run_images,
+    "instruments": run_instruments,
 }
 
 

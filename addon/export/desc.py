@@ -2,122 +2,32 @@
 """What the core is told: dataclasses and NumPy arrays, without Blender.
 
 Conventions are those of specula.h: right-handed, Z up, metres, watts, linear Rec.709, images from
-the bottom row up. Indices refer to the lists of `SceneDesc`. The enumerations carry the values of
-the C API.
+the bottom row up. Indices refer to the lists of `SceneDesc`. Fields are named as in the C API's
+structs, whose enumerations they hold.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from enum import IntEnum, IntFlag
 
 import numpy as np
 
-from ..abi import Pass  # noqa: F401  one of these enumerations, but also needed without NumPy
-
-NONE = 0xFFFFFFFF  # "no index"
-
-
-class ColorSpace(IntEnum):
-    LINEAR = 0
-    SRGB = 1
-    DATA = 2
-
-
-class AlphaMode(IntEnum):
-    STRAIGHT = 0
-    PREMULTIPLIED = 1
-    NONE = 2
-    PACKED = 3
-
-
-class Visibility(IntFlag):
-    """Rays that see an object, a light or the world."""
-
-    NONE = 0
-    CAMERA = 1
-    DIFFUSE = 2
-    GLOSSY = 4
-    TRANSMISSION = 8
-    SHADOW = 16
-    ALL = 31
-
-
-class CausticsRole(IntEnum):
-    AUTO = 0
-    OFF = 1
-    CASTER = 2
-    RECEIVER = 3
-    BOTH = 4
-
-
-class Glints(IntEnum):
-    AUTO = 0
-    ON = 1
-    OFF = 2
-
-
-class LightType(IntEnum):
-    POINT = 0
-    SPOT = 1
-    SUN = 2
-    AREA = 3
-
-
-class AreaShape(IntEnum):
-    RECTANGLE = 0
-    ELLIPSE = 1
-
-
-class Projection(IntEnum):
-    PERSPECTIVE = 0
-    ORTHOGRAPHIC = 1
-
-
-class Method(IntEnum):
-    PT = 0
-    SMS_UNBIASED = 1
-    SMS_BIASED = 2
-    LT = 3
-    SHEETS = 4
-    MNEE = 5
-    MNEE_BIASED = 6
-    AUTO = 7
-
-
-class Stage(IntEnum):
-    """What a render does, in this order."""
-
-    MAPS = 0
-    SHEETS = 1
-    LIGHT_PATHS = 2
-    CAMERA_CHAINS = 3
-    PROBES = 4
-    SAMPLES = 5
-
-
-class LightTracing(IntEnum):
-    AUTO = 0
-    ON = 1
-    OFF = 2
-
-
-class Constraint(IntEnum):
-    HALF_VECTOR = 0
-    ANGLE_DIFFERENCE = 1
-
-
-class GlintMethod(IntEnum):
-    SEARCH = 0
-    WALKS = 1
-    WALKS_BIASED = 2
-    YAN = 3
-
-
-class PixelFilter(IntEnum):
-    BOX = 0
-    GAUSSIAN = 1
-    BLACKMAN_HARRIS = 2
+from ..abi import (
+    NONE,
+    AlphaMode,
+    AreaShape,
+    CausticsRole,
+    ColorSpace,
+    Constraint,
+    GlintMethod,
+    Glints,
+    LightTracing,
+    LightType,
+    Method,
+    PixelFilter,
+    Projection,
+    Visibility,
+)
 
 
 class ExportError(Exception):

@@ -24,7 +24,7 @@ _WORLD_FLAGS = {
 
 def object_visibility(obj) -> Visibility:
     """Of an object by itself."""
-    visible = Visibility.NONE
+    visible = Visibility(0)
     for name, flag in _OBJECT_FLAGS.items():
         if getattr(obj, name):
             visible |= flag

@@ -1,62 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The ctypes mirror agrees with specula.h, as parsed and as compiled."""
+"""addon/abi.py is what specula.h says, as its generator reads it and as a compiler does."""
 
+import ast
 import ctypes
 import re
 import subprocess
-from pathlib import Path
 
 import pytest
 
 from specula import abi
-from specula.export import desc
-
-INCLUDE = Path(__file__).parents[2] / "native" / "include"
-HEADER = re.sub(r"/\*.*?\*/", "", (INCLUDE / "specula" / "specula.h").read_text(), flags=re.S)
+from tools import abi as generator
+from tools.common import DevError
 
 STRUCTS = {
-    "spc_image_desc": abi.ImageDesc,
-    "spc_node": abi.Node,
-    "spc_node_input": abi.NodeInput,
-    "spc_node_option": abi.NodeOption,
-    "spc_node_link": abi.NodeLink,
-    "spc_material_desc": abi.MaterialDesc,
-    "spc_material_needs": abi.MaterialNeeds,
-    "spc_uv_layer": abi.UvLayer,
-    "spc_mesh_desc": abi.MeshDesc,
-    "spc_instance_desc": abi.InstanceDesc,
-    "spc_light_desc": abi.LightDesc,
-    "spc_camera_desc": abi.CameraDesc,
-    "spc_environment_desc": abi.EnvironmentDesc,
-    "spc_scene_stats": abi.SceneStats,
-    "spc_render_settings": abi.RenderSettings,
-    "spc_render_progress": abi.RenderProgress,
-    "spc_render_stats": abi.RenderStats,
+    "spc" + re.sub("([A-Z])", r"_\1", name).lower(): item
+    for name, item in vars(abi).items()
+    if isinstance(item, type) and issubclass(item, ctypes.Structure) and hasattr(item, "_fields_")
 }
-
-ENUMS = {
-    "SPC_COLOR_": desc.ColorSpace,
-    "SPC_ALPHA_": desc.AlphaMode,
-    "SPC_CAUSTICS_": desc.CausticsRole,
-    "SPC_GLINTS_": desc.Glints,
-    "SPC_GLINT_METHOD_": desc.GlintMethod,
-    "SPC_LIGHT_": desc.LightType,
-    "SPC_AREA_": desc.AreaShape,
-    "SPC_PROJECTION_": desc.Projection,
-    "SPC_METHOD_": desc.Method,
-    "SPC_LIGHT_TRACING_": desc.LightTracing,
-    "SPC_CONSTRAINT_": desc.Constraint,
-    "SPC_FILTER_": desc.PixelFilter,
-    "SPC_PASS_": abi.Pass,
-    "SPC_STAGE_": desc.Stage,
-}
-
-
-def constants(prefix: str) -> dict[str, int]:
-    """Enumerators of the header by what follows `prefix`, but for those of a longer prefix."""
-    longer = tuple(other for other in ENUMS if other.startswith(prefix) and other != prefix)
-    found = re.findall(rf"({prefix}(\w+)) = (\d+)", HEADER)
-    return {name: int(value) for full, name, value in found if not full.startswith(longer)}
 
 
 def compiled(expressions: list[str], tmp_path) -> list[int]:
@@ -67,12 +27,14 @@ def compiled(expressions: list[str], tmp_path) -> list[int]:
         f"#include <stdio.h>\n#include <specula/specula.h>\nint main(void) {{ {prints} }}\n"
     )
     program = tmp_path / "layout"
-    subprocess.run(["cc", "-std=c99", f"-I{INCLUDE}", source, "-o", program], check=True)
+    include = generator.HEADER.parents[1]
+    subprocess.run(["cc", "-std=c99", f"-I{include}", source, "-o", program], check=True)
     return [int(line) for line in subprocess.check_output([program]).split()]
 
 
-def test_seconds_of_every_stage_are_told():
-    assert len(desc.Stage) == abi.STAGE_COUNT
+def test_the_module_is_not_stale():
+    there = ast.dump(ast.parse(generator.MODULE.read_text()))
+    assert there == ast.dump(ast.parse(generator.module_text())), "run ./dev format"
 
 
 def test_struct_layouts(tmp_path):
@@ -90,40 +52,69 @@ def test_struct_layouts(tmp_path):
     )
 
 
-def test_every_struct_and_function_is_mirrored():
-    assert set(STRUCTS) == set(re.findall(r"typedef struct (\w+) \{", HEADER))
-    assert set(abi.PROTOTYPES) == set(re.findall(r"SPC_API [^;(]*?\b(spc_\w+)\(", HEADER))
+SAMPLE = """
+#define SPC_NONE 0xffu
+typedef struct spc_thing spc_thing; /* a handle */
+typedef enum spc_status { SPC_OK = 0, SPC_OUT_OF_MEMORY = 1 } spc_status;
+typedef enum spc_ray_kind { SPC_RAY_CAMERA = 1, SPC_RAY_ALL = 1 } spc_ray_kind;
+typedef enum spc_stage { SPC_STAGE_FIRST = 0, SPC_STAGE_COUNT = 1 } spc_stage;
+typedef struct spc_part { const char* name; const float* values; } spc_part;
+typedef struct spc_whole {
+    size_t struct_size;
+    uint32_t width, height;
+    double seconds[SPC_STAGE_COUNT];
+    float matrix[12];
+    const spc_part* parts;
+    const char* const* names;
+} spc_whole;
+SPC_API uint32_t spc_version(void);
+SPC_API spc_status spc_thing_create(spc_thing** thing);
+SPC_API void spc_thing_set(spc_thing* thing, const spc_whole* whole);
+"""
 
 
-def test_argument_counts():
-    for name, parameters in re.findall(r"SPC_API [^;(]*?\b(spc_\w+)\(([^)]*)\)", HEADER):
-        count = 0 if parameters.strip() == "void" else parameters.count(",") + 1
-        assert len(abi.PROTOTYPES[name][1]) == count, name
-
-
-def test_api_version():
-    assert int(re.search(r"#define SPC_API_VERSION (\d+)u", HEADER)[1]) == abi.API_VERSION
-
-
-@pytest.mark.parametrize(("prefix", "enum"), ENUMS.items())
-def test_enumerations(prefix, enum):
-    expected = {member.name: member.value for member in enum}
-    assert constants(prefix) in (expected, expected | {"COUNT": len(enum)})
-
-
-def test_visibility():
-    expected = {flag.name: flag.value for flag in desc.Visibility} | {"ALL": desc.Visibility.ALL}
-    assert constants("SPC_VISIBLE_") == expected
-
-
-def test_states_and_statuses():
-    assert constants("SPC_RENDER_") == {
-        "RUNNING": abi.RENDER_RUNNING,
-        "DONE": abi.RENDER_DONE,
-        "CANCELLED": abi.RENDER_CANCELLED,
-        "FAILED": abi.RENDER_FAILED,
+def test_forms_of_the_header():
+    module = {}
+    source = generator.Generator(f"#define SPC_API\n{SAMPLE}").text
+    exec(compile(source, "generated", "exec", dont_inherit=True), module)
+    whole, part = module["Whole"], module["Part"]
+    pointer = ctypes.POINTER
+    assert module["NONE"] == 255
+    assert [item.name for item in module["Status"]] == ["OK", "OUT_OF_MEMORY"]
+    assert [item.name for item in module["Stage"]] == ["FIRST"]
+    assert module["RayKind"].ALL | module["RayKind"].CAMERA == module["RayKind"].ALL
+    assert part._fields_ == [("name", ctypes.c_char_p), ("values", pointer(ctypes.c_float))]
+    assert whole().struct_size == ctypes.sizeof(whole)
+    assert dict(whole._fields_[1:]) == {
+        "width": ctypes.c_uint32,
+        "height": ctypes.c_uint32,
+        "seconds": ctypes.c_double * 1,
+        "matrix": ctypes.c_float * 12,
+        "parts": pointer(part),
+        "names": pointer(ctypes.c_char_p),
     }
-    status_count = len(
-        re.findall(r"SPC_\w+ = \d", HEADER.split("typedef enum spc_status")[1].split("}")[0])
-    )
-    assert len(abi.STATUS_NAMES) == status_count
+    assert module["PROTOTYPES"] == {
+        "spc_version": (ctypes.c_uint32, ()),
+        "spc_thing_create": (ctypes.c_int, (pointer(ctypes.c_void_p),)),
+        "spc_thing_set": (None, (ctypes.c_void_p, pointer(whole))),
+    }
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "#define SPC_HALF 0.5f",
+        "typedef enum spc_kind { SPC_KIND_A, SPC_KIND_B } spc_kind;",
+        "typedef struct spc_flags { uint32_t bits : 3; } spc_flags;",
+        "typedef struct spc_long { long value; } spc_long;",
+        "typedef struct spc_list { float values[sizeof(float)]; } spc_list;",
+        "typedef union spc_either { float real; uint32_t whole; } spc_either;",
+        "typedef uint32_t spc_index;",
+        "extern uint32_t spc_global;",
+        "void spc_call(void (*function)(void));",
+        "#if 1",
+    ],
+)
+def test_what_the_generator_does_not_know_is_refused(text):
+    with pytest.raises(DevError, match=generator.HEADER.name):
+        generator.Generator(text)

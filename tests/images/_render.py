@@ -164,7 +164,7 @@ def changed(settings, changes: dict):
 def render(native_scene, size: list[int], name: str, settings, changes: dict) -> dict:
     """One render: its arrays and statistics."""
     from specula import native
-    from specula.export.desc import Pass
+    from specula.abi import Pass, RenderState
 
     parts = changes.get("parts", 1)
     samples = settings.samples // parts
@@ -172,7 +172,7 @@ def render(native_scene, size: list[int], name: str, settings, changes: dict) ->
     for part in range(parts):
         batch = dataclasses.replace(settings, first_sample=part * samples, samples=samples)
         with native.Session(native_scene, batch) as session:
-            while (progress := session.wait(POLL_MILLISECONDS)).state == native.RENDER_RUNNING:
+            while (progress := session.wait(POLL_MILLISECONDS)).state == RenderState.RUNNING:
                 pass
             if progress.samples_done != samples:
                 raise RuntimeError(f"{progress.samples_done} of {samples} samples rendered")

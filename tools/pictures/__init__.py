@@ -23,9 +23,9 @@ SCREEN = "1280x800x24"
 DISPLAY = ("xvfb-run", "-a", "-s", f"-screen 0 {SCREEN}")
 
 STRIP_SIDE = 320  # pixels
-STRIP_SECONDS = 16.0
+STRIP_SECONDS = 30.0
 GALLERY_WIDTH = 360  # pixels
-GALLERY_SECONDS = 40.0
+GALLERY_SAMPLES = 64
 
 
 @dataclass(frozen=True)
@@ -98,7 +98,7 @@ def make_gallery() -> None:
     """Each example scene by Specula, at its own shape."""
     for scene in sorted(BLENDS.glob("*.blend")):
         picture = IMAGES / "gallery" / f"{scene.stem}.jpg"
-        job = {"scene": str(scene), "engine": "SPECULA", "seconds": GALLERY_SECONDS}
+        job = {"scene": str(scene), "engine": "SPECULA", "samples": GALLERY_SAMPLES}
         render(f"gallery_{scene.stem}", job | {"width": GALLERY_WIDTH, "picture": str(picture)})
 
 

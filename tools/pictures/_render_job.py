@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs in today's Blender: renders a picture for a time, as a job says.
+"""Runs in today's Blender: renders a picture, as a job says.
 
-The last argument is a JSON file: `scene` (path), `engine`, `seconds`, `picture` (JPEG to write, as
+The last argument is a JSON file: `scene` (path), `engine`, `seconds` or `samples`, `picture` (JPEG to write, as
 the scene's view shows it), and either `width` in pixels, or `size` [width, height] and `border`
 [left, bottom, right, top], the part that is rendered.
 """
@@ -32,11 +32,11 @@ def set_size(render, job: dict) -> None:
     render.resolution_percentage = 100
 
 
-def set_engine(scene, engine: str, seconds: float) -> None:
+def set_engine(scene, engine: str, seconds: float, samples: int) -> None:
     """Both path trace everything; Cycles without what would change its mean, or denoise."""
     scene.render.engine = engine
     cycles = scene.cycles
-    cycles.samples, cycles.time_limit = ENDLESS, seconds
+    cycles.samples, cycles.time_limit = samples, seconds
     cycles.use_adaptive_sampling = cycles.use_denoising = False
     cycles.sample_clamp_direct = cycles.sample_clamp_indirect = cycles.blur_glossy = 0.0
     if engine == "CYCLES":
@@ -44,14 +44,14 @@ def set_engine(scene, engine: str, seconds: float) -> None:
         for obj in scene.objects:  # its shadow caustics ignore normal maps and reflections
             obj.cycles.is_caustics_caster = False
     else:
-        scene.specula.samples, scene.specula.time_limit = ENDLESS, seconds
+        scene.specula.samples, scene.specula.time_limit = samples, seconds
 
 
 def main(job: dict) -> None:
     bpy.ops.wm.open_mainfile(filepath=job["scene"])
     scene = bpy.context.scene
     set_size(scene.render, job)
-    set_engine(scene, job["engine"], job["seconds"])
+    set_engine(scene, job["engine"], job.get("seconds", 0.0), job.get("samples", ENDLESS))
     bpy.ops.render.render()
     settings = scene.render.image_settings
     settings.file_format, settings.color_mode, settings.quality = "JPEG", "RGB", QUALITY

@@ -16,14 +16,16 @@ import bpy
 import numpy as np
 from mathutils import Vector
 
+from specula.engine import SpeculaRenderEngine
+
 PART, SHOTS, SCENES = sys.argv[-3], Path(sys.argv[-2]), Path(sys.argv[-1])
 EXAMPLES = Path(__file__).resolve().parents[2] / "blend_scenes"
 QUALITY = 85  # % of JPEG
 SECONDS_BETWEEN = 0.6  # for the interface to draw
-SAMPLES = 128
+SAMPLES = 32
 PERCENT = 33  # of 1920 x 1080
-SKY = (0.35, 0.4, 0.5, 1.0)
-WIDER, HIGHER = 190, 130  # pixels by which the properties editor grows
+SKY = (0.16, 0.2, 0.28, 1.0)
+VIEWPORT = 0.84  # of its width stays
 
 shots = []  # (name, PNG of the window, part of it or None), in the order in which they were taken
 
@@ -50,12 +52,15 @@ def only(text: str) -> None:
 
 
 def enlarge_properties() -> None:
-    """Drag the editor's left and upper edges."""
-    shown = area("PROPERTIES")
-    edges = ((shown.x - 1, shown.y + 50, -WIDER), (shown.x + 50, shown.y + shown.height, HIGHER))
-    for x, y, delta in edges:
-        with bpy.context.temp_override(window=window()):
-            bpy.ops.screen.area_move(x=x, y=y, delta=delta)
+    """A part of the viewport, and the outliner, become the properties editor's."""
+    narrow_ones, viewport = [area("OUTLINER"), area("PROPERTIES")], area("VIEW_3D")
+    with bpy.context.temp_override(window=window(), area=viewport):
+        bpy.ops.screen.area_split(direction="VERTICAL", factor=VIEWPORT)
+    right = next(a for a in window().screen.areas if a.type == "VIEW_3D" and a != viewport)
+    right.ui_type = "PROPERTIES"
+    for narrow in narrow_ones:
+        with bpy.context.temp_override(window=window(), area=narrow):
+            bpy.ops.screen.area_close()
 
 
 def look(distance: float, target=(0.0, 0.0, 0.0)) -> None:
@@ -63,12 +68,11 @@ def look(distance: float, target=(0.0, 0.0, 0.0)) -> None:
     region.view_distance, region.view_location = distance, target
 
 
-def screenshot(name: str, shown=None) -> None:
-    """Of the window, or of an area of it; `write_shots` makes a JPEG of it."""
+def screenshot(name: str, box: tuple[int, int, int, int] | None = None) -> None:
+    """Of the window, or of a box [left, bottom, width, height]; `write_shots` makes a JPEG of it."""
     path = SCENES / f"{name}.png"
     with bpy.context.temp_override(window=window()):
         bpy.ops.screen.screenshot(filepath=str(path))
-    box = (shown.x, shown.y, shown.width, shown.height) if shown else None
     shots.append((name, path, box))
 
 
@@ -92,9 +96,11 @@ def write_shots() -> None:
         bpy.data.images.remove(picture)
 
 
-def properties_only(name: str) -> None:
-    """A screenshot of the properties editor."""
-    screenshot(name, area("PROPERTIES"))
+def properties_only(name: str, share: float = 1.0) -> None:
+    """A screenshot of the upper `share` of the properties editor."""
+    shown = area("PROPERTIES")
+    height = round(share * shown.height)
+    screenshot(name, (shown.x, shown.y + shown.height - height, shown.width, height))
 
 
 def render():
@@ -216,6 +222,7 @@ def tutorial_glass():
     screenshot("glass_shape")
 
     brighten_world()
+    bpy.data.objects["Camera"].data.lens = 65.0
     cube.data.materials[0] = glass("Glass", 1.45)
     tab("MATERIAL")
     yield
@@ -223,13 +230,13 @@ def tutorial_glass():
     tab("OBJECT")
     only("Caustics")
     yield
-    properties_only("glass_object")
+    properties_only("glass_object", 0.82)
     only("")
     select(light)
     light.data.shadow_soft_size = 0.05
     tab("DATA")
     yield
-    properties_only("glass_light")
+    properties_only("glass_light", 0.46)
     yield from render()
     screenshot("glass_render")
 
@@ -253,7 +260,7 @@ def tutorial_pool():
     smooth(water)
     light.data.type, light.data.energy = "SUN", 4.0
     light.data.angle = 0.0092
-    aim(camera, (9.5, -9.0, 10.5), (0.0, 0.0, -0.3))
+    aim(camera, (10.5, -10.0, 11.5), (0.2, -0.2, -0.5))
     brighten_world()
     look(16.0)
     tab("MODIFIER")
@@ -279,16 +286,18 @@ def tutorial_shoe():
     add_plane("Floor", 0.0, (0.3, 0.22, 0.16))
     light, camera = bpy.data.objects["Light"], bpy.data.objects["Camera"]
     light.data.type, light.data.energy, light.data.angle = "SUN", 4.0, 0.0092
-    aim(camera, (4.2, -5.2, 4.0), (0.0, 0.0, 0.4))
-    camera.data.lens = 65.0
+    aim(camera, (4.2, -5.2, 4.0), (0.0, -0.3, 0.4))
+    camera.data.lens = 55.0
     brighten_world()
     select(shoe)
     tab("MATERIAL")
     only("Glints")
     editor = area("VIEW_3D")
     editor.ui_type = "ShaderNodeTree"
+    editor.spaces[0].show_region_ui = False
     yield
     with operator("NODE_EDITOR"):
+        bpy.ops.node.select_all(action="DESELECT")
         bpy.ops.node.view_all()
     yield
     screenshot("shoe_material")
@@ -316,10 +325,7 @@ def begin():
 
 
 class TutorialRun(bpy.types.Operator):
-    """Takes a step at each tick.
-
-    An operator, as a timer of bpy.app may change nothing while a preview is rendered.
-    """
+    """Takes a step at each tick."""
 
     bl_idname = "wm.tutorial_run"
     bl_label = "Tutorial"
@@ -352,8 +358,11 @@ def start() -> None:
         bpy.ops.wm.tutorial_run("INVOKE_DEFAULT")
 
 
-sys.setswitchinterval(10.0)  # s: no preview's thread comes between the calls of a step
+bpy.utils.unregister_class(SpeculaRenderEngine)
+SpeculaRenderEngine.bl_use_preview = False  # while a preview is rendered nothing may be changed
+bpy.utils.register_class(SpeculaRenderEngine)
 bpy.context.preferences.view.show_splash = False
+bpy.context.preferences.view.smooth_view = 0  # ms: screenshots would show the way
 bpy.context.preferences.view.render_display_type = "AREA"  # a new window would hide the panels
 bpy.utils.register_class(TutorialRun)
 bpy.app.timers.register(start, first_interval=2.0)

@@ -48,7 +48,7 @@ class Part:
 
 STRIP = {
     "pool": Part(BLENDS / "swimming_pool.blend", 16 / 9, 0.06, 0.0),
-    "glass": Part(WORK / "glass.blend", 16 / 9, 0.2, 0.0),
+    "glass": Part(WORK / "glass.blend", 16 / 9, 0.12, 0.0),
     "ring": Part(BLENDS / "ring.blend"),
     "glitter": Part(BLENDS / "shoes.blend"),
 }

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Runs in today's Blender: renders a picture, as a job says.
 
-The last argument is a JSON file: `scene` (path), `engine`, `seconds` or `samples`, `picture` (JPEG to write, as
-the scene's view shows it), and either `width` in pixels, or `size` [width, height] and `border`
-[left, bottom, right, top], the part that is rendered.
+The last argument is a JSON file: `scene` (path), `engine`, `seconds` or `samples`, `picture` (JPEG
+to write, as the scene's view shows it), and either `width` in pixels, or `size` [width, height] and
+`border` [left, bottom, right, top], the part that is rendered.
 """
 
 from __future__ import annotations

@@ -69,7 +69,7 @@ def look(distance: float, target=(0.0, 0.0, 0.0)) -> None:
 
 
 def screenshot(name: str, box: tuple[int, int, int, int] | None = None) -> None:
-    """Of the window, or of a box [left, bottom, width, height]; `write_shots` makes a JPEG of it."""
+    """Of the window, or of a box [left, bottom, width, height]; `write_shots` makes it a JPEG."""
     path = SCENES / f"{name}.png"
     with bpy.context.temp_override(window=window()):
         bpy.ops.screen.screenshot(filepath=str(path))
@@ -296,10 +296,11 @@ def tutorial_shoe():
     editor.ui_type = "ShaderNodeTree"
     editor.spaces[0].show_region_ui = False
     yield
-    with operator("NODE_EDITOR"):
-        bpy.ops.node.select_all(action="DESELECT")
-        bpy.ops.node.view_all()
-    yield
+    for _ in range(2):  # nodes have their size once they were drawn
+        with operator("NODE_EDITOR"):
+            bpy.ops.node.select_all(action="DESELECT")
+            bpy.ops.node.view_all()
+        yield
     screenshot("shoe_material")
     only("")
     editor.ui_type = "VIEW_3D"

@@ -37,6 +37,11 @@ COMMANDS = {
         "main",
         "[tutorial] [strip] [gallery]: render the pictures of the documentation anew",
     ),
+    "parity": (
+        "studies",
+        "parity",
+        "small scenes of each node and setting, beside Cycles; --only PATTERNS, --list",
+    ),
     "package": ("package", "main", "zip the addon as artists install it"),
     "blender": ("host", "blender", "ARGS: Debian's Blender with the addon enabled from the tree"),
     "bpy": ("host", "bpy", "[--version V] SCRIPT ARGS: a script in today's Blender, addon enabled"),

@@ -53,6 +53,7 @@ COMMAND_NEEDS = {
     "pictures": ["build", "blender", "bpy", "python tests"],
     "stability": ["build", "python tests"],
     "field": ["build", "blender", "bpy", "python tests"],
+    "parity": ["build", "blender", "bpy", "python tests"],
     "bench kernels": ["build", "kernels"],
     "format": ["header", "quality"],
     "lint": ["build", "native tests", "kernels", "quality"],

@@ -50,7 +50,7 @@ STRIP = {
     "pool": Part(BLENDS / "swimming_pool.blend", 16 / 9, 0.06, 0.0),
     "glass": Part(WORK / "glass.blend", 16 / 9, 0.12, 0.0),
     "ring": Part(BLENDS / "ring.blend"),
-    "glitter": Part(BLENDS / "shoes.blend"),
+    "glitter": Part(BLENDS / "shoes.blend", 1.0, 0.2, 0.18, 0.65),
 }
 ENGINES = ("CYCLES", "SPECULA")
 

@@ -90,6 +90,13 @@ def test_pages_that_sources_name_exist():
                     assert (ROOT / mention).exists(), f"{name(source)}: {mention}"
 
 
+def test_files_that_pages_name_exist():
+    pattern = re.compile(r"`((?:native|addon|blend_scenes|tests|tools)/[\w/.*-]+)`")
+    for page in PAGES:
+        for mention in pattern.findall(page.read_text()):
+            assert list(ROOT.glob(mention.rstrip("/"))), f"{name(page)}: {mention}"
+
+
 def test_every_picture_of_the_docs_is_shown():
     shown = {
         (page.parent / target).resolve() for page in PAGES for target in LINK.findall(text(page))

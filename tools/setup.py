@@ -44,6 +44,8 @@ COMMAND_NEEDS = {
     "bpy": ["build", "bpy"],
     "test native": ["build", "native tests"],
     "test asan": ["build", "native tests"],
+    "test tsan": ["build", "native tests"],
+    "test fuzz": ["build", "native tests"],
     "test addon": ["header", "python tests"],
     "test blender": ["build", "blender", "python tests"],
     "test bpy": ["build", "bpy"],

@@ -56,6 +56,7 @@ COMMAND_NEEDS = {
     "field": ["build", "blender", "bpy", "python tests"],
     "parity": ["build", "blender", "bpy", "python tests"],
     "bench kernels": ["build", "kernels"],
+    "coverage": ["build", "header", "native tests", "blender", "python tests", "quality"],
     "format": ["header", "quality"],
     "lint": ["build", "native tests", "kernels", "quality"],
 }

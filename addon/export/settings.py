@@ -6,6 +6,7 @@ from __future__ import annotations
 from . import compat
 from .desc import Constraint, GlintMethod, LightTracing, Method, PixelFilter, RenderSettings
 
+MOST_VIEWPORT_SAMPLES = 1 << 16  # where Cycles' setting asks for no end
 PREVIEW_SAMPLES = 16  # of the little renders of material and world previews
 
 # Field of RenderSettings = Specula's property -> (Cycles' property, "not set").
@@ -61,6 +62,15 @@ def export_settings(scene, is_preview: bool = False, view_layer=None) -> RenderS
     if is_preview:
         settings.samples = min(settings.samples, PREVIEW_SAMPLES)
         settings.light_tracing = LightTracing.OFF  # its pilot takes longer than so few samples
+    return settings
+
+
+def viewport_settings(scene, view_layer) -> RenderSettings:
+    """For the rendered viewport of `scene`: its own number of samples, no time limit."""
+    settings = export_settings(scene, view_layer=view_layer)
+    samples = scene.specula.viewport_samples or compat.cycles_value(scene, "preview_samples", 1024)
+    settings.samples = samples or MOST_VIEWPORT_SAMPLES
+    settings.time_limit = 0.0
     return settings
 
 

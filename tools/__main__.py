@@ -33,6 +33,11 @@ COMMANDS = {
         "field",
         "DIR...: render every .blend in folders, beside Cycles; --make DIR makes some",
     ),
+    "pictures": (
+        "pictures",
+        "main",
+        "[tutorial] [strip] [gallery]: render the pictures of the documentation anew",
+    ),
     "parity": (
         "studies",
         "parity",

@@ -52,6 +52,7 @@ COMMAND_NEEDS = {
     "test images": ["build", "blender", "bpy", "python tests"],
     "test instruments": ["build", "blender", "bpy", "python tests"],
     "bench": ["build", "blender", "bpy"],
+    "pictures": ["build", "blender", "bpy", "python tests"],
     "stability": ["build", "python tests"],
     "field": ["build", "blender", "bpy", "python tests"],
     "parity": ["build", "blender", "bpy", "python tests"],

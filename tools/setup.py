@@ -44,6 +44,8 @@ COMMAND_NEEDS = {
     "bpy": ["build", "bpy"],
     "test native": ["build", "native tests"],
     "test asan": ["build", "native tests"],
+    "test tsan": ["build", "native tests"],
+    "test fuzz": ["build", "native tests"],
     "test addon": ["header", "python tests"],
     "test blender": ["build", "blender", "python tests"],
     "test bpy": ["build", "bpy"],
@@ -55,6 +57,7 @@ COMMAND_NEEDS = {
     "field": ["build", "blender", "bpy", "python tests"],
     "parity": ["build", "blender", "bpy", "python tests"],
     "bench kernels": ["build", "kernels"],
+    "coverage": ["build", "header", "native tests", "blender", "python tests", "quality"],
     "format": ["header", "quality"],
     "lint": ["build", "native tests", "kernels", "quality"],
 }

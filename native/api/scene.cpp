@@ -345,7 +345,7 @@ spc_status spc_scene_set_environment(spc_scene* scene, const spc_environment_des
 spc_status spc_scene_commit(spc_scene* scene, uint32_t threads) {
     return gate("spc_scene_commit", [&] {
         spc::SceneBuilder& builder = builder_of(scene);
-        require_thread_count(threads);
+        require(threads <= kMostThreads, fmt::format("threads must be at most {}", kMostThreads));
         const auto start = std::chrono::steady_clock::now();
         builder.require_complete();
         // From here on only a lack of memory can stop it; then the scene is lost, and says so to

@@ -44,7 +44,7 @@ extern "C" {
 #endif
 
 /* Raised whenever a struct or the meaning of a call changes. */
-#define SPC_API_VERSION 8u
+#define SPC_API_VERSION 9u
 
 /* "No index", where an index is optional. */
 #define SPC_NONE 0xffffffffu
@@ -415,7 +415,8 @@ typedef struct spc_render_settings {
     const char* chain_family;
 } spc_render_settings;
 
-/* Fills in the defaults (struct_size included). */
+/* Fills in the defaults (struct_size included): SPC_METHOD_AUTO, and limits and filter as in a new file of
+ * Blender's Cycles. */
 SPC_API void spc_render_settings_init(spc_render_settings* settings);
 
 /* Starts worker threads and returns at once. The scene must be committed and outlive the session. */

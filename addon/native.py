@@ -192,11 +192,26 @@ class Scene:
         """Calls spc_scene_set_<kind>."""
         _check(getattr(library(), f"spc_scene_set_{kind}")(self.handle, byref(struct)))
 
-    def material_needs(self, material: int) -> dict[str, int]:
-        """Whether the material at that index reads UVs and tangents, 0 or 1 each."""
+    def material_needs(self, material: int) -> dict[str, bool]:
+        """The UV layers that the material at that index reads -> whether it reads their tangents."""
         needs = abi.MaterialNeeds()
         _check(library().spc_scene_material_needs(self.handle, material, byref(needs)))
-        return struct_values(needs)
+        layers = needs.uv_layers[: needs.uv_layer_count]
+        return {need.layer.decode(): bool(need.tangents) for need in layers}
+
+    def forecast(self, materials: list[int], role: int, visibility: int) -> dict:
+        """spc_forecast by name, of an object with these materials."""
+        forecast, count = abi.Forecast(), len(materials)
+        indices = (c_uint32 * count)(*materials)
+        ask = library().spc_scene_forecast
+        _check(ask(self.handle, indices, count, visibility, role, byref(forecast)))
+        return {
+            "receives": bool(forecast.receives),
+            "search": abi.CausticsSearch(forecast.search),
+            "reason": forecast.reason.decode(),
+            "glints": forecast.glints.decode(),
+            "no_glints": forecast.no_glints.decode(),
+        }
 
     def commit(self, threads: int = 0) -> None:
         """Ends the changes and builds what rendering needs, with `threads` threads (0: all)."""

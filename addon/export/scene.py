@@ -5,6 +5,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..inquiry import Inquiry
+from ..native import NativeError
 from . import compat
 from .camera import export_camera
 from .desc import EnvironmentDesc, ExportError, InstanceDesc, MaterialNeeds, SceneDesc
@@ -44,9 +46,10 @@ class SceneExport:
     def run(self) -> SceneDesc:
         self.scene.camera = export_camera(self.depsgraph)
         self._world(compat.world_of(self.depsgraph.scene_eval, self.layer))
-        for instance in self.depsgraph.object_instances:
-            if instance.show_self:
-                self._named_instance(instance)
+        with Inquiry() as self._core:
+            for instance in self.depsgraph.object_instances:
+                if instance.show_self:
+                    self._named_instance(instance)
         self._check_scene(self.depsgraph.scene_eval.render)
         return self.scene
 
@@ -61,7 +64,7 @@ class SceneExport:
         name = instance.object.name
         try:
             self._instance(instance)
-        except ExportError:
+        except (ExportError, NativeError):
             raise
         except MemoryError as error:
             raise ExportError(f"object {name}: out of memory ({error})") from error
@@ -143,11 +146,10 @@ class SceneExport:
     def _material(self, material) -> tuple[int, MaterialNeeds]:
         """Index of a material and what it reads from a mesh; None is an empty slot."""
         if material not in self._materials:
-            desc, needs = (
-                export_material(material, self.images, self.log)
-                if material
-                else (default_material(), MaterialNeeds())
+            desc = (
+                export_material(material, self.images, self.log) if material else default_material()
             )
+            needs = self._core.needs(self._core.add(desc, self.images.descs))
             self._materials[material] = (len(self.scene.materials), needs)
             self.scene.materials.append(desc)
         return self._materials[material]

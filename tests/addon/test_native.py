@@ -183,8 +183,8 @@ def test_lights_environment_images_and_uv_are_accepted():
         desc.LightDesc(kind.name, kind, IDENTITY, (1.0, 1.0, 1.0)) for kind in desc.LightType
     ]
     with upload(scene) as native_scene:
-        assert native_scene.material_needs(1) == {"uv": 1, "tangents": 1}
-        assert native_scene.material_needs(0) == {"uv": 0, "tangents": 0}
+        assert native_scene.material_needs(1) == {"": False, "UVMap": True}
+        assert native_scene.material_needs(0) == {}
         native_scene.commit(1)
         assert native_scene.stats()["lights"] >= 4
 

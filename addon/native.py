@@ -193,7 +193,7 @@ class Scene:
         _check(getattr(library(), f"spc_scene_set_{kind}")(self.handle, byref(struct)))
 
     def material_needs(self, material: int) -> dict[str, bool]:
-        """The UV layers that the material at that index reads -> whether it reads their tangents."""
+        """UV layers that the material at that index reads -> whether it reads their tangents."""
         needs = abi.MaterialNeeds()
         _check(library().spc_scene_material_needs(self.handle, material, byref(needs)))
         layers = needs.uv_layers[: needs.uv_layer_count]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the core makes of materials before there is a scene: their needs and their part in caustics."""
+"""What the core says of materials before there is a scene: their needs, their part in caustics."""
 
 from __future__ import annotations
 

@@ -32,6 +32,11 @@ COMMANDS = {
         "field",
         "DIR...: render every .blend in folders, beside Cycles; --make DIR makes some",
     ),
+    "parity": (
+        "studies",
+        "parity",
+        "small scenes of each node and setting, beside Cycles; --only PATTERNS, --list",
+    ),
     "package": ("package", "main", "zip the addon as artists install it"),
     "blender": ("host", "blender", "ARGS: Debian's Blender with the addon enabled from the tree"),
     "bpy": ("host", "bpy", "[--version V] SCRIPT ARGS: a script in today's Blender, addon enabled"),

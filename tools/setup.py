@@ -52,6 +52,7 @@ COMMAND_NEEDS = {
     "bench": ["build", "blender", "bpy"],
     "stability": ["build", "python tests"],
     "field": ["build", "blender", "bpy", "python tests"],
+    "parity": ["build", "blender", "bpy", "python tests"],
     "bench kernels": ["build", "kernels"],
     "format": ["header", "quality"],
     "lint": ["build", "native tests", "kernels", "quality"],

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`./dev bench`, `./dev stability` and `./dev field`: programs that measure."""
+"""`./dev bench`, `./dev stability`, `./dev field` and `./dev parity`: programs that measure."""
 
 from __future__ import annotations
 
 import os
+from pathlib import Path
 from typing import NoReturn
 
 from tools import host, setup, venvs
@@ -12,6 +13,7 @@ from tools.common import BUILD, PYTHON, ROOT, DevError
 BENCHES = ROOT / "tests" / "instruments" / "bench"
 STABILITY = ROOT / "tests" / "instruments" / "stability" / "stability.py"
 FIELD = ROOT / "tests" / "instruments" / "field" / "field.py"
+PARITY = ROOT / "tests" / "instruments" / "parity" / "parity.py"
 DEFAULT_BENCH = "error"
 # They need the environment with Matplotlib, FLIP and EXR files.
 WITH_FIGURES = ("error", "figures", "reference", "scaling")
@@ -47,8 +49,17 @@ def stability(argv: list[str]) -> NoReturn:
 
 def field(argv: list[str]) -> NoReturn:
     """Becomes the program of `./dev field ARGS...`."""
-    setup.ensure("field")
+    _with_blender("field", FIELD, argv)
+
+
+def parity(argv: list[str]) -> NoReturn:
+    """Becomes the program of `./dev parity ARGS...`."""
+    _with_blender("parity", PARITY, argv)
+
+
+def _with_blender(command: str, program: Path, argv: list[str]) -> NoReturn:
+    setup.ensure(command)
     env = dict(os.environ)
     env["PYTHONPATH"] = str(ROOT)
     env["SPECULA_LIBRARY_DIR"] = str(host.library_folder())
-    os.execve(PYTHON, [str(PYTHON), str(FIELD), *argv], env)
+    os.execve(PYTHON, [str(PYTHON), str(program), *argv], env)

@@ -13,6 +13,7 @@ from tools.common import CACHE, PYTHON, ROOT, DevError, locked, run, say
 REQUIREMENTS = ROOT / "tools" / "requirements"
 STAMP = "specula-complete"
 BPY_VERSION = "5.0.1"
+BPY_LTS_VERSION = "4.5.15"
 # The same as Debian's, so that tests/blender meets one pytest in both Blenders.
 PYTEST = "pytest==7.2.1"
 

@@ -14,6 +14,7 @@ import sys
 import time
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from tests.instruments.bench._ratios import MeasurementError
@@ -46,10 +47,12 @@ class Ended:
     log: Path
 
 
-def bpy_with_specula(script: str, job: Path) -> tuple[list[str], dict]:
-    """Today's Blender as a module, the addon enabled."""
-    environment = host.bpy_environment(host.library_folder())
-    return host.bpy_command(str(HERE / script), [str(job)]), environment
+def bpy_with_specula(
+    script: str, job: Path, version: str = venvs.BPY_VERSION
+) -> tuple[list[str], dict]:
+    """Today's Blender as a module, or another version's, the addon enabled."""
+    environment = host.bpy_environment(host.library_folder(), version)
+    return host.bpy_command(str(HERE / script), [str(job)], version), environment
 
 
 def bpy_alone(script: str, job: Path) -> tuple[list[str], dict]:
@@ -72,6 +75,7 @@ def luxcore(script: str, job: Path) -> tuple[list[str], dict]:
 
 HOSTS = {
     "specula in bpy": bpy_with_specula,
+    "specula in bpy 4.5": partial(bpy_with_specula, version=venvs.BPY_LTS_VERSION),
     "bpy": bpy_alone,
     "debian": debian_blender,
     "luxcore": luxcore,

@@ -22,14 +22,7 @@ from pathlib import Path
 import bpy
 
 from tests.instruments.bench._image_job import CyclesClock
-
-# What Specula has no counterpart for, and the README says so: it would show as a difference.
-CYCLES_OFF = (
-    "sample_clamp_direct",
-    "sample_clamp_indirect",
-    "light_sampling_threshold",
-    "blur_glossy",
-)
+from tests.instruments.pairs.settings import plain_cycles
 
 
 class FirstSample(CyclesClock):
@@ -89,15 +82,8 @@ def prepare_layers(scene) -> None:
 
 
 def prepare_engine(scene, job: dict) -> None:
-    """Cycles: path tracing of every sample on the processor, without manifold walks, which lose
-    what they miss."""
     if job["engine"] == "CYCLES":
-        scene.cycles.device = "CPU"
-        scene.cycles.use_denoising = scene.cycles.use_adaptive_sampling = False
-        for name in CYCLES_OFF:
-            setattr(scene.cycles, name, 0.0)
-        for obj in scene.objects:
-            obj.cycles.is_caustics_caster = False
+        plain_cycles(scene)
     scene.cycles.use_animated_seed = False
     scene.cycles.samples = scene.specula.samples = job["samples"]
     scene.cycles.time_limit = scene.specula.time_limit = job["seconds"]

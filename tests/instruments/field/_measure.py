@@ -3,19 +3,12 @@
 
 from __future__ import annotations
 
-import dataclasses
-import math
 import re
 import signal
 from dataclasses import dataclass
-from pathlib import Path
 
-import numpy as np
-import OpenImageIO as oiio
-
-from tests.images import _statistics
 from tests.instruments.bench._children import Ended, last_words
-from tests.instruments.bench._metrics import LUMINANCE
+from tests.instruments.pairs.comparison import Comparison, Tolerance
 
 # Best last. The first four and LATE are of Specula alone; the page says how Cycles ended.
 CRASHED, STILL, FAILED, LATE = "crashed", "stood still", "failed", "late"
@@ -27,12 +20,9 @@ BAD = (CRASHED, STILL, FAILED, LATE, DIFFERS)
 # The end may come so much later than the limit: a quarter of it, and a second, which other programs
 # on the machine may take.
 LATE_FACTOR, LATE_SECONDS = 1.25, 1.0
-# Of a block's light: what is less shows to nobody, and models differ by so much (README, *Known
-# differences from Cycles*). Where a block is dark, of DARK of the picture's mean.
-DIFFERENCE, DARK = 0.02, 0.02
-# From which on the picture counts as another: share of its blocks, and of its light.
-SHARE, LIGHT = 0.05, 0.05
-LIGHT_Z = 4.0  # standard deviations of the mean that chance may explain
+# What is less shows to nobody, and models differ by so much (README, *Known differences from
+# Cycles*).
+TOLERANCE = Tolerance(block=0.02, share=0.05, light=0.05)
 OPENING = "opening"  # the first stage of _job.py
 SHOWN_LINES = 8  # of the log of a child that did not end well
 PROGRESS = re.compile(r"^Fra:|\bSample \d+/\d+")
@@ -101,148 +91,6 @@ def last_lines(log: str) -> list[str]:
     """Those that tell more than progress."""
     lines = [line.rstrip() for line in log.splitlines() if line.strip()]
     return [line for line in lines if not PROGRESS.search(line)][-SHOWN_LINES:]
-
-
-# ----------------------------------------------------------------------------------------- pictures
-
-
-@dataclass(frozen=True)
-class Picture:
-    """The mean of two renders with different seeds: (H, W, 3) float64, bottom row first."""
-
-    mean: np.ndarray
-    variance: np.ndarray | None  # of the mean; None of a single render
-    caustics: np.ndarray  # share of `mean` that is not path traced
-    stats: dict  # `splats`
-
-
-def read(path: Path) -> dict[str, np.ndarray]:
-    """`Combined`, and `Caustics` if it is there, of a multilayer EXR file of Blender's."""
-    file = oiio.ImageInput.open(str(path))
-    if not file:
-        raise OSError(f"{path}: {oiio.geterror()}")
-    passes: dict[str, np.ndarray] = {}
-    part = 0
-    while file.seek_subimage(part, 0):  # Blender 5.0 gives every pass a part of its own
-        names = file.spec().channelnames
-        pixels = np.asarray(file.read_image("float"), np.float64)[::-1]
-        for name in ("Combined", "Caustics"):
-            found = [names.index(n) for n in names if re.search(rf"\b{name}\.[RGBXYZ]$", n)]
-            if len(found) >= 3:
-                passes.setdefault(name, ordered(pixels, names, found))
-        part += 1
-    file.close()
-    if "Combined" not in passes:
-        raise OSError(f"{path}: no pass Combined")
-    return passes
-
-
-def ordered(pixels: np.ndarray, names: list[str], found: list[int]) -> np.ndarray:
-    """(H, W, 3): red first, whatever the order in the file."""
-    by_letter = {names[index][-1]: index for index in found}
-    letters = "RGB" if "R" in by_letter else "XYZ"
-    return pixels[..., [by_letter[letter] for letter in letters]]
-
-
-def picture(renders: list[dict[str, np.ndarray]], splats: int = 0) -> Picture:
-    """Of the passes of one or two renders with different seeds."""
-    mean = sum(passes["Combined"] for passes in renders) / len(renders)
-    nothing = np.zeros_like(mean)
-    caustics = sum(passes.get("Caustics", nothing) for passes in renders) / len(renders)
-    variance = None
-    if len(renders) == 2:
-        variance = ((renders[0]["Combined"] - renders[1]["Combined"]) / 2.0) ** 2
-    return Picture(mean, variance, caustics, {"splats": splats})
-
-
-# --------------------------------------------------------------------------------------- comparison
-
-
-@dataclass(frozen=True)
-class Comparison:
-    """Specula's picture against that of Cycles. Blocks are 8 x 8 pixels. A caustic that both
-    renders of Cycles missed has no variance: Cycles may show anything from Specula's picture
-    without what its pass Caustics holds up to the whole of it, give or take the noise."""
-
-    ratio: float  # of means
-    ratio_error: float  # standard error
-    bare_ratio: float  # of means, Specula's without its caustics
-    median_ratio: float  # of blocks that are not black
-    differing: float  # share of the blocks that differ beyond noise and DIFFERENCE
-    caustics: float  # share of Specula's light
-    not_finite: int  # values of Specula's picture
-
-    @property
-    def light_differs(self) -> bool:
-        margin = max(LIGHT, LIGHT_Z * self.ratio_error)
-        return self.ratio < 1.0 - margin or self.bare_ratio > 1.0 + margin
-
-    @property
-    def differs(self) -> bool:
-        return self.not_finite > 0 or self.differing > SHARE or self.light_differs
-
-    @property
-    def severity(self) -> float:
-        """For sorting."""
-        if self.not_finite:
-            return math.inf
-        brightness = abs(math.log(min(max(self.ratio, 1e-3), 1e3)))
-        return self.differing + (brightness if self.light_differs else 0.0)
-
-
-def compare(specula: Picture, cycles: Picture) -> Comparison:
-    """Both of two renders."""
-    not_finite = int(np.count_nonzero(~np.isfinite(specula.mean)))
-    if not_finite:
-        return Comparison(math.nan, math.nan, math.nan, math.nan, 1.0, math.nan, not_finite)
-    specula = _statistics.with_shared_splats(specula)
-    light, expected, caustics = (
-        _statistics.block_sums(image) @ LUMINANCE
-        for image in (specula.mean, cycles.mean, specula.caustics)
-    )
-    return Comparison(
-        ratio=quotient(light.sum(), expected.sum()),
-        ratio_error=light_error(specula, cycles) / max(expected.sum(), np.finfo(float).tiny),
-        bare_ratio=quotient((light - caustics).sum(), expected.sum()),
-        median_ratio=median_ratio(light, expected),
-        differing=float(differing_blocks(specula, cycles).mean()),
-        caustics=float(caustics.sum() / max(light.sum(), np.finfo(float).tiny)),
-        not_finite=0,
-    )
-
-
-def light_error(*pictures: Picture) -> float:
-    """Of the difference between sums of luminance, where the noise of a pixel has no colour."""
-    deviations = [np.sqrt(picture.variance) @ LUMINANCE for picture in pictures]
-    return float(np.sqrt(sum((deviation**2).sum() for deviation in deviations)))
-
-
-def differing_blocks(specula: Picture, cycles: Picture) -> np.ndarray:
-    """(rows, columns): in any channel beyond noise, Sidak over all, and more than DIFFERENCE."""
-    height, width, _ = cycles.mean.shape
-    bare = dataclasses.replace(specula, mean=specula.mean - specula.caustics)
-    limit = _statistics.threshold(_statistics.block_count((width, height)))
-    sums, pixels = (_statistics.block_sums(a) for a in (cycles.mean, np.ones_like(cycles.mean)))
-    least = DIFFERENCE * np.maximum(np.abs(sums), DARK * np.abs(cycles.mean).mean() * pixels)
-    darker = (_statistics.block_z(specula, cycles) < -limit) & (
-        sums - _statistics.block_sums(specula.mean) > least
-    )
-    brighter = (_statistics.block_z(bare, cycles) > limit) & (
-        _statistics.block_sums(bare.mean) - sums > least
-    )
-    return (darker | brighter).any(axis=2)
-
-
-def median_ratio(light: np.ndarray, expected: np.ndarray) -> float:
-    seen = expected > DARK * expected.mean()
-    return float(np.median(light[seen] / expected[seen])) if seen.any() else 1.0
-
-
-def quotient(light: float, expected: float) -> float:
-    """1 where both are black."""
-    if expected > 0.0:
-        return float(light / expected)
-    return 1.0 if light == expected else float("inf")
 
 
 # ------------------------------------------------------------------------------------------ verdict

@@ -12,15 +12,13 @@ from html import escape
 from pathlib import Path
 from string import Template
 
-import numpy as np
-import OpenImageIO as oiio
-
-from tests.instruments.bench import _metrics
-from tests.instruments.bench._page import NONE, STYLE, ratio, table
-from tests.instruments.field._measure import BAD, DARK, VERDICTS, Child, Comparison, Picture, kind
+from tests.instruments.bench._page import NONE, STYLE, table
+from tests.instruments.field._measure import BAD, VERDICTS, Child, kind
+from tests.instruments.pairs.comparison import Comparison
+from tests.instruments.pairs.files import replace
+from tests.instruments.pairs.page import badge, comparison_text, figures
 
 TEMPLATE = Path(__file__).with_name("page.html")
-STRONG = 0.5  # (a - b) / (a + b) that is shown in full colour: three times the light
 
 
 @dataclass(frozen=True)
@@ -39,51 +37,6 @@ class Scene:
         """Worst first."""
         severity = self.comparison.severity if self.comparison else 0.0
         return VERDICTS.index(self.verdict), -severity, self.blend
-
-
-# ----------------------------------------------------------------------------------------- pictures
-
-
-def draw(
-    folder: Path, stem: str, specula: Picture | None, cycles: Picture | None
-) -> dict[str, str]:
-    """Writes PNG files into folder/pictures, both of one exposure; returns label -> path."""
-    shown = {}
-    measure = next((p for p in (cycles, specula) if p and np.isfinite(p.mean).all()), None)
-    exposure = _metrics.exposure(measure.mean) if measure else 1.0
-    for label, picture in (("Specula", specula), ("Cycles", cycles)):
-        if picture:
-            shown[label] = _metrics.display(np.nan_to_num(picture.mean), exposure)
-    if specula and cycles:
-        shown["difference"] = difference(specula.mean, cycles.mean)
-    paths = {}
-    for label, image in shown.items():
-        paths[label] = f"pictures/{stem}-{label.lower()}.png"
-        write_png(folder / paths[label], image)
-    return paths
-
-
-def difference(image: np.ndarray, expected: np.ndarray) -> np.ndarray:
-    """sRGB: white where both are alike, red where `image` is brighter, blue where it is darker,
-    magenta where it is not finite."""
-    light, other = image @ _metrics.LUMINANCE, expected @ _metrics.LUMINANCE
-    total = np.abs(light) + np.abs(other) + DARK * max(float(np.abs(other).mean()), 1e-30)
-    amount = np.clip((light - other) / total / STRONG, -1.0, 1.0)
-    brighter, darker = np.maximum(amount, 0.0), np.maximum(-amount, 0.0)
-    shown = np.stack([1.0 - darker, 1.0 - darker - brighter, 1.0 - brighter], axis=-1)
-    shown[~np.isfinite(light)] = (1.0, 0.0, 1.0)
-    return shown.astype(np.float32)
-
-
-def write_png(path: Path, image: np.ndarray) -> None:
-    """Of sRGB values, bottom row first."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    pixels = np.ascontiguousarray(np.round(255.0 * image[::-1]), np.uint8)
-    output = oiio.ImageOutput.create(str(path))
-    spec = oiio.ImageSpec(pixels.shape[1], pixels.shape[0], 3, "uint8")
-    if not output or not output.open(str(path), spec) or not output.write_image(pixels):
-        raise OSError(f"{path}: {output.geterror() if output else oiio.geterror()}")
-    output.close()
 
 
 # --------------------------------------------------------------------------------------------- page
@@ -105,13 +58,6 @@ def write(folder: Path, about: str, limit: float, scenes: Sequence[Scene]) -> Pa
     return page
 
 
-def replace(path: Path, text: str) -> None:
-    """Whoever reads it meanwhile sees the old one."""
-    fresh = path.with_suffix(".new")
-    fresh.write_text(text)
-    fresh.replace(path)
-
-
 def verdict_counts(scenes: Sequence[Scene]) -> dict[str, int]:
     counts = Counter(scene.verdict for scene in scenes)
     return {name: counts[name] for name in VERDICTS}
@@ -129,7 +75,7 @@ def render(about: str, limit: float, scenes: Sequence[Scene]) -> str:
         about=escape(about),
         verdicts=table(
             ["", "files"],
-            [[badge(name), str(n)] for name, n in verdict_counts(scenes).items()],
+            [[badge(name, name in BAD), str(n)] for name, n in verdict_counts(scenes).items()],
             f"{len(scenes)} files",
         ),
         warnings=table(
@@ -140,20 +86,12 @@ def render(about: str, limit: float, scenes: Sequence[Scene]) -> str:
     )
 
 
-def badge(verdict: str) -> str:
-    return f'<b class="{"bad" if verdict in BAD else "good"}">{escape(verdict)}</b>'
-
-
 def section(scene: Scene, limit: float) -> str:
     """One file: its pictures, and what is known of it."""
-    figures = "".join(
-        f'<figure><img loading="lazy" alt="{label}" src="{escape(path)}">'
-        f"<figcaption>{label}</figcaption></figure>"
-        for label, path in scene.pictures.items()
-    )
     return (
-        f'<section class="scene"><h3>{badge(scene.verdict)} {escape(scene.blend)}</h3>'
-        f'<div class="crops">{figures}{children(scene, limit)}</div>'
+        f'<section class="scene"><h3>{badge(scene.verdict, scene.verdict in BAD)} '
+        f"{escape(scene.blend)}</h3>"
+        f'<div class="crops">{figures(scene.pictures)}{children(scene, limit)}</div>'
         f"<p>{comparison_text(scene.comparison)}</p>"
         f"{troubles(scene)}{warnings(scene.specula)}</section>"
     )
@@ -193,29 +131,6 @@ def seconds(value: float | None) -> str:
 
 def number(value: float | None) -> str:
     return NONE if value is None else f"{value:.1f}"
-
-
-def comparison_text(found: Comparison | None) -> str:
-    if not found:
-        return "Not compared."
-    if found.not_finite:
-        return f"{found.not_finite} values of Specula's picture are not finite."
-    caustics = (
-        f"; caustics are {found.caustics:.0%} of Specula's light, mean without them "
-        f"{ratio3(found.bare_ratio)}"
-        if found.caustics > 0.0
-        else ""
-    )
-    return (
-        f"Specula / Cycles: mean <b>{ratio3(found.ratio)}</b> ± {found.ratio_error:.3f}, median "
-        f"block {ratio3(found.median_ratio)}; <b>{found.differing:.0%}</b> of the blocks differ "
-        f"beyond noise{caustics}."
-    )
-
-
-def ratio3(value: float) -> str:
-    """Three digits behind the point, where the ratio is near 1."""
-    return f"{value:.3f}" if value < 10.0 else ratio(value)
 
 
 def troubles(scene: Scene) -> str:

@@ -25,7 +25,9 @@ from tests.instruments.bench import _children, _machine, _program
 from tests.instruments.bench._children import Progress
 from tests.instruments.bench._machine import CpuTimes
 from tests.instruments.field import _measure, _page
-from tests.instruments.field._measure import Child, Picture
+from tests.instruments.field._measure import TOLERANCE, Child
+from tests.instruments.pairs import files as pictures
+from tests.instruments.pairs.comparison import Picture, compare, picture
 from tools import host
 from tools.common import BUILD, DevError
 
@@ -123,20 +125,20 @@ def render(blend: Path, stem: str, engine: str, options: Options) -> tuple[Child
     child = _measure.child(ended, before.others_share(CpuTimes.now()))
     done = images[: len(child.renders)]
     splats = sum(row["splats"] for row in child.renders)
-    picture = _measure.picture([_measure.read(image) for image in done], splats) if done else None
+    found = picture([pictures.read(image) for image in done], splats) if done else None
     for image in images:
         image.unlink(missing_ok=True)
-    return child, picture
+    return child, found
 
 
 def examine(blend: Path, stem: str, options: Options) -> _page.Scene:
-    specula, picture = render(blend, stem, "SPECULA", options)
+    specula, found = render(blend, stem, "SPECULA", options)
     cycles, expected = render(blend, stem, "CYCLES", options)
     complete = len(specula.renders) == len(cycles.renders) == len(SEEDS)
-    comparison = _measure.compare(picture, expected) if complete else None
+    comparison = compare(found, expected, TOLERANCE) if complete else None
     verdict = _measure.verdict(specula, cycles, comparison, options.seconds)
-    pictures = _page.draw(options.out, stem, picture, expected)
-    return _page.Scene(str(blend), verdict, specula, cycles, comparison, pictures)
+    shown = pictures.draw(options.out, stem, found, expected)
+    return _page.Scene(str(blend), verdict, specula, cycles, comparison, shown)
 
 
 def not_examined(blend: Path, error: Exception) -> _page.Scene:

@@ -1,0 +1,24 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Rows that differ, by pattern of their names (fnmatch), and why.
+
+A row that is no longer different is told on the page: its line can go.
+"""
+
+from __future__ import annotations
+
+from fnmatch import fnmatchcase
+
+# What Specula does otherwise on purpose; docs/nodes.md and README.md say more.
+BY_DESIGN: dict[str, str] = {
+    "setting/clamp_*": "nothing is clamped: what the setting takes away stays",
+    "setting/filter_glossy": "no filter for glossy paths",
+    "setting/light_threshold": "no threshold: faint light is not left out at random",
+}
+
+# What is wrong, or missing without a warning, and not yet mended; docs/parity.md has the numbers.
+FAILING: dict[str, str] = {}
+
+
+def reason(name: str, table: dict[str, str]) -> str | None:
+    """Of the first pattern that the row's name matches."""
+    return next((why for pattern, why in table.items() if fnmatchcase(name, pattern)), None)

@@ -25,7 +25,11 @@ COMMANDS = {
         "bench",
         "[NAME] ARGS: error against time, or the benchmark tests/instruments/bench/NAME.py",
     ),
-    "fuzz": ("fuzz", "main", "[--minutes N]: mutated scenes that look for crashes and hangs"),
+    "fuzz": (
+        "fuzz",
+        "main",
+        "[--scenes] [--minutes N]: mutated scenes, or every method on random ones",
+    ),
     "stability": ("studies", "stability", "every method in the scenes in which methods fail"),
     "field": (
         "studies",

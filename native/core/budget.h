@@ -31,7 +31,9 @@ public:
     // Whether a stage that has done so much may do no more. To be asked between rounds that do not
     // depend on the number of threads.
     bool is_spent(uint64_t work) const {
-        done_.store(static_cast<double>(work), std::memory_order_relaxed);
+        // A stage that begins anew has not done less.
+        done_.store(std::max(done_.load(std::memory_order_relaxed), static_cast<double>(work)),
+                    std::memory_order_relaxed);
         return must_end() || !(static_cast<double>(work) < work_);
     }
     double work() const { return work_; }

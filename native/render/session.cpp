@@ -185,6 +185,12 @@ void Session::work(uint32_t worker) {
 }
 
 // With the lock.
+double Session::stage_fraction() const {
+    if (!budget_) return 0.0;
+    return stage_part_begin_ + (1.0 - stage_part_begin_) * budget_->fraction();
+}
+
+// With the lock.
 void Session::end_stage() {
     const double now = seconds();
     stats_.stage_seconds[static_cast<size_t>(stage_)] += now - stage_begin_;
@@ -372,7 +378,7 @@ RenderProgress Session::wait(std::chrono::milliseconds patience) {
     progress.state = RenderState::running;
     progress.seconds = active_workers_ == 0 ? seconds_at_end_ : seconds();
     progress.stage = stage_;
-    progress.stage_fraction = budget_ ? static_cast<float>(budget_->fraction()) : 0.0f;
+    progress.stage_fraction = static_cast<float>(stage_fraction());
     uint64_t tile_samples = 0;
     progress.samples_done = settings_.samples;
     for (const std::atomic<uint32_t>& passes : tile_passes_) {

@@ -112,6 +112,8 @@ private:
     // The stage's budget: so much work, and of a limited time such a share.
     const Budget& begin(RenderStage stage, double work, double share);
     void end_stage();
+    // Of the stage that is under way, [0, 1]: never less than before.
+    double stage_fraction() const;
     void prepare_flakes();
     void choose_casters();
     void prepare_sheets();
@@ -196,7 +198,8 @@ private:
     RenderStats stats_;
     std::exception_ptr failure_;
     RenderStage stage_ = RenderStage::maps;
-    std::shared_ptr<const Budget> budget_;  // of the stage
+    std::shared_ptr<const Budget> budget_;  // of the stage, or of a part of it
+    double stage_part_begin_ = 0.0;         // stage_fraction() when that part began
     double stage_begin_ = 0.0;              // s
     std::vector<std::string> report_;
 

@@ -67,6 +67,7 @@ const Budget& Session::begin(RenderStage stage, double work, double share) {
         std::make_shared<const Budget>(work, limit > 0.0 ? share * limit : kGuard, cut_short_);
     const std::lock_guard lock(mutex_);
     end_stage();
+    stage_part_begin_ = stage == stage_ ? stage_fraction() : 0.0;
     budget_ = budget;
     stage_ = stage;
     return *budget;

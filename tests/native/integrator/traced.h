@@ -61,7 +61,9 @@ class Bench {
 public:
     // With sheets there are some `tiles` parts of them: the fewer there are, the more they miss.
     Bench(SceneMaker& maker, ChainFinder finder, uint32_t tiles)
-        : world_(maker.finish()),
+        : Bench(maker.finish(), finder, tiles) {}
+    Bench(RenderScene world, ChainFinder finder, uint32_t tiles)
+        : world_(std::move(world)),
           guide_(aim_at_casters(*world_.scene, world_.lights, world_.casters, Squares::of_beams)) {
         settings_.limits = kLimits;
         settings_.manifold = unbiased_manifold();

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Runs mutated scenes in a child process, and tells which ones end it, hang or break a promise.
 //   specula_fuzz [--seed N] [--count N | --cpu-seconds N | --minutes N]
+#include "process.h"
 #include "scene.h"
+#include "task.h"
 
-#include <sys/mman.h>
-#include <sys/prctl.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include <atomic>
 #include <chrono>
@@ -14,7 +13,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <ctime>
 #include <string>
 #include <thread>
 #include <vector>
@@ -42,16 +40,10 @@ struct Shared {  // between the process that watches and its child
     Tally tally;
 };
 
-Shared* shared_in(int file) {
-    void* const memory = mmap(nullptr, sizeof(Shared), PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
-    if (memory == MAP_FAILED) std::abort();
-    return static_cast<Shared*>(memory);
-}
-
 // The child's part; its end looks for leaks.
 constexpr const char* kChild = "--child";
 int run_scenes(int file, uint64_t begin, uint64_t end) {
-    Shared& shared = *shared_in(file);
+    Shared& shared = shared_in<Shared>(file);
     for (uint64_t seed = begin; seed < end; ++seed) {
         shared.seed = seed;
         run_scene(seed, shared.tally);
@@ -60,52 +52,9 @@ int run_scenes(int file, uint64_t begin, uint64_t end) {
     return 0;
 }
 
-double cpu_seconds_of(pid_t process) {
-    clockid_t clock;
-    timespec time{};
-    if (clock_getcpuclockid(process, &clock) != 0 || clock_gettime(clock, &time) != 0) return 0.0;
-    return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
-
-struct Task {
-    uint64_t seed = 1, count = 100;
-    double cpu_seconds = 0.0, seconds = 0.0;  // if not 0, instead of a count
-};
-
-[[noreturn]] void usage() {
-    std::fprintf(stderr,
-                 "usage: specula_fuzz [--seed N] [--count N | --cpu-seconds N | --minutes N]\n");
-    std::exit(2);
-}
-
-Task parse(int count, char** arguments) {
-    Task task;
-    for (int i = 1; i < count; i += 2) {
-        const std::string name = arguments[i];
-        if (i + 1 == count) usage();
-        const char* value = arguments[i + 1];
-        if (name == "--seed")
-            task.seed = std::strtoull(value, nullptr, 10);
-        else if (name == "--count")
-            task.count = std::strtoull(value, nullptr, 10);
-        else if (name == "--cpu-seconds")
-            task.cpu_seconds = std::strtod(value, nullptr);
-        else if (name == "--minutes")
-            task.seconds = 60.0 * std::strtod(value, nullptr);
-        else
-            usage();
-    }
-    if (task.cpu_seconds > 0.0 || task.seconds > 0.0) task.count = ~uint64_t{0} - task.seed;
-    return task;
-}
-
 class Watch {
 public:
-    explicit Watch(const Task& task) : task_(task) {
-        file_ = memfd_create("specula_fuzz", 0);
-        if (file_ < 0 || ftruncate(file_, sizeof(Shared)) != 0) std::abort();
-        shared_ = shared_in(file_);
-    }
+    explicit Watch(const Task& task) : task_(task) {}
 
     int run() {
         const uint64_t end = task_.seed + task_.count;
@@ -126,16 +75,9 @@ private:
     // Returns the seed to go on with.
     uint64_t run_child(uint64_t begin, uint64_t end) {
         shared_->seed = begin;
-        const pid_t child = fork();
-        if (child < 0) std::abort();
-        if (child == 0) {
-            prctl(PR_SET_PDEATHSIG, SIGKILL);  // it must not outlive who watches it
-            // Anew: what libraries have started in this process is not in a mere fork of it.
-            execl("/proc/self/exe", "specula_fuzz", kChild, std::to_string(file_).c_str(),
-                  std::to_string(begin).c_str(), std::to_string(end).c_str(), nullptr);
-            std::abort();
-        }
-        return watch(child, end);
+        return watch(
+            start_self({kChild, std::to_string(file_), std::to_string(begin), std::to_string(end)}),
+            end);
     }
 
     uint64_t watch(pid_t child, uint64_t end) {
@@ -201,8 +143,8 @@ private:
     }
 
     Task task_;
-    int file_ = -1;
-    Shared* shared_ = nullptr;
+    const int file_ = shared_file(sizeof(Shared));
+    Shared* const shared_ = &shared_in<Shared>(file_);
     Clock::time_point start_ = Clock::now();
     double cpu_ = 0.0, cpu_last_ = 0.0;  // of children
     std::vector<uint64_t> failures_;
@@ -215,5 +157,6 @@ int main(int count, char** arguments) {
     const auto number = [&](int i) { return std::strtoull(arguments[i], nullptr, 10); };
     if (count == 5 && std::strcmp(arguments[1], spc::fuzz::kChild) == 0)
         return spc::fuzz::run_scenes(static_cast<int>(number(2)), number(3), number(4));
-    return spc::fuzz::Watch(spc::fuzz::parse(count, arguments)).run();
+    const auto no_more = [](const std::string&, const char*) { return false; };
+    return spc::fuzz::Watch(spc::fuzz::parse(count, arguments, no_more)).run();
 }

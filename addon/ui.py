@@ -140,6 +140,7 @@ class SPECULA_PT_sampling(SpeculaPanel, bpy.types.Panel):
         if problem:
             column.label(text=problem, icon="ERROR")
         draw_overrides(column, scene, ("samples", "time_limit", "seed"))
+        column.prop(scene.specula, "viewport_samples")
         column.separator()
         column.prop(scene.specula, "method")
         if scene.specula.method == "SMS_BIASED":

@@ -41,13 +41,18 @@ def upload(scene_desc: desc.SceneDesc, log: ExportLog | None = None) -> native.S
         for instance in scene_desc.instances:
             scene.add("instance", _instance(instance))
         if scene_desc.camera:
-            scene.set("camera", _struct(abi.CameraDesc, scene_desc.camera))
+            scene.set("camera", camera_struct(scene_desc.camera))
         if scene_desc.environment:
             scene.set("environment", _struct(abi.EnvironmentDesc, scene_desc.environment))
     except BaseException:
         scene.close()
         raise
     return scene
+
+
+def camera_struct(camera: desc.CameraDesc) -> abi.CameraDesc:
+    """For `native.Scene.set`."""
+    return _struct(abi.CameraDesc, camera)
 
 
 def _add_image(scene: native.Scene, image: desc.ImageDesc, log: ExportLog | None) -> None:

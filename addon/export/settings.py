@@ -7,6 +7,7 @@ from .. import native
 from ..abi import LightTracing, RenderSettings
 from . import compat
 
+MOST_VIEWPORT_SAMPLES = 1 << 16  # where Cycles' setting asks for no end
 PREVIEW_SAMPLES = 16  # of the little renders of material and world previews
 
 # Field of spc_render_settings -> Cycles' property, which holds where Specula has no property of the
@@ -50,6 +51,15 @@ def export_settings(scene, is_preview: bool = False, view_layer=None) -> RenderS
     if is_preview:
         settings.samples = min(settings.samples, PREVIEW_SAMPLES)
         settings.light_tracing = LightTracing.OFF  # its pilot takes longer than so few samples
+    return settings
+
+
+def viewport_settings(scene, view_layer) -> RenderSettings:
+    """For the rendered viewport of `scene`: its own number of samples, no time limit."""
+    settings = export_settings(scene, view_layer=view_layer)
+    samples = scene.specula.viewport_samples or compat.cycles_value(scene, "preview_samples", 1024)
+    settings.samples = samples or MOST_VIEWPORT_SAMPLES
+    settings.time_limit = 0.0
     return settings
 
 

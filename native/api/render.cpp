@@ -179,7 +179,7 @@ spc_status spc_render_start(const spc_scene* scene, const spc_render_settings* s
         const auto& crop = scene->world->scene->camera.crop;
         out = spc::with_memory_for(
             fmt::format("the film of {} x {} pixels, or the threads", crop[2], crop[3]),
-            [&] { return new spc_session{spc::Session(*scene->world, checked_settings)}; });
+            [&] { return new spc_session(*scene, checked_settings); });
     });
 }
 

@@ -374,8 +374,20 @@ spc_status spc_scene_add_light(spc_scene* scene, const spc_light_desc* desc, uin
 }
 
 spc_status spc_scene_set_camera(spc_scene* scene, const spc_camera_desc* desc) {
-    return gate("spc_scene_set_camera",
-                [&] { builder_of(scene).set_camera(to_camera(checked(desc, "desc"))); });
+    return gate("spc_scene_set_camera", [&] {
+        require(scene != nullptr, "scene is null");
+        const spc::Camera camera = to_camera(checked(desc, "desc"));
+        if (!scene->world) {
+            builder_of(scene).set_camera(camera);
+            return;
+        }
+        const spc::Camera moved = spc::checked_camera(camera);
+        const std::lock_guard lock(scene->renders_mutex);
+        if (scene->renders > 0)
+            throw spc::Error(spc::ErrorKind::wrong_state,
+                             "the scene is being rendered: its camera is fixed");
+        scene->world->scene->move_camera(moved);
+    });
 }
 
 spc_status spc_scene_set_environment(spc_scene* scene, const spc_environment_desc* desc) {

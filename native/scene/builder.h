@@ -36,6 +36,10 @@ private:
     uint32_t invisible_material();
 };
 
+// The camera with an orthonormal frame: a scale of its object would change depths. Throws Error (invalid)
+// naming what is wrong.
+Camera checked_camera(const Camera& camera);
+
 // Steps of freeze(). Each may append to scene.report.
 void report_images(Scene& scene);
 void resolve_uv_layers(Scene& scene);  // layer names -> indices, fallback tangents

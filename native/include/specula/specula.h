@@ -20,8 +20,8 @@
  *              spc_last_error() says what was wrong, naming the object. No exception crosses this boundary.
  *              A call that runs out of memory returns SPC_OUT_OF_MEMORY and says for what; everything but
  *              a scene whose commit failed so is as usable as before.
- *   Threads    a scene may be used by one thread at a time until it is committed; afterwards it is
- *              immutable and may feed any number of sessions. A session may be polled, read and
+ *   Threads    a scene may be used by one thread at a time until it is committed; afterwards all
+ *              but its camera is immutable, and it may feed any number of sessions. A session may be polled, read and
  *              cancelled from any thread.
  *
  * Order of calls: create, add images, then materials, meshes, lights and instances (an index can only
@@ -338,6 +338,8 @@ typedef struct spc_camera_desc {
     float aperture_ratio;    /* height by width, > 0: the width is divided by it */
 } spc_camera_desc;
 
+/* After spc_scene_commit, too: the next render looks from there, and nothing is built again.
+ * Errors: SPC_WRONG_STATE (a session of the scene lives), SPC_INVALID_ARGUMENT. */
 SPC_API spc_status spc_scene_set_camera(spc_scene* scene, const spc_camera_desc* desc);
 
 /* The world's background from a material whose surface is a background. Without it the world is black. */

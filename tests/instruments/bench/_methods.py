@@ -230,11 +230,12 @@ METHODS = {
         _specula(
             "sheets-lt",
             "light sheets + LT",
-            ("best", "light", "luxcore", "glints"),
+            ("light", "glints"),
             *(GREEN, "*"),
             method="SHEETS",
             light_tracing="ON",
         ),
+        _specula("auto", "automatic", ("best", "luxcore"), GREEN, "P", method="AUTO"),
         _unbiased(
             "sms-one", "SMS, one stage", ("variants",), ORANGE, "p", "ANGLE_DIFFERENCE", False
         ),
@@ -281,7 +282,10 @@ METHODS = {
     )
 }
 
-QUICK = ("pt", "lt", "sms", "sheets-lt", "biased-16", "cycles-pt", "cycles-mnee", "lux-light")
+QUICK = (
+    *("pt", "lt", "sms", "sheets-lt", "auto", "biased-16"),
+    *("cycles-pt", "cycles-mnee", "lux-light"),
+)
 SMS, CYCLES = "sms", "cycles-pt"  # what each method is held against, beside the best of LuxCore
 
 

@@ -153,7 +153,6 @@ TEST(SceneAfterCommit, IsImmutable) {
     const uint32_t slot = 0;
     const spc_instance_desc instance = valid_instance(0, slot);
     const spc_light_desc light = valid_light(SPC_LIGHT_SUN);
-    const spc_camera_desc camera = valid_camera();
     auto world = sized<spc_environment_desc>();
     world.material = 2;
     expect_refused(spc_scene_add_image(scene, &image, &index), SPC_WRONG_STATE,
@@ -165,7 +164,6 @@ TEST(SceneAfterCommit, IsImmutable) {
                    {"committed already"});
     expect_refused(spc_scene_add_light(scene, &light, &index), SPC_WRONG_STATE,
                    {"committed already"});
-    expect_refused(spc_scene_set_camera(scene, &camera), SPC_WRONG_STATE, {"committed already"});
     expect_refused(spc_scene_set_environment(scene, &world), SPC_WRONG_STATE, {"committed already"});
     expect_refused(spc_scene_commit(scene, 1), SPC_WRONG_STATE, {"committed already"});
     EXPECT_EQ(index, 77u);

@@ -349,6 +349,32 @@ TEST(Determinism, TwoSessionsOnOneScene) {
     EXPECT_TRUE(same_bits(together_b, alone_b));
 }
 
+// A committed scene that is looked at from elsewhere is that scene with another camera.
+TEST(Determinism, MovedCameraIsAnotherScenes) {
+    spc_render_settings settings = quick_settings(4);
+    settings.method = SPC_METHOD_AUTO;
+    spc_camera_desc moved = valid_camera(20, 15);
+    moved.transform[3] = 0.3f;
+    moved.transform[11] = 3.0f;
+    const std::vector<float> wanted = render_all(committed_scene(moved).get(), settings, 20, 15);
+    const ScenePtr scene = committed_scene();
+    const std::vector<float> before = render_all(scene.get(), settings);
+    {
+        const SessionPtr session = start(scene.get(), settings);
+        expect_refused(spc_scene_set_camera(scene.get(), &moved), SPC_WRONG_STATE,
+                       {"being rendered"});
+    }
+    ASSERT_EQ(spc_scene_set_camera(scene.get(), &moved), SPC_OK) << spc_last_error();
+    EXPECT_TRUE(same_bits(render_all(scene.get(), settings, 20, 15), wanted));
+    spc_camera_desc bad = moved;
+    bad.clip_far = 0.0f;
+    expect_refused(spc_scene_set_camera(scene.get(), &bad), SPC_INVALID_ARGUMENT, {"clipping"});
+    EXPECT_TRUE(same_bits(render_all(scene.get(), settings, 20, 15), wanted));
+    const spc_camera_desc back = valid_camera();
+    ASSERT_EQ(spc_scene_set_camera(scene.get(), &back), SPC_OK);
+    EXPECT_TRUE(same_bits(render_all(scene.get(), settings), before));
+}
+
 TEST(Determinism, CropIsAWindow) {
     constexpr uint32_t kWidth = 40, kHeight = 24;
     // Light paths and the chances of manifold estimates follow what is seen of the picture.

@@ -2,7 +2,7 @@
 """Settings of Cycles that Specula does not have: whoever uses one is told once.
 
 What every new scene has set is not here (clamping, glossy filter, light threshold, the shadow
-terminator's offset of 0.1): README.md tells what is done instead.
+terminator's offset of 0.1): docs/supported.md tells what is done instead.
 """
 
 from __future__ import annotations

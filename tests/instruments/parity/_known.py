@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from fnmatch import fnmatchcase
 
-# What Specula does otherwise on purpose; docs/nodes.md and README.md say more.
+# What Specula does otherwise on purpose; docs/nodes.md and docs/supported.md say more.
 BY_DESIGN: dict[str, str] = {
     "setting/clamp_*": "nothing is clamped: what the setting takes away stays",
     "setting/filter_glossy": "no filter for glossy paths",
     "setting/light_threshold": "no threshold: faint light is not left out at random",
-    "bump/object_coordinates": "from behind, the front's relief is seen, whatever places the height;"
+    "bump/object_coordinates": "from behind, the front's relief is seen, whatever places it;"
     " Cycles turns it over where coordinates do, and not where an attribute does",
     "bump/on_bump": "as bump/object_coordinates",
 }

@@ -297,26 +297,6 @@ TEST(Session, TheShortestTimeLeavesNoPixelEmpty) {
     }
 }
 
-TEST(Session, ReadPolledAndCancelledFromManyThreads) {
-    const ScenePtr scene = committed_scene(valid_camera(64, 48));
-    const SessionPtr session = start(scene.get(), endless(2));
-    std::vector<std::thread> hosts;
-    for (uint32_t host = 0; host < 3; ++host)
-        hosts.emplace_back([&, host] {
-            for (uint32_t i = 0; i < 20; ++i) {
-                const std::vector<float> pixels =
-                    read_pass(session.get(), (host + i) % SPC_PASS_COUNT, 64, 48);
-                for (const float value : pixels) EXPECT_TRUE(std::isfinite(value));
-                auto stats = sized<spc_render_stats>();
-                EXPECT_EQ(spc_render_get_stats(session.get(), &stats), SPC_OK);
-                wait_for(session.get(), 1);
-            }
-            EXPECT_EQ(spc_render_cancel(session.get()), SPC_OK);
-        });
-    for (std::thread& host : hosts) host.join();
-    EXPECT_EQ(wait_for(session.get()).state, static_cast<uint32_t>(SPC_RENDER_CANCELLED));
-}
-
 // ---- the image is a function of scene, seed and samples
 
 TEST(Determinism, AnyNumberOfThreads) {
@@ -504,7 +484,7 @@ TEST(Settings, DefaultsAreValidAndComplete) {
     std::memset(&settings, 0xff, sizeof(settings));
     spc_render_settings_init(&settings);
     EXPECT_EQ(settings.struct_size, sizeof(settings));
-    EXPECT_EQ(settings.method, static_cast<uint32_t>(SPC_METHOD_SMS_UNBIASED));
+    EXPECT_EQ(settings.method, static_cast<uint32_t>(SPC_METHOD_AUTO));
     EXPECT_EQ(settings.light_tracing, static_cast<uint32_t>(SPC_LIGHT_TRACING_AUTO));
     EXPECT_EQ(settings.first_sample, 0u);
     EXPECT_EQ(settings.time_limit, 0.0f);

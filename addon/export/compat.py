@@ -10,6 +10,8 @@ import math
 
 import numpy as np
 
+from .sky import Sky
+
 # ------------------------------------------------------------------------------- Cycles' settings
 
 
@@ -125,6 +127,26 @@ def output_name(socket, names: tuple[str, ...]) -> str | None:
 def is_sharp(node) -> bool:
     """The distribution 'SHARP' was removed in 4.0; it is GGX of roughness 0."""
     return getattr(node, "distribution", "") == "SHARP"
+
+
+def sky(node) -> Sky:
+    """What a Sky Texture shows. Until 4.5 a sky of one scattering was called after Nishita, its
+    aerosols were dust; Hosek and Wilkie's data are not ours: Preetham's sky stands in."""
+    if node.sky_type in ("PREETHAM", "HOSEK_WILKIE"):
+        direction = node.sun_direction.normalized()
+        return Sky("PREETHAM", tuple(direction), turbidity=node.turbidity)
+    elevation, rotation = node.sun_elevation, node.sun_rotation  # clockwise from +Y
+    flat = math.cos(elevation)
+    return Sky(
+        "MULTIPLE_SCATTERING" if node.sky_type == "MULTIPLE_SCATTERING" else "SINGLE_SCATTERING",
+        (flat * math.sin(rotation), flat * math.cos(rotation), math.sin(elevation)),
+        altitude=node.altitude,
+        air=node.air_density,
+        aerosols=node.aerosol_density if hasattr(node, "aerosol_density") else node.dust_density,
+        ozone=node.ozone_density,
+        sun_size=node.sun_size if node.sun_disc else 0.0,
+        sun_intensity=node.sun_intensity,
+    )
 
 
 def uses_nodes(owner) -> bool:

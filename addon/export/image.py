@@ -62,6 +62,11 @@ class Images:
                 raise ExportError(f"image {image.name}: out of memory ({error})") from error
         return self._indices[key]
 
+    def add_pixels(self, name: str, pixels: np.ndarray) -> int:
+        """Index of an image of linear `pixels`, (H, W, 3) float32, bottom row first."""
+        self.descs.append(ImageDesc(name, pixels=pixels, color_space=ColorSpace.LINEAR))
+        return len(self.descs) - 1
+
     def _export(self, image, number: int | None) -> ImageDesc:
         path = _path(image, number)
         in_memory = _is_in_memory(image)

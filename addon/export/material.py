@@ -11,6 +11,7 @@ from .desc import Glints, LinkDesc, MaterialDesc, NodeDesc
 from .image import Images
 from .log import ExportLog
 from .nodes import NODES, NodeKind
+from .sky import Sky, add_sun
 
 DEFAULT_COLOR = (0.8, 0.8, 0.8, 1.0)
 MAGENTA = (1.0, 0.0, 1.0, 1.0)
@@ -39,6 +40,7 @@ def export_material(material, images: Images, log: ExportLog) -> MaterialDesc:
         return plain_material(material.name, "bsdf_diffuse", "BSDF", color)
     converter = Converter(f"material {material.name}", images, log)
     desc = converter.convert(material.name, material.node_tree)
+    converter.draw_suns()
     _make_emission(desc)
     desc.glints = Glints[material.specula.glints]
     return desc
@@ -62,6 +64,7 @@ class Converter:
         self.owner = owner
         self.images = images
         self.log = log
+        self.skies: list[tuple[NodeDesc, Sky]] = []  # whose suns are not in their images
         self._in_volume = False  # the walk is behind the output's Volume
         self._nodes: list[NodeDesc] = []
         self._links: list[LinkDesc] = []
@@ -90,6 +93,11 @@ class Converter:
             self._links.append(LinkDesc(len(self._nodes) - 1, "BSDF", 0, "Surface"))
         self._in_volume = True
         self._input(0, output, "Volume", path=())
+
+    def draw_suns(self) -> None:
+        """Of skies whose suns are no lights."""
+        for node, sky in self.skies:
+            add_sun(self.images.descs[node.image].pixels, sky)
 
     # ---------------------------------------------------- for `adjust` functions in nodes.py
 

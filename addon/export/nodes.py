@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from . import compat
+from . import compat, sky
 
 WHITE = (1.0, 1.0, 1.0, 1.0)
 ANY = ()  # an option that takes any text
@@ -126,6 +126,15 @@ def _direction(converter, node, desc) -> None:
 def _image(converter, node, desc) -> None:
     """Exports the node's image."""
     desc.image = converter.images.add(node.image, node.image_user, converter.label(node))
+
+
+def _sky(converter, node, desc) -> None:
+    """An environment of the sky without its sun, which `Converter.skies` keeps."""
+    if node.sky_type == "HOSEK_WILKIE":
+        converter.warn(node, "Hosek-Wilkie's sky is not supported, Preetham's is used")
+    setting = compat.sky(node)
+    desc.image = converter.images.add_pixels(node.name, sky.sky_image(setting))
+    converter.skies.append((desc, setting))
 
 
 _GLOSSY = NodeKind(
@@ -255,6 +264,13 @@ NODES = {
             "interpolation": INTERPOLATIONS,
         },
         adjust=_image,
+    ),
+    "ShaderNodeTexSky": NodeKind(
+        "environment_texture",
+        ("Vector",),
+        ("Color",),
+        fixed_options={"projection": "EQUIRECTANGULAR", "interpolation": "Linear"},
+        adjust=_sky,
     ),
     "ShaderNodeNormalMap": NodeKind(
         "normal_map",

@@ -170,4 +170,9 @@ class SceneExport:
             visibility=world_visibility(world),
             feeds_caustics=world.specula.caustics,
         )
-        self.scene.materials.append(export_world(world, self.images, self.log))
+        material, sun = export_world(world, self.images, self.log)
+        self.scene.materials.append(material)
+        if sun is not None:
+            sun.visibility = self.scene.environment.visibility
+            sun.feeds_caustics = world.specula.caustics
+            self.scene.lights.append(sun)

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Every light, over a ball that reflects and a pane that refracts.
+#include "agreement/image_of_light.h"
+
+namespace spc::test {
+namespace {
+
+Part panorama() {
+    return {"panorama", [](SceneMaker& m) {
+                constexpr uint32_t kWidth = 32, kHeight = 16;
+                std::vector<float> texels;
+                for (uint32_t y = 0; y < kHeight; ++y)
+                    for (uint32_t x = 0; x < kWidth; ++x) {
+                        const bool bright = y >= 11 && y < 14 && x >= 6 && x < 11;
+                        for (int c = 0; c < 3; ++c) texels.push_back(bright ? 20.0f : 0.2f);
+                    }
+                set_world(m, texels, kWidth, kHeight, kNotDirectly);
+            }};
+}
+
+std::vector<Part> lights() {
+    LightDesc spot = lamp(LightType::spot, 100.0f);
+    spot.radius = 0.3f;
+    spot.spot_angle = 1.5f;
+    spot.spot_blend = 0.4f;
+    const LightDesc rectangle = rectangle_lamp();
+    LightDesc sheared = rectangle;  // its -Z axis is no longer its normal
+    sheared.shape = AreaShape::ellipse;
+    for (Vec3& row : sheared.to_world.row) row.z += 0.6f * row.x;
+    LightDesc wide_beam = rectangle, narrow_beam = rectangle;
+    wide_beam.spread = 1.2f;
+    narrow_beam.size = Vec2(1.5f, 1.5f);
+    narrow_beam.spread = 0.5f;
+    LightDesc disk = lamp(LightType::point, 100.0f);
+    disk.radius = 0.7f;
+    disk.soft_falloff = true;
+    const auto disk_cut_by_a_shade = [disk](SceneMaker& m) {
+        m.builder.add_light(disk);
+        for (const float side : {0.3f, -0.35f})
+            add(m, square(0.25f), diffuse(0.0f),
+                translation(disk.position() + Vec3(side, 0.1f, side)),
+                kVisibleAll & ~kVisibleCamera, CausticsRole::off);
+    };
+    return {light("disk", disk),
+            {"disk cut by a shade", disk_cut_by_a_shade},
+            light("wide beam", wide_beam),
+            light("narrow beam", narrow_beam),
+            light("spot", spot),
+            light("sun", wide_sun()),
+            light("rectangle", rectangle),
+            light("sheared ellipse", sheared),
+            {"emissive mesh",
+             [](SceneMaker& m) {
+                 add_glowing(m, flat(square(0.3f)), {0.4f, -0.2f, 1.9f});
+             }},
+            {"emissive ball between the casters",
+             [](SceneMaker& m) {
+                 add_glowing(m, sphere(12, 0.15), {0.4f, 0.3f, 0.9f});
+             }},
+            panorama()};
+}
+
+Table over_ball_and_pane() {
+    const Part casters{
+        "", [](SceneMaker& m) {
+            add_ball(m, mirror());
+            add_caster(m, square(0.6f), refraction(1.4f), rotation_x(0.3f, {0.4f, 0.0f, 0.4f}));
+        }};
+    Method by_angles = kManifold;
+    by_angles.name = "manifold by differences of angles";
+    by_angles.constraint = Constraint::angle_difference;
+    std::vector<Claim> claims = of_light_paths();
+    claims.push_back({by_angles, claims[0].rounds});
+    Table table;
+    for (const Part& light : lights())
+        table.rows.push_back({.casters = casters, .light = light, .claims = claims});
+    for (const Part& caster : casters_under_an_image_of_light())
+        table.rows.push_back(
+            {.casters = caster, .light = image_of_light(false), .claims = of_light_paths()});
+    return table;
+}
+
+// ---- a lamp without shadow
+
+// Next event estimation looks through everything for it. Behind casters rays alone come to it, and
+// casters themselves stand in the way of chains that would leave them through their other side.
+Table behind_casters() {
+    constexpr uint32_t kRounds = 600;
+    const auto with_plate = [](const char* name, const std::function<void(SceneMaker&)>& add_casters,
+                               const Transform& plate) {
+        return Part{name, [=](SceneMaker& m) {
+                        add_casters(m);
+                        m.add(square(0.1f), diffuse(0.0f), plate, CausticsRole::off,
+                              kVisibleAll & ~uint32_t{kVisibleCamera});
+                    }};
+    };
+    constexpr uint32_t kWithoutShadow = kNotDirectly & ~uint32_t{kVisibleShadow};
+    Table table{
+        {{.casters = with_plate(
+              "glass ball", [](SceneMaker& m) { add_ball(m, glass(1.5f)); },
+              translation({0.1f, 0.0f, 1.4f})),
+          .light = bulb("bulb without shadow", {0.1f, -0.2f, 1.9f}, 0.3f, kWithoutShadow)},
+         {.casters = with_plate(
+              "mirror",
+              [](SceneMaker& m) {
+                  add_caster(m, square(0.6f), mirror(), rotation_x(0.5f * kPi, {0.0f, 0.9f, 0.6f}));
+              },
+              rotation_x(0.5f * kPi, {0.05f, 0.3f, 0.75f})),
+          .light = bulb("bulb without shadow", {0.0f, -0.6f, 1.2f}, 0.3f, kWithoutShadow)}}};
+    Method sheets = kSheets, missed = kMissed;
+    sheets.light_paths = missed.light_paths = false;
+    for (Row& row : table.rows) {
+        row.reference.rounds = 30000;
+        row.few_hits = true;
+        for (const Method& method : {kManifold, sheets, missed, kMnee})
+            row.claims.push_back({method, kRounds});
+    }
+    return table;
+}
+
+}  // namespace
+
+SPC_AGREEMENT(Lights, over_ball_and_pane);
+SPC_AGREEMENT(LightsWithoutShadow, behind_casters);
+
+}  // namespace spc::test

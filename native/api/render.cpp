@@ -203,7 +203,7 @@ spc_status spc_render_get_stats(spc_session* session, spc_render_stats* stats) {
                   s.nan_samples + s.light.nan_splats,
                   s.light.paths,
                   s.light.splats,
-                  m.leads,
+                  m.chain_seeds,
                   m.roots,
                   m.missed,
                   m.missed_energy,

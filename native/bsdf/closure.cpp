@@ -14,7 +14,7 @@ namespace {
 // unit vectors (1e-7) is a tenth of it.
 constexpr float kMatchedWidth = 1e-6f;
 // Least share of its weight with which a closure is sampled: tables are approximate, a closure that
-// scatters must not have a vanishing chance.
+// scatters must not have a vanishing probability.
 constexpr float kMinSampledAlbedo = 1e-3f;
 
 bool is_delta_kind(const Lambert&) { return false; }

@@ -80,7 +80,7 @@ using ClosureKind = std::variant<Lambert, MicrofacetReflection, MicrofacetDielec
 
 struct Closure {
     Spectrum weight;
-    float sample_weight;  // >= 0, relative chance to be sampled; set by ClosureList::add
+    float sample_weight;  // >= 0, relative probability to be sampled; set by ClosureList::add
     // Shares the normal that the manifold walks on (shading/program.h).
     bool on_caster_normal = false;
     bool glints = false;  // also one of ClosureList::glints

@@ -68,7 +68,7 @@ struct Splat {
     Spectrum value;
 };
 
-enum class SplatSource : uint8_t { light_paths, highlights, missed_highlights };
+enum class SplatSource : uint8_t { light_paths, camera_chains, missed_camera_chains };
 
 class Film {
 public:

@@ -12,7 +12,7 @@ namespace spc {
 // around their mean slope, and 0.2 % with these.
 inline constexpr float kFlakeSigma = 0.288675f;
 // Beyond so many standard deviations a Gaussian is taken for zero; its mass there is exp(-6.1).
-inline constexpr float kGaussianReach = 3.5f;
+inline constexpr float kGaussianRadius = 3.5f;
 
 class FlakeField {
 public:

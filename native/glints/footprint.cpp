@@ -65,9 +65,10 @@ SlopeFrame raised_frame(const SlopeMap& map, const MapPoint& point, const Vec3& 
 }
 
 ChainVertex delta_vertex(const Scene& scene, const Surface& surface, const ClosureSample& next) {
-    const CasterPatch patch = evaluate_caster(scene, surface.hit, false);
+    const DifferentialGeometry geometry = evaluate_caster(scene, surface.hit, false);
     return {next.refracted ? Interaction::refraction : Interaction::reflection,
-            eta_seen_from(patch.ng, surface.wo, scene.material_of(surface.hit).specular.ior), patch};
+            eta_seen_from(geometry.ng, surface.wo, scene.material_of(surface.hit).specular.ior),
+            geometry};
 }
 
 // A delta at the facet that has turned the path, which leans on the interpolated normal and turns
@@ -77,14 +78,16 @@ ChainVertex facet_vertex(const Scene& scene, const Surface& surface, const Closu
     const float eta = next.refracted ? next.eta : 1.0f;
     const Vec3 half = normalize(surface.wo + next.wi * eta);
     const bool front = (dot(half, surface.wo) > 0.0f) != surface.backfacing;
-    CasterPatch patch = evaluate_caster(scene, surface.hit, true);
-    patch.n = front ? half : half * -1.0f;
-    for (Vec3* change : {&patch.dn_du, &patch.dn_dv}) *change -= patch.n * dot(patch.n, *change);
-    return {next.refracted ? Interaction::refraction : Interaction::reflection, eta, patch};
+    DifferentialGeometry geometry = evaluate_caster(scene, surface.hit, true);
+    geometry.n = front ? half : half * -1.0f;
+    for (Vec3* change : {&geometry.dn_du, &geometry.dn_dv})
+        *change -= geometry.n * dot(geometry.n, *change);
+    return {next.refracted ? Interaction::refraction : Interaction::reflection, eta, geometry};
 }
 
 // The direction stays as the place moves.
-bool pass_diffuse(const Surface& surface, const Vec3& wi, double distance, RayDual& ray) {
+bool propagate_through_diffuse(const Surface& surface, const Vec3& wi, double distance,
+                               RayDual& ray) {
     const Vec3d ng(surface.ng);
     const double dng = dot(ray.d, ng);
     if (!(std::abs(dng) > 1e-9)) return false;
@@ -105,15 +108,15 @@ RayDual diffuse_lobe(const Vec3& wi) {
 
 // As if the facet leaned with the place in its plane, and nothing else changed.
 std::optional<RayDual> facet_lobe(ChainVertex vertex, const Vec3& wo, float alpha) {
-    CasterPatch& patch = vertex.patch;
-    const Frame frame = Frame::around(patch.n);
-    patch.ng = patch.n;
-    patch.dp_du = frame.x;
-    patch.dp_dv = frame.y;
-    patch.dn_du = frame.x * (alpha * kFacetSpread);
-    patch.dn_dv = frame.y * (alpha * kFacetSpread);
+    DifferentialGeometry& geometry = vertex.geometry;
+    const Frame frame = Frame::around(geometry.n);
+    geometry.ng = geometry.n;
+    geometry.dp_du = frame.x;
+    geometry.dp_dv = frame.y;
+    geometry.dn_du = frame.x * (alpha * kFacetSpread);
+    geometry.dn_dv = frame.y * (alpha * kFacetSpread);
     RayDual ray{Vec3d(wo) * -1.0, {Vec3d(frame.x), Vec3d(frame.y)}, {Vec3d(0.0), Vec3d(0.0)}};
-    if (!pass_vertex(vertex, 0.0, ray)) return std::nullopt;
+    if (!propagate_through_vertex(vertex, 0.0, ray)) return std::nullopt;
     ray.dp = {Vec3d(0.0), Vec3d(0.0)};
     return ray;
 }
@@ -161,7 +164,7 @@ private:
 float lobe_turn(const Scene& scene, const Surface& surface, const RayDual& lobe,
                 const std::array<Vec2, 2>& barycentric) {
     constexpr float kLeastCosine = 0.05f;
-    const CasterPatch patch = evaluate_caster(scene, surface.hit, true);
+    const DifferentialGeometry geometry = evaluate_caster(scene, surface.hit, true);
     const Vec3 n = surface.n;
     const float side = surface.backfacing ? -1.0f : 1.0f;
     const float cos_o = std::max(std::abs(dot(n, surface.wo)), kLeastCosine);
@@ -169,7 +172,8 @@ float lobe_turn(const Scene& scene, const Surface& surface, const RayDual& lobe,
     for (size_t i = 0; i < 2; ++i) {
         const Vec3 dwo = Vec3(lobe.dd[i]) * -1.0f;
         const Vec3 dh = (dwo - n * dot(n, dwo)) * (0.5f / cos_o);
-        const Vec3 dn = (patch.dn_du * barycentric[i].x + patch.dn_dv * barycentric[i].y) * side;
+        const Vec3 dn =
+            (geometry.dn_du * barycentric[i].x + geometry.dn_dv * barycentric[i].y) * side;
         squares += length_squared(dh - dn);
     }
     return std::sqrt(squares);
@@ -185,8 +189,8 @@ PathDifferential camera_differential(const Camera& camera, const PixelKernel& pi
              {Vec3d(change.direction[0]), Vec3d(change.direction[1])}}};
 }
 
-bool pass_bounce(const Scene& scene, const Surface& surface, const ClosureSample& next,
-                 double distance, PathDifferential& path) {
+bool propagate_through_bounce(const Scene& scene, const Surface& surface, const ClosureSample& next,
+                              double distance, PathDifferential& path) {
     if (next.delta && !next.on_caster_normal) return false;
     const bool diffuse = next.kind == BounceKind::diffuse;
     ChainVertex vertex{};
@@ -194,8 +198,8 @@ bool pass_bounce(const Scene& scene, const Surface& surface, const ClosureSample
         vertex =
             next.delta ? delta_vertex(scene, surface, next) : facet_vertex(scene, surface, next);
     const auto pass = [&](RayDual& ray) {
-        return diffuse ? pass_diffuse(surface, next.wi, distance, ray)
-                       : pass_vertex(vertex, distance, ray);
+        return diffuse ? propagate_through_diffuse(surface, next.wi, distance, ray)
+                       : propagate_through_vertex(vertex, distance, ray);
     };
     if (!pass(path.film) || (path.lobe && !pass(*path.lobe))) return false;
     if (next.delta) return true;

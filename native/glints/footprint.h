@@ -31,11 +31,11 @@ PathDifferential camera_differential(const Camera& camera, const PixelKernel& pi
 
 // Goes on to the surface, at `distance`, and scatters there as `next` does. False where there is no
 // way on, or no one knows how the normal of a delta lobe varies.
-bool pass_bounce(const Scene& scene, const Surface& surface, const ClosureSample& next,
-                 double distance, PathDifferential& path);
+bool propagate_through_bounce(const Scene& scene, const Surface& surface, const ClosureSample& next,
+                              double distance, PathDifferential& path);
 
 // Where a path meets the map, in texels as SlopeField counts them, and how that moves, per pixel of
-// the film and per standard deviation of the lobe. In the first tile.
+// the film and per standard deviation of the lobe. In the first repeat.
 struct Footprint {
     Vec2 at;
     std::array<Vec2, 2> by_film;

@@ -104,9 +104,9 @@ std::optional<GlintPoint> GlintPoint::at(const GlintSet& glints, const GlintSett
     // All samples of a pixel share its filter; a lobe's directions stand for those next to them.
     const Vec2 middle = footprint->at - footprint->by_film[0] * pixel.offset.x -
                         footprint->by_film[1] * pixel.offset.y;
-    const Vec2 reach = Vec2(std::abs(dx.x) + std::abs(dy.x), std::abs(dx.y) + std::abs(dy.y)) *
-                       pixel.filter->reach();
-    if (!(std::max(reach.x, reach.y) < kWidestFootprint)) return std::nullopt;
+    const Vec2 extent = Vec2(std::abs(dx.x) + std::abs(dy.x), std::abs(dx.y) + std::abs(dy.y)) *
+                        pixel.filter->radius();
+    if (!(std::max(extent.x, extent.y) < kWidestFootprint)) return std::nullopt;
     GlintSite site{
         index,
         &field,
@@ -118,10 +118,10 @@ std::optional<GlintPoint> GlintPoint::at(const GlintSet& glints, const GlintSett
         surface.wo,
         surface.ng,
         middle,
-        middle - reach,
-        middle + reach,
-        // The filter's mass is nearer to the middle than its reach.
-        footprint->frame.taken(field.moments(middle - reach * 0.5f, middle + reach * 0.5f))};
+        middle - extent,
+        middle + extent,
+        // The filter's mass is nearer to the middle than its extent.
+        footprint->frame.taken(field.moments(middle - extent * 0.5f, middle + extent * 0.5f))};
     return GlintPoint(site, settings);
 }
 

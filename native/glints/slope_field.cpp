@@ -228,7 +228,7 @@ SlopeMoments SlopeField::moments(const Vec2& lower, const Vec2& upper) const {
     if (level.nodes.size() == 1) {
         add(0, 0);
     } else {
-        // Where width or height are not multiples of a node's size, tiles are counted as if they
+        // Where width or height are not multiples of a node's size, repeats are counted as if they
         // were: this serves estimates alone.
         for (int y = first(lower.y); y <= first(upper.y); ++y)
             for (int x = first(lower.x); x <= first(upper.x); ++x)

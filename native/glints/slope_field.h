@@ -41,7 +41,7 @@ private:
 
 // Slopes (a, b) of a map: its normal is W (a, b, 1) for columns W that depend on the surface
 // (SlopeFrame). Coordinates are texels between their centres: (0, 0) is the centre of the first texel,
-// (width, height) the same one tile farther.
+// (width, height) the same one repeat farther.
 //
 // Of a normal map in tangent space, red, green and blue are interpolated between texels, and the slope
 // is a quotient. Of a height map the slope is the gradient of the luminance, by texels, filtered as
@@ -61,7 +61,7 @@ public:
     auto visit_texels(const Act& act) const {
         return std::visit(act, texels_);
     }
-    // Of one cell, in any tile.
+    // Of one cell, in any repeat.
     SlopePatch cell(int x, int y) const {
         return visit_texels([&](const auto& texels) { return SlopePatch(texels.cell(x, y)); });
     }

@@ -28,15 +28,15 @@ struct PathHistory {
     enum class Stage : uint8_t {
         unconnected,  // from the camera through deltas alone, or beyond a chain that nobody else can find
         scattered,  // one smooth scattering at x: shared with next event estimation
-        chain  // then, or from the camera where that may see highlights, interactions with casters
+        chain  // then, or from the camera where that may see camera chains, interactions with casters
     };
     Stage stage = Stage::unconnected;
-    CausticPath caustic;  // as far as it has come, without the chances of its vertices' lobes
+    CausticPath caustic;  // as far as it has come, without the probabilities of its vertices' lobes
     // Where that began on a rough surface: the chain from an earlier x to there and on; else empty.
     CausticPath rough_chain;
-    Surface surface;             // at x
-    CameraApproach approach{};   // to it
-    bool passed_caster = false;  // straight through a part of one, since the last vertex
+    Surface surface;                 // at x
+    CameraSubpath camera_subpath{};  // to it
+    bool crossed_caster = false;     // straight through a part of one, since the last vertex
     // Of the scattering at x, for its share with next event estimation: of its direction or, if it
     // was by closures with glints, of the footprint.
     float pdf_direct = 0.0f;
@@ -57,7 +57,7 @@ struct PathHistory {
     void set_direction(const Scene& scene, const Vec3& wi) {
         if (stage != Stage::scattered) return;
         caustic.pdf_omega = eval(surface.closures, surface.ng, surface.wo, wi).pdf_omega;
-        set_film_per_area(scene, approach, surface.hit, surface.wo, wi, caustic);
+        set_film_density(scene, camera_subpath, surface.hit, surface.wo, wi, caustic);
         pdf_direct = caustic.pdf_omega;
     }
     void set_next(const Scene& scene, const Vec3& p) {
@@ -65,12 +65,12 @@ struct PathHistory {
         if (length_squared(along) > 0.0f) set_direction(scene, normalize(along));
     }
     // Of the camera's path to a surface that it meets after the last one.
-    CameraApproach approach_to(const Scene& scene, const BounceLimits& limits,
-                               const Surface& next) const;
+    CameraSubpath camera_subpath_to(const Scene& scene, const BounceLimits& limits,
+                                    const Surface& next) const;
     // A chain that comes here, and may go on with a rough vertex; null if there is none, as behind a
     // transparent part of a caster: CausticPath::through_caster.
     const CausticPath* chain_so_far() const {
-        if (stage == Stage::unconnected || passed_caster) return nullptr;
+        if (stage == Stage::unconnected || crossed_caster) return nullptr;
         const CausticPath* chain = rough_chain.count > 0 ? &rough_chain : &caustic;
         return chain->begins_rough && chain->count < kLongestChain ? chain : nullptr;
     }
@@ -87,7 +87,7 @@ struct PathHistory {
     }
     // `before`: the path's bounces when it came here.
     void append_smooth(const Scene& scene, const Surface& at, const ClosureSample& sample,
-                       bool may_receive, const CameraApproach& approach_to_it,
+                       bool may_receive, const CameraSubpath& camera_subpath_to_it,
                        const BounceCounts& before) {
         const bool reached_by_scattering = has_scattered();
         stage = Stage::scattered;
@@ -101,17 +101,17 @@ struct PathHistory {
         caustic.from_camera = false;
         caustic.rough_caster = scene.instances[at.hit.instance].rough_caster;
         caustic.begins_rough = !(reached_by_scattering && caustic.rough_caster);
-        caustic.through_caster = passed_caster = false;
+        caustic.through_caster = crossed_caster = false;
         caustic.before = before;
-        caustic.approach = approach_to_it.bounces;
-        caustic.film_per_area = 0.0f;
+        caustic.camera_subpath = camera_subpath_to_it.bounces;
+        caustic.film_density = 0.0f;
         caustic.folds = nullptr;
         caustic.count = 0;
     }
     // After append_smooth(), for set_direction(): where nobody shares paths, nobody needs that.
-    void keep(const Surface& at, const CameraApproach& approach_to_it) {
+    void keep(const Surface& at, const CameraSubpath& camera_subpath_to_it) {
         surface = at;
-        approach = approach_to_it;
+        camera_subpath = camera_subpath_to_it;
     }
     // After append_smooth(): the scattering was by closures with glints.
     void set_glints(const GlintDensity& of_footprint) { glints = of_footprint; }
@@ -121,9 +121,9 @@ struct PathHistory {
                              casters.of_instance[hit.instance] != kNone &&
                              caustic.count < kLongestChain;
         stage = goes_on ? Stage::chain : Stage::unconnected;
-        caustic.through_caster |= passed_caster;
-        rough_chain.through_caster |= passed_caster;
-        passed_caster = false;
+        caustic.through_caster |= crossed_caster;
+        rough_chain.through_caster |= crossed_caster;
+        crossed_caster = false;
         if (goes_on) {
             const CausticVertex vertex{
                 hit, sample.refracted ? Interaction::refraction : Interaction::reflection};
@@ -136,7 +136,7 @@ struct PathHistory {
             rough_chain.count = 0;
         }
     }
-    void append_transparent(const Instance& instance) { passed_caster |= instance.turns_light(); }
+    void append_transparent(const Instance& instance) { crossed_caster |= instance.turns_light(); }
 };
 
 // A light path so far: its chain, which may be empty, then smooth scatterings from the receiver, or
@@ -149,25 +149,25 @@ struct LightHistory {
     // Casters since the light or the last scattering; `count` are valid.
     std::array<Vertex, kLongestChain> vertices;
     uint32_t count = 0;
-    bool passed_caster = false;   // straight through a part of one since the last vertex
+    bool crossed_caster = false;  // straight through a part of one since the last vertex
     bool through_caster = false;  // or between earlier ones
 
-    // Of a path that has scattered: as the camera's has it, film_per_area but for what comes next,
+    // Of a path that has scattered: as the camera's has it, film_density but for what comes next,
     // and its throughput.
     CausticPath path{};
     Spectrum throughput{0.0f};
     Vec3 last{0.0f};  // where it scattered
 
-    bool has_scattered() const { return path.approach.scatterings > 0; }
+    bool has_scattered() const { return path.camera_subpath.scatterings > 0; }
     // Between the light and the receiver.
     uint32_t chain_length() const { return has_scattered() ? path.count : count; }
     // Whether the chain goes on with this delta interaction.
     bool append_delta(const Surface& surface, const ClosureSample& sample, const CasterSet& casters);
     void append_transparent(const Instance& instance) {
-        passed_caster = passed_caster || instance.turns_light();
+        crossed_caster = crossed_caster || instance.turns_light();
     }
     // The whole path from a surface that the camera sees, or a path from there: `surface` is what
-    // it sees. film_per_area is short of the factor that it has at that surface. Empty where no
+    // it sees. film_density is short of the factor that it has at that surface. Empty where no
     // light goes on that way. `light_visibility`: light that comes straight to a surface shows itself
     // to those closures alone whose rays see it.
     struct Arrival {

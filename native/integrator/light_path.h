@@ -52,7 +52,7 @@ struct LightPilot {
     CoarsePicture squares;  // second moment of what one path would add to the picture by itself
     double rays;            // of one path
     double come_through;    // share of the paths that add to the picture
-    double effort, manifold_share, beside_glints;  // as LightTracing has them
+    double mean_search_trials, manifold_share, beside_glints;  // as LightTracing has them
 };
 // Where fewer come through to the camera it sees little of the caustics directly, and few light paths
 // will be shot: what the first generations learned is good enough for those.

@@ -23,7 +23,7 @@ struct IntegratorSettings {
     bool transparent_film = false;
     ManifoldSettings manifold;
     LightTracing light_tracing;
-    const Highlights* highlights = nullptr;  // null: path tracing alone finds them
+    const CameraChains* camera_chains = nullptr;  // null: path tracing alone finds them
     // Where the manifold looks for chains; null: on all casters of the scene.
     const CasterSet* searched = nullptr;
     GlintSettings glints;
@@ -40,7 +40,7 @@ inline Techniques techniques_of(const RenderScene& world, const IntegratorSettin
             world.rough_chain_casters,
             settings.manifold,
             settings.light_tracing,
-            settings.highlights,
+            settings.camera_chains,
             settings.limits};
 }
 
@@ -50,24 +50,24 @@ inline size_t receiver_depth(uint32_t bounces) {
     return std::min<size_t>(bounces, kReceiverDepths - 1);
 }
 
-// Chances of manifold estimates at a receiver of each depth, of sheets' but for the chains that leads
+// Probabilities of manifold estimates at a receiver of each depth, of sheets' but for the chains that chain seeds
 // come to: first of chains of deltas, then of chains with rough vertices. 0: there are none at all.
 inline constexpr size_t kEstimates = 2 * kReceiverDepths;
 using Activation = std::array<float, kEstimates>;
 inline constexpr Activation kAlways{1, 1, 1, 1, 1, 1};
 
 // How closely a sample looks at glints.
-struct GlintEffort {
+struct GlintSampling {
     uint32_t estimates = 1;  // of the light that they throw to a pixel
     // Of radiance: what is less need not be told from noise.
     float faint = 0.0f;
 };
 
 // What a sample of the picture knows.
-struct PassState {
+struct RoundState {
     Activation activation = kAlways;
     LightSheets sheets{};  // where ManifoldSettings::finder asks for them
-    GlintEffort glints{};
+    GlintSampling glints{};
 };
 
 // What manifold estimates of one kind gave and cost by what is left to chance, as if each receiver had
@@ -87,7 +87,7 @@ struct PathStats {
     GlintStats glints;
     std::array<ActivationEvidence, kEstimates> evidence;
     // Newton iterations, and rays, those next to folds among them; not part of the evidence.
-    uint64_t work_of_leads = 0;
+    uint64_t seed_work = 0;
 };
 
 // What one path contributes to the film.
@@ -104,7 +104,7 @@ struct PathSample {
 // `lens`: what the camera's ray was made with; `pixel`: what it stands for, null for a ray alone,
 // which finds no glints.
 PathSample path_radiance(const RenderScene& world, const IntegratorSettings& settings,
-                         const PassState& pass, const Ray& camera_ray, const Vec2& lens,
+                         const RoundState& round, const Ray& camera_ray, const Vec2& lens,
                          const Sampler& sampler, PathStats& stats,
                          const PixelKernel* pixel = nullptr);
 

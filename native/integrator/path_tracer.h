@@ -10,7 +10,7 @@ namespace spc {
 
 // The share of an estimate of density `own` in light that another one finds with `other`: by the
 // power heuristic [Veach97], since the one with the larger density is better than that, stratified.
-inline float shared(float own, float other) { return 1.0f / (1.0f + sqr(other / own)); }
+inline float power_heuristic(float own, float other) { return 1.0f / (1.0f + sqr(other / own)); }
 
 // Directions to lights of which closures with glints take one.
 inline constexpr uint32_t kGlintCandidates = 12;
@@ -23,7 +23,7 @@ inline float shared_by_glints(float direct, const GlintDensity& closure) {
 struct PathTracer {
     const RenderScene& world;
     const IntegratorSettings& settings;
-    const PassState& pass;
+    const RoundState& round;
     PathStats& stats;
     Pcg& pcg;  // of searches for chains that sheets miss
     Vec2 lens;
@@ -57,10 +57,10 @@ struct PathTracer {
     // Along the ray to a surface, which the path then evaluates: adds the light that it runs into on
     // the way and there. Empty where it leaves the scene.
     std::optional<Hit> go_to_surface(Surface& surface, Spectrum& radiance);
-    CameraApproach approach_to(const Surface& surface) const;
+    CameraSubpath camera_subpath_to(const Surface& surface) const;
     // Both tell whether the path goes on.
     bool scatter(const Hit& hit, const Surface& surface, const ClosureSample& next, bool receives,
-                 const CameraApproach& approach, const Sampler& sampler);
+                 const CameraSubpath& camera_subpath, const Sampler& sampler);
     bool look_for_lights_behind(const Hit& hit, const Surface& surface);
 
     std::optional<Hit> intersect();
@@ -72,7 +72,7 @@ struct PathTracer {
         if (shares()) history.set_next(scene(), p);
     }
     bool look_through(const Hit& hit);
-    void leave(const Surface& surface, const ClosureSample& next);
+    void spawn_ray(const Surface& surface, const ClosureSample& next);
     bool survive_roulette(const Sampler& sampler);
     std::optional<CausticVertex> rough_vertex_at(const Surface& surface,
                                                  const ClosureSample& next) const;
@@ -105,25 +105,25 @@ struct PathTracer {
     // ---- path_direct.cpp: next event estimation over all lights
 
     // Without throughput.
-    Spectrum direct_radiance(const Surface& surface, const CameraApproach& approach,
+    Spectrum direct_radiance(const Surface& surface, const CameraSubpath& camera_subpath,
                              const Sampler& sampler);
-    Spectrum direct_radiance(const Surface& surface, const CameraApproach& approach,
+    Spectrum direct_radiance(const Surface& surface, const CameraSubpath& camera_subpath,
                              const DirectSample& light);
 
     // f |cos|, less what rough chains find.
     Spectrum left_of_direct(const Surface& surface, const DirectSample& light, const ClosureEval& f,
                             uint32_t kinds) const;
-    float weight_of_direct(const Surface& surface, const CameraApproach& approach,
+    float weight_of_direct(const Surface& surface, const CameraSubpath& camera_subpath,
                            const DirectSample& light, const ClosureEval& f) const;
     LightEnd end_of_direct(const Surface& surface, const DirectSample& light) const;
     // Whether light paths may find light that comes to the surface, as a rough caster throws it on.
-    bool throws_on(const Surface& surface, const CameraApproach& approach) const;
+    bool throws_on(const Surface& surface, const CameraSubpath& camera_subpath) const;
     Spectrum unblocked(const Surface& surface, const DirectSample& light);
 
     // ---- path_glints.cpp: next event estimation by closures with glints, averaged over the pixel
 
     // Whether the surface is looked at through the path's footprint, in `glints`.
-    void look_for_glints(const Hit& hit, Surface& surface, const CameraApproach& approach,
+    void look_for_glints(const Hit& hit, Surface& surface, const CameraSubpath& camera_subpath,
                          const PixelKernel* pixel);
     // Throughput included.
     Spectrum glint_radiance(const Surface& surface, const Sampler& sampler);
@@ -136,21 +136,21 @@ struct PathTracer {
 
     bool may_receive(const Surface& surface) const;
     // Before caustic_radiance().
-    void look_for_folds(const Surface& surface, const CameraApproach& approach, bool receives);
+    void look_for_folds(const Surface& surface, const CameraSubpath& camera_subpath, bool receives);
     // Of chains of deltas, and of those with rough vertices. Throughput included.
-    Spectrum caustic_radiance(const Surface& surface, const CameraApproach& approach,
+    Spectrum caustic_radiance(const Surface& surface, const CameraSubpath& camera_subpath,
                               const Sampler& sampler);
 
-    Receiver receiver_at(const Surface& surface, const CameraApproach& approach) const;
+    Receiver receiver_at(const Surface& surface, const CameraSubpath& camera_subpath) const;
     // See CausticPath::begins_rough. Where the camera comes as light paths do, they find them.
-    bool may_begin_rough_chain(const Surface& surface, const CameraApproach& approach) const;
+    bool may_begin_rough_chain(const Surface& surface, const CameraSubpath& camera_subpath) const;
     // Of what chains bring, that the manifold counts; those that light paths rarely meet bring all.
-    float share_beside_light_paths(const CameraApproach& approach) const;
+    float share_beside_light_paths(const CameraSubpath& camera_subpath) const;
     // Of kind `i` of Activation, by radiance(receiver, whether it has what is left to chance);
     // `u` decides that. Throughput included.
     template <class Estimate>
-    Spectrum estimate(const Surface& surface, const CameraApproach& approach, size_t i, float u,
-                      const Estimate& radiance);
+    Spectrum estimate(const Surface& surface, const CameraSubpath& camera_subpath, size_t i,
+                      float u, const Estimate& radiance);
     // Of chains of deltas, by a direction next to folds.
     void add_folds(const Surface& surface, const Sampler& sampler, ManifoldRadiance& to) const;
     // Of a path that such a direction has begun. Throughput included.

@@ -22,7 +22,7 @@ struct LitPoint {
 };
 
 // Of one light, or a part of it, as the choice sees it.
-struct LightReach {
+struct LightBounds {
     bool distant = false;
     // Luminance: W/sr where it shines brightest; distant: W/m^2. 0: never chosen.
     float strength = 0.0f;
@@ -41,7 +41,7 @@ public:
     static constexpr float kEvenShare = 0.1f;
 
     LightTree() = default;
-    explicit LightTree(std::span<const LightReach> lights);
+    explicit LightTree(std::span<const LightBounds> lights);
 
     bool empty() const { return evenly_.empty(); }
     struct Sample {
@@ -52,7 +52,7 @@ public:
     // Not of an empty tree. By importance, or evenly in a tenth of all cases.
     Sample sample(const LitPoint& at, float u) const;
     float probability(uint32_t light, const LitPoint& at) const;
-    // The same in two samples, the second of which has the chance kSecond: weighted by the power
+    // The same in two samples, the second of which has the probability kSecond: weighted by the power
     // heuristic [Veach97], so that the second takes next to nothing where importance is right. The sum
     // of weight / probability has the same mean.
     static constexpr float kSecond = kEvenShare / (1.0f - kEvenShare);
@@ -62,7 +62,7 @@ public:
 
 private:
     struct Node {
-        LightReach reach;  // of all lights below
+        LightBounds bounds;  // of all lights below
         uint32_t parent = kNone;
         uint32_t first = 0, count = 0;  // its children; none: a leaf
         uint32_t light = kNone;         // of a leaf
@@ -70,7 +70,7 @@ private:
         float importance(const LitPoint& at) const;
     };
     struct Distant {
-        LightReach reach;
+        LightBounds bounds;
         uint32_t light;
 
         float importance(const LitPoint& at) const;

@@ -9,8 +9,8 @@ namespace spc {
 
 struct BuiltEmitter {
     EmissiveInstance emitter;
-    double flux = 0.0;                // W, of luminance
-    std::vector<LightReach> reaches;  // of its parts
+    double flux = 0.0;                      // W, of luminance
+    std::vector<LightBounds> light_bounds;  // of its parts
 };
 // In so many parts at most. Empty if no triangle of the instance shines.
 std::optional<BuiltEmitter> build_emitter(const Scene& scene, uint32_t instance,

@@ -16,7 +16,7 @@ struct SheetWorld {
     const EmissionGuide& guide;
     uint32_t longest_chain;
     uint32_t threads;  // that build one; 0: all
-    // Of all sheets; one takes so many rays at most, up to what its first tiles and a round need.
+    // Of all sheets; one takes so many rays at most, up to what its first emission cells and a round need.
     const Budget& budget;
     double most_rays = std::numeric_limits<double>::infinity();
 };
@@ -47,9 +47,9 @@ struct BeamSet {
     std::vector<ChainKind> kinds;  // from the receiver on
     uint64_t rays = 0;
 };
-// Of some `tiles` parts of the light's unit square, which are smaller where what becomes of the rays
+// Of some `emission_cells` parts of the light's unit square, which are smaller where what becomes of the rays
 // varies most. `around`: see LightSheet.
-BeamSet trace_beams(const SheetWorld& world, const LightPoint& y, uint32_t tiles,
+BeamSet trace_beams(const SheetWorld& world, const LightPoint& y, uint32_t emission_cells,
                     std::span<const LightPoint> around);
 
 }  // namespace spc

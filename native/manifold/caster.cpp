@@ -47,8 +47,8 @@ MapSlopes measure_slopes(const Scene& scene, const Caster& caster, int points) {
     int used = 0;
     for (int i = 0; i < points; ++i) {
         const SurfaceHit hit = sample_on(caster, pcg);
-        const CasterPatch smooth = evaluate_caster(scene, hit, true),
-                          mapped = evaluate_caster(scene, hit, false);
+        const DifferentialGeometry smooth = evaluate_caster(scene, hit, true),
+                                   mapped = evaluate_caster(scene, hit, false);
         const Frame frame = Frame::around(smooth.n);
         const Vec3 local = frame.to_local(mapped.n);
         if (!(local.z > 0.05f)) continue;

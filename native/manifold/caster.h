@@ -59,7 +59,7 @@ struct ReceiverSides {
     bool below;  // from below the horizon of `ng` too: the receiver transmits smoothly
 };
 
-// Chance that an estimate at x towards `end` walks on each caster: in proportion to a bound of the
+// Probability that an estimate at x towards `end` walks on each caster: in proportion to a bound of the
 // light that the caster can throw at x, with a floor so that no caster that may contribute is ever
 // left out. Casters wholly below a horizon that counts get zero: they contribute nothing.
 struct CasterChoice {

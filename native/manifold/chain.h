@@ -21,7 +21,8 @@ inline float largest_coordinate(const Vec3& p) {
 // Whether the material lets light pass a surface so.
 bool has_interaction(const SpecularInterface& specular, Interaction interaction);
 // Whether wi and wo leave the geometric and the shading surface as the interaction demands.
-bool sides_agree(const CasterPatch& patch, const Vec3& wi, const Vec3& wo, Interaction interaction);
+bool sides_agree(const DifferentialGeometry& geometry, const Vec3& wi, const Vec3& wo,
+                 Interaction interaction);
 
 // Index ratio for light that passes the interface: behind the surface over in front of it, as seen
 // by the side on which `ng` points at the receiver. `ior` is that of the back of a front face.
@@ -46,13 +47,14 @@ struct ConstraintValue {
 // degenerate half-vector.
 std::optional<ConstraintValue> evaluate_constraint(Constraint constraint, Interaction interaction,
                                                    float eta, const Vec3& x,
-                                                   const CasterPatch& vertex, const ChainEnd& end);
+                                                   const DifferentialGeometry& vertex,
+                                                   const ChainEnd& end);
 
 // A vertex of a chain, as seen from x: `eta` behind over in front.
 struct ChainVertex {
     Interaction interaction;
     float eta;
-    CasterPatch patch;
+    DifferentialGeometry geometry;
 };
 
 // A ray, and what becomes of its position and direction if what it comes from is changed by two
@@ -66,7 +68,7 @@ struct RayDual {
 RayDual ray_dual_from(const Vec3& w);
 // Goes on by `distance` m to the plane of a vertex, then turns there. False where there is no way
 // on: total internal reflection, or a vertex seen edge-on.
-bool pass_vertex(const ChainVertex& vertex, double distance, RayDual& ray);
+bool propagate_through_vertex(const ChainVertex& vertex, double distance, RayDual& ray);
 
 struct ChainDerivative {
     // |d solid angle at x / d area at y|, 1/m^2, without the cosine at y; distant ends: by solid

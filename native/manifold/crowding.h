@@ -19,7 +19,7 @@ bool rays_find_all(const Scene& scene, const LightSet& lights);
 std::vector<double> chains_by_maps(const Scene& scene, const LightSet& lights,
                                    const CasterSet& casters, uint32_t seed);
 
-// Of each caster of the set: leads of the sheets at a point that they light, the mean over that light.
+// Of each caster of the set: chain seeds of the sheets at a point that they light, the mean over that light.
 // This knows of shapes as well as of maps, as far as the grids of rays resolve them.
 std::vector<double> chains_by_sheets(const CasterSet& casters, const SheetPool& sheets,
                                      uint32_t seed);

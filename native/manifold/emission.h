@@ -49,7 +49,8 @@ EmittedRay emit(const EmissionGuide& guide, const LightPoint& y, const Vec2& u);
 // itself, not past its surface.
 Ray ray_at(const EmissionGuide& guide, const LightPoint& y, const Vec2& place);
 // Where a ray from y starts that begins at `origin`: past the surface of an emissive mesh.
-Vec3 leave_light(const Scene& scene, const LightPoint& y, const Vec3& origin, const Vec3& direction);
+Vec3 offset_from_light(const Scene& scene, const LightPoint& y, const Vec3& origin,
+                       const Vec3& direction);
 // Density of rays that are uniform over that square: by solid angle from y (1/sr); distant: by area
 // across the direction (1/m^2).
 float density_of_uniform(const EmissionGuide& guide, const LightPoint& y);

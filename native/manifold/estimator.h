@@ -4,7 +4,7 @@
 //   L(x, wo) = sum over chains of  int f(x) cos T L(y) |dw/dA_y| dA_y
 //
 // A point y is drawn by power. The chains to it come from random walks on one caster, drawn by its
-// bound, and random shots for those of several interactions, from a light sheet, or from fixed starts.
+// bound, and random shots for those of several interactions, from a light sheet, or from MNEE seeds.
 #pragma once
 
 #include "bsdf/closure.h"
@@ -15,7 +15,7 @@
 namespace spc {
 
 // What a path knows of the vertex where a chain may begin. Where that is the camera, `ng` is its
-// viewing axis, `importance` and `approach` say nothing, and there are no closures.
+// viewing axis, `importance` and `camera_subpath` say nothing, and there are no closures.
 struct Receiver {
     Vec3 p;
     float p_error;  // m, see RayStart
@@ -25,7 +25,7 @@ struct Receiver {
     uint32_t transparent_left;  // surfaces that the rest of the path may be looked through
     const Media* media;         // on the side of wo
     SurfaceHit hit;
-    CameraApproach approach;
+    CameraSubpath camera_subpath;
     BounceCounts before;  // see CausticPath
     // What irradiance adds to the pixel's radiance, about; largest channel.
     float importance;
@@ -42,10 +42,10 @@ CausticPath caustic_path(const Scene& scene, const Receiver& receiver, const Clo
 // Radiance from a receiver towards its wo. What each estimate has, where sheets lead it, and what is
 // left to chance.
 struct ManifoldRadiance {
-    Spectrum led{0.0f}, drawn{0.0f};
-    uint64_t work_of_leads = 0;  // Newton iterations and rays
+    Spectrum seeded{0.0f}, drawn{0.0f};
+    uint64_t seed_work = 0;  // Newton iterations and rays
 };
-// One estimate; without `draws`, which only sheets do without, of what leads come to alone.
+// One estimate; without `draws`, which only sheets do without, of what chain seeds come to alone.
 ManifoldRadiance manifold_radiance(const Techniques& techniques, const Receiver& receiver,
                                    const LightSheets& sheets, bool draws, const Sampler& sampler,
                                    ManifoldStats& stats);
@@ -55,30 +55,30 @@ Spectrum rough_chain_radiance(const Techniques& techniques, const Receiver& rece
                               const Sampler& sampler, ManifoldStats& stats);
 
 // What the camera sees of a light in casters.
-struct Highlight {
+struct CameraChain {
     Vec3 p;          // of the chain's first vertex
     Spectrum value;  // radiance times pixels^2
 };
-// One estimate of those that leads come to: appends them.
-void find_highlights(const Techniques& techniques, const Receiver& camera, const Sampler& sampler,
-                     std::vector<Highlight>& found, ManifoldStats& stats);
-// One search in a pixel, by its corner, for one that no lead comes to.
-std::optional<Highlight> search_highlight(const Techniques& techniques, const Receiver& camera,
-                                          const Vec2& pixel, const Sampler& sampler,
-                                          ManifoldStats& stats);
+// One estimate of those that chain seeds come to: appends them.
+void find_camera_chains(const Techniques& techniques, const Receiver& camera, const Sampler& sampler,
+                        std::vector<CameraChain>& found, ManifoldStats& stats);
+// One search in a pixel, by its corner, for one that no chain seed comes to.
+std::optional<CameraChain> search_camera_chain(const Techniques& techniques, const Receiver& camera,
+                                               const Vec2& pixel, const Sampler& sampler,
+                                               ManifoldStats& stats);
 
-// One that a random ray came near, as techniques.highlights would share it if it had leads to it.
-struct RandomHighlight {
+// One that a random ray came near, as techniques.camera_chains would share it if it had chain seeds for it.
+struct RandomCameraChain {
     LightPoint y;
     ChainSolution solution;
 };
-// Follows a ray from there on the film through casters, and appends what is within `reach` pixels of
+// Follows a ray from there on the film through casters, and appends what is within `radius` pixels of
 // it, by how the ray leaves each of them.
-void add_random_highlights(const Techniques& techniques, const Receiver& camera, const Vec2& film,
-                           float reach, const Sampler& sampler, std::vector<RandomHighlight>& found,
-                           ManifoldStats& stats);
-// Whether the lead comes to it.
-bool leads_to(const Techniques& techniques, const Receiver& camera, const HighlightLead& lead,
-              const RandomHighlight& highlight, ManifoldStats& stats);
+void add_random_camera_chains(const Techniques& techniques, const Receiver& camera,
+                              const Vec2& film, float radius, const Sampler& sampler,
+                              std::vector<RandomCameraChain>& found, ManifoldStats& stats);
+// Whether the chain seed comes to it.
+bool seed_finds(const Techniques& techniques, const Receiver& camera, const ChainSeed& chain_seed,
+                const RandomCameraChain& camera_chain, ManifoldStats& stats);
 
 }  // namespace spc

@@ -14,13 +14,13 @@ namespace spc {
 Vec2 sample_facet(const SpecularInterface& interface, const Vec2& u);
 // Of the facet that takes light between wi and wo, which lie as the interaction demands; eta as
 // ChainVertex has it. Empty where there is none.
-std::optional<Vec2> facet_between(const CasterPatch& patch, Interaction interaction, float eta,
-                                  const Vec3& wi, const Vec3& wo);
-// Makes the normal of the patch that of the facet, with its derivatives.
-void lean(CasterPatch& patch, const Vec2& slope);
+std::optional<Vec2> facet_between(const DifferentialGeometry& geometry, Interaction interaction,
+                                  float eta, const Vec3& wi, const Vec3& wo);
+// Makes the normal of the geometry that of the facet, with its derivatives.
+void lean(DifferentialGeometry& geometry, const Vec2& slope);
 
 // Density of wo, 1/sr, where light from wi turns at facets that have been drawn so.
-float facet_pdf(const SpecularInterface& interface, const CasterPatch& patch,
+float facet_pdf(const SpecularInterface& interface, const DifferentialGeometry& geometry,
                 Interaction interaction, float eta, const Vec3& wi, const Vec3& wo);
 
 }  // namespace spc

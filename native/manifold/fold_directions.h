@@ -16,14 +16,14 @@ public:
     // None where the folds that meet at x are too many for each of them to tell anything.
     FoldDirections(const LightSheets& sheets, const Vec3& x);
 
-    bool empty() const { return patches_.empty(); }
-    // Unit, from x. Towards a point of one patch, all alike. Empty where that is at x itself.
+    bool empty() const { return parallelograms_.empty(); }
+    // Unit, from x. Towards a point of one parallelogram, all alike. Empty where that is at x itself.
     std::optional<Vec3> sample(const Vec3& u) const;
     float pdf(const Vec3& w) const;  // 1/sr
 
 private:
     Vec3 x_;
-    std::vector<const FoldPatch*> patches_;
+    std::vector<const FoldParallelogram*> parallelograms_;
 };
 
 }  // namespace spc

@@ -11,8 +11,8 @@ inline ChainEnd end_of(const LightPoint& y) { return {y.distant, y.p, y.directio
 
 struct FoundChain {
     ChainSolution solution;
-    float chance;          // to be found
-    float crossed = 0.0f;  // of a lead that has looked across a fold from there, the largest
+    float probability;     // to be found
+    float crossed = 0.0f;  // of a chain seed that has looked across a fold from there, the largest
 };
 using FoundChains = std::vector<FoundChain>;
 
@@ -20,20 +20,20 @@ using FoundChains = std::vector<FoundChain>;
 FoundChain* find_chain(const ManifoldSettings& settings, FoundChains& found,
                        const ChainSolution& solution);
 
-// Adds the chains between x and y to which leads of the sheet come.
-void shoot_leads(const Scene& scene, const ManifoldSettings& settings, const LightSheet& sheet,
-                 const RayStart& x, const LightPoint& y, float worth, float u, FoundChains& found,
-                 ManifoldStats& stats);
-// The same of leads of highlights.
-void shoot_leads(const Techniques& techniques, const RayStart& x, const LightPoint& y,
+// Adds the chains between x and y to which chain seeds of the sheet come.
+void shoot_seeds(const Scene& scene, const ManifoldSettings& settings, const LightSheet& sheet,
+                 const RayStart& x, const LightPoint& y, float probability_per_density, float u,
+                 FoundChains& found, ManifoldStats& stats);
+// The same of chain seeds of camera chains.
+void shoot_seeds(const Techniques& techniques, const RayStart& x, const LightPoint& y,
                  FoundChains& found, ManifoldStats& stats);
 
 // The chain to which manifold next event estimation comes between x and its end: for refractions
 // from the straight line, for reflections from the middle of the caster, which is as good as any
 // other point of a shape that nothing is known of.
-std::optional<ChainSolution> shoot_from_fixed_start(const Techniques& techniques, const RayStart& x,
-                                                    const ChainEnd& end, Interaction first,
-                                                    uint32_t caster, ManifoldStats& stats);
+std::optional<ChainSolution> shoot_from_mnee_seed(const Techniques& techniques, const RayStart& x,
+                                                  const ChainEnd& end, Interaction first,
+                                                  uint32_t caster, ManifoldStats& stats);
 
 inline bool is_cancelled(const ManifoldSettings& settings) {
     return settings.cancelled != nullptr && settings.cancelled->load(std::memory_order_relaxed);
@@ -47,11 +47,11 @@ uint32_t count_trials(const ManifoldSettings& settings, uint32_t most, const Tri
     return trials;
 }
 
-// Whether the lead, or one of those to the light, comes to the chain.
-bool leads_to(const Techniques& techniques, const RayStart& x, const ChainEnd& end,
-              const HighlightLead& lead, const ChainSolution& solution, ManifoldStats& stats);
-bool is_led_to(const Techniques& techniques, const RayStart& x, const ChainEnd& end, uint32_t light,
-               const ChainSolution& solution, ManifoldStats& stats);
+// Whether the chain seed, or one of those to the light, comes to the chain.
+bool seed_finds(const Techniques& techniques, const RayStart& x, const ChainEnd& end,
+                const ChainSeed& chain_seed, const ChainSolution& solution, ManifoldStats& stats);
+bool any_seed_finds(const Techniques& techniques, const RayStart& x, const ChainEnd& end,
+                    uint32_t light, const ChainSolution& solution, ManifoldStats& stats);
 
 // A random search from a point of the camera's lens for chains that are seen in a pixel: it begins
 // there, too. `pixel`: its corner.
@@ -59,7 +59,7 @@ std::optional<ChainSolution> search_pixel(const Techniques& techniques, const Ra
                                           const Vec2& pixel, const ChainEnd& end, Pcg& pcg,
                                           ManifoldStats& stats);
 
-// 0 where a lead of the sheets or of highlights, or a fixed start, comes to the path's chain. Else the
+// 0 where a chain seed of the sheets or of camera chains, or an MNEE seed, comes to the path's chain. Else the
 // trials, at most so many, until a random search came to it from the caster where it begins, or the
 // pixel; 1 where there are no searches. Not of walks, which may come to any.
 uint32_t trials_if_missed(const Techniques& techniques, const LightSheets& sheets,

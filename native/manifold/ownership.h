@@ -7,8 +7,8 @@
 #pragma once
 
 #include "bsdf/closure.h"
+#include "manifold/camera_chains.h"
 #include "manifold/emission.h"
-#include "manifold/highlights.h"
 
 namespace spc {
 
@@ -58,12 +58,12 @@ struct LightTracing {
     double goes_on = 1.0;                  // share of them that may scatter at the receiver
     // Of the chains that light paths find, trials to come to one, 1 where a sheet leads to it: mean
     // over the light that they carry.
-    double effort = 1.0;
+    double mean_search_trials = 1.0;
     double manifold_share = 1.0;  // of that light
     // Of receivers to which they may come, so many have the manifold's walks, which are worth so much
     // of what they are elsewhere.
-    double walks = 1.0, worth_of_walks = 1.0;
-    // CameraApproach::film_per_area, for each light path, from which on they leave to path tracing what
+    double walks = 1.0, walk_confidence = 1.0;
+    // CameraSubpath::film_density, for each light path, from which on they leave to path tracing what
     // glints throw on, of which that has the mean over a footprint.
     double beside_glints = std::numeric_limits<double>::infinity();
     // Whether the manifold leaves to them, and to path tracing, all that comes to receivers to which the
@@ -79,7 +79,7 @@ struct Techniques {
     const CasterSet& rough_chain_casters;
     const ManifoldSettings& manifold;
     const LightTracing& light_tracing;
-    const Highlights* highlights;  // null: there are none
+    const CameraChains* camera_chains;  // null: there are none
     const BounceLimits& limits;
 };
 
@@ -98,7 +98,7 @@ struct CausticVertex {
 
 // Smooth scatterings of the camera's path before a surface, and its turns at casters between them.
 // Straight through transparent surfaces counts as nothing.
-struct ApproachBounces {
+struct SubpathBounces {
     uint32_t scatterings = 0, reflections = 0, refractions = 0;
 
     void add_turn(Interaction interaction) {
@@ -107,10 +107,10 @@ struct ApproachBounces {
 };
 // How the camera's path comes to a surface: directly, or from a surface that it sees directly, by
 // smooth scatterings and by way of casters between them.
-struct CameraApproach {
-    // CausticPath::film_per_area but for the light path's leave of this surface; 0: any other way.
-    float film_per_area = 0.0f;
-    ApproachBounces bounces{};
+struct CameraSubpath {
+    // CausticPath::film_density but for the light path's density of leaving this surface; 0: any other way.
+    float film_density = 0.0f;
+    SubpathBounces bounces{};
 };
 
 // From a smooth scattering at the receiver x through the chain: without the light's end. With no
@@ -123,7 +123,7 @@ struct CausticPath {
     // per sr, of which path tracing takes a sample each.
     float pdf_omega = 0.0f;
     bool receiver = false;      // x has the role, the closure and the bounces left
-    bool from_camera = false;   // x is a point of the camera's lens: a highlight
+    bool from_camera = false;   // x is a point of the camera's lens: a camera chain
     bool rough_caster = false;  // x lies on one
     // Whether a chain with rough vertices may begin at x. Not on a rough surface that is reached by
     // a scattering: there a chain that has begun before goes on.
@@ -134,17 +134,17 @@ struct CausticPath {
     // Bounces of the camera's path when it came to x; none in a light path's record, which does not
     // know of which kinds they would be.
     BounceCounts before{};
-    ApproachBounces approach{};  // of the camera's path to x
+    SubpathBounces camera_subpath{};  // of the camera's path to x
     // Pixels^2 of the film per m^2 at x where the camera sees x. Where it sees the last of several
     // surfaces z_1 = x, z_2, ... that scatter smoothly: pixels^2 per m^2 there, times what the
     // densities of the camera's path between them are in those of the light path,
     //   prod p(z_i+1 -> z_i) cos_i / (p(z_i -> z_i+1) cos_i+1),
-    // and Turns::density of the casters on the way.
+    // and SpecularTransfer::density of the casters on the way.
     // 0 if the camera's path came any other way.
-    float film_per_area = 0.0f;
+    float film_density = 0.0f;
     // Where x may glint and the camera sees it by way of others: with what density a light path leaves
-    // x as this one does, 1/sr. Times film_per_area that is CameraApproach::film_per_area. Else 0.
-    float leave_of_glints = 0.0f;
+    // x as this one does, 1/sr. Times film_density that is CameraSubpath::film_density. Else 0.
+    float glint_exit_pdf = 0.0f;
     const FoldDirections* folds = nullptr;  // of which x draws one; null: it does not
     uint32_t count = 0;
     std::array<CausticVertex, kLongestChain> vertices;  // from the receiver on; `count` are valid
@@ -171,10 +171,10 @@ struct LightEnd {
 };
 LightEnd light_end(const LightPoint& y, const Vec3& away);
 
-// CausticPath::film_per_area and leave_of_glints for light that arrives at the surface x along `wi`
+// CausticPath::film_density and glint_exit_pdf for light that arrives at the surface x along `wi`
 // (from the surface) and leaves it for the camera's path along `wo`.
-void set_film_per_area(const Scene& scene, const CameraApproach& approach, const SurfaceHit& hit,
-                       const Vec3& wo, const Vec3& wi, CausticPath& path);
+void set_film_density(const Scene& scene, const CameraSubpath& camera_subpath,
+                      const SurfaceHit& hit, const Vec3& wo, const Vec3& wi, CausticPath& path);
 
 // So often may the camera's path scatter before a receiver of light tracing's, at most.
 uint32_t most_scatterings(const BounceLimits& limits);
@@ -188,57 +188,59 @@ bool light_tracing_owns(const Techniques& techniques, const CausticPath& path);
 // As far as a path is known that has not come to the camera yet.
 bool light_tracing_may_own(const Techniques& techniques, const CausticPath& path);
 
-// The chance that a receiver has the manifold's estimate by walks at all, beside that of the pass.
-inline double chance_of_walks(const Techniques& techniques, float film_per_area) {
-    const bool shares = techniques.manifold.finder == ChainFinder::walks && film_per_area > 0.0f;
+// The probability that a receiver has the manifold's estimate by walks at all, beside that of the round.
+inline double walk_probability(const Techniques& techniques, float film_density) {
+    const bool shares = techniques.manifold.finder == ChainFinder::walks && film_density > 0.0f;
     return shares ? techniques.light_tracing.walks : 1.0;
 }
 
 // The balance heuristic takes estimates of equal density for equally good. The manifold's have this
-// much of the worth of a sample that was drawn with the same density: walks choose one of many
+// much of the confidence of a sample that was drawn with the same density: walks choose one of many
 // solutions and count trials, the more for chains of several interactions; sheets cost more than a
-// light path and miss some chains. Where fixed starts find a chain, nothing but y is left to chance;
+// light path and miss some chains. Where MNEE seeds find a chain, nothing but y is left to chance;
 // but what they take from light paths of the chains that they miss is left to path tracing. So it is
-// with the leads of highlights. Chains with rough vertices are left to chance alone, the more so with
+// with the chain seeds of camera chains. Chains with rough vertices are left to chance alone, the more so with
 // several: in the focus of a ball of rough glass one is met again after a thousand trials, and path
 // tracing is dense. What walks are worth beside light paths, and how much light sheets miss there, and
 // how hard that is to find, is measured; light paths find chains of several interactions as easily.
-inline double manifold_worth(const Techniques& techniques, const CausticPath& path) {
+inline double manifold_confidence(const Techniques& techniques, const CausticPath& path) {
     if (path.from_camera) return 1.0;
     if (path.is_rough()) return path.count == 1 ? 1.0 / 2 : 1.0 / 32;
     switch (techniques.manifold.finder) {
         case ChainFinder::walks:
-            if (path.film_per_area > 0.0f)
-                return techniques.light_tracing.worth_of_walks *
+            if (path.film_density > 0.0f)
+                return techniques.light_tracing.walk_confidence *
                        (path.count == 1 ? 1.0 / 32 : 1.0 / 512);
             return path.count == 1 ? 1.0 / 32 : 1.0 / 128;
         case ChainFinder::sheets:
-            return 1.0 / (8 * (path.film_per_area > 0.0f ? techniques.light_tracing.effort : 1.0));
+            return 1.0 / (8 * (path.film_density > 0.0f ? techniques.light_tracing.mean_search_trials
+                                                        : 1.0));
         case ChainFinder::mnee: return techniques.light_tracing.guide != nullptr ? 1.0 / 32 : 1.0;
     }
     return 1.0;
 }
 
 // By area at y (distant light: solid angle at the light) and area at x; of the camera's paths for
-// one sample of the whole picture; all divided by film_per_area, if that is positive.
+// one sample of the whole picture; all divided by film_density, if that is positive.
 struct CausticDensities {
     double geometry = 0.0;  // |dw_x/dA_y|, the cosine at y included
     double path_tracing =
-        0.0;             // p_bsdf(w) |dw_x/dA_y| times the chances of all lobes; 0 for delta lights
-    double folds = 0.0;  // the same of directions next to folds, times their worth
+        0.0;  // p_bsdf(w) |dw_x/dA_y| times the probabilities of all lobes; 0 for delta lights
+    double folds = 0.0;   // the same of directions next to folds, times their confidence
     double direct = 0.0;  // of next event estimation
-    // p_L(y) times the chance of the caster and manifold_worth(); of highlights times their estimates.
+    // p_L(y) times the probability of the caster and manifold_confidence(); of camera chains times their estimates.
     double manifold = 0.0;
-    double light_tracing = 0.0;  // paths p_L(y) p_e(w_y) |dw_y/dA_x| times the chances of all lobes
+    double light_tracing =
+        0.0;  // paths p_L(y) p_e(w_y) |dw_y/dA_x| times the probabilities of all lobes
     // Of random searches for chains that the manifold's definite search misses, where others take its
-    // share of them: p_L(y) times the chance of a search that begins at the chain's caster, or in the
+    // share of them: p_L(y) times the probability of a search that begins at the chain's caster, or in the
     // pixel that shows it, half of it for the noise of its count. One in so many trials comes to the
-    // chain. 0: there are none, beside fixed starts.
+    // chain. 0: there are none, beside MNEE seeds.
     std::optional<double> missed;
 
     // What light tracing multiplies the path's light with: its geometry over the densities, of which
     // the estimator's own one divides it and the sum weighs. Finite on a fold. The manifold takes
-    // manifold_worth() of it, which it has not been divided by.
+    // manifold_confidence() of it, which it has not been divided by.
     double scale() const { return geometry / sum(); }
     double sum() const { return by_directions() + direct + manifold + light_tracing; }
     // Of those who draw a direction at x and follow it.
@@ -248,7 +250,7 @@ struct CausticDensities {
     // counts trials anew, by which both have their share of what they are left with: the count is
     // random, but since it is independent of how the chain was found, the weights sum to one on
     // average. It costs a look whether sheets miss the chain, so that is only done where directions
-    // are not dense. What fixed starts miss is path tracing's alone.
+    // are not dense. What MNEE seeds miss is path tracing's alone.
     bool missed_are_apart() const {
         constexpr double kDense = 4096.0;
         return missed && (*missed == 0.0 || kDense * manifold > by_directions());
@@ -275,17 +277,18 @@ struct CausticDensities {
     double shared_by_camera() const { return (by_directions() + manifold) / sum(); }
 };
 // Throughput of the chain's vertices as the camera's path comes to them, f |cos| of rough ones;
-// fills in the chances of their lobes. By the places of the vertices alone, so that all techniques
+// fills in the probabilities of their lobes. By the places of the vertices alone, so that all techniques
 // have the same.
 Spectrum chain_throughput(const Scene& scene, CausticPath& path, const ChainEnd& end);
 // What turns at casters make of the camera's path from one smooth scattering to the next.
-struct Turns {
-    Spectrum weight;  // throughput over the chances of their lobes
+struct SpecularTransfer {
+    Spectrum weight;  // throughput over the probabilities of their lobes
     float density;    // of the camera's path, in the light path's, but for p and cos at both ends
 };
 // `path`: from the scattering at x on, its vertices' lobes are filled in; z is the next one. Empty
 // where the chain cannot be, by the accuracy that there is.
-std::optional<Turns> turns_between(const Scene& scene, CausticPath& path, const Vec3& z);
+std::optional<SpecularTransfer> specular_transfer(const Scene& scene, CausticPath& path,
+                                                  const Vec3& z);
 // Empty where the chain cannot be, by the accuracy that there is.
 std::optional<CausticDensities> caustic_densities(const Techniques& techniques,
                                                   const CausticPath& path, const LightEnd& end);
@@ -299,7 +302,7 @@ std::optional<CausticDensities> caustic_densities(const Techniques& techniques,
 std::optional<CausticVertex> rough_vertex(const Techniques& techniques, const SurfaceHit& hit,
                                           const Vec3& ng, const Vec3& wi);
 // The share that the manifold has of light which arrives by a path with rough vertices, without the
-// chances of their lobes.
+// probabilities of their lobes.
 float rough_chain_share(const Techniques& techniques, CausticPath path, const LightEnd& end);
 
 // Where a chain that began at an earlier x may go on.

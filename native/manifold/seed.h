@@ -23,7 +23,8 @@ struct NormalTarget {
     bool smooth_base = false;
     Vec3 offset{0.0f, 0.0f, 1.0f};  // unit, in Frame::around(smooth normal)
 };
-CasterPatch aimed_patch(const Scene& scene, const SurfaceHit& hit, const NormalTarget& target);
+DifferentialGeometry aimed_geometry(const Scene& scene, const SurfaceHit& hit,
+                                    const NormalTarget& target);
 
 struct Seed {
     SurfaceHit hit;

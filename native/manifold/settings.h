@@ -17,8 +17,8 @@ inline constexpr uint32_t kLongestChain = 13, kLongestManifoldChain = 6;
 
 enum class Constraint : uint8_t { half_vector, angle_difference };
 
-// How an estimate comes to its chains: by random walks [Zeltner20], from the leads of light sheets
-// and by walks for what those miss, or from fixed starts [Hanika15].
+// How an estimate comes to its chains: by random walks [Zeltner20], from the chain seeds of light sheets
+// and by walks for what those miss, or from MNEE seeds [Hanika15].
 enum class ChainFinder : uint8_t { walks, sheets, mnee };
 
 struct ManifoldSettings {
@@ -27,7 +27,7 @@ struct ManifoldSettings {
     // Walks: the sum over the solutions of `set_size` of them [Zeltner20 Alg. 3]; mnee: what it
     // misses is left out. Sheets have no such variant.
     bool biased = false;
-    // Interactions. Highlights may have as many as any chain.
+    // Interactions. Camera chains may have as many as any chain.
     uint32_t longest_chain = kLongestManifoldChain;
     // The only chains that are looked for, from the receiver on, as in most figures of [Zeltner20];
     // empty: all.
@@ -41,17 +41,18 @@ struct ManifoldSettings {
 
     int max_iterations = 20;  // walks that need more nearly always diverge
     int max_halvings = 6;     // of one step, before the walk gives up
-    int lead_halvings = 1;    // the same from a lead of a sheet: most that need more lead nowhere
+    int seed_halvings =
+        1;  // the same from a chain seed of a sheet: most that need more lead nowhere
     // Share of the seeds that are uniform over the caster; the rest is what x sees of it.
     float seeds_by_area = 0.5f;
     // Points from which the best becomes a seed. More find small basins, and cost time elsewhere.
     uint32_t seed_candidates = 4;
     // Share of the estimates by sheets that look for what those miss.
-    float search_chance = 1.0f / 4;
+    float search_probability = 1.0f / 4;
     // Two solutions closer than this many of their resolutions are one.
     float identity_factor = 4.0f;
     // Bernoulli trials; beyond, the estimate keeps what it counted and reports it. Those by which
-    // chains are weighed that leads miss end there, too.
+    // chains are weighed that chain seeds miss end there, too.
     uint32_t trial_cap = 1u << 16;
     // Once set, estimates end where they are; whoever sets it throws their samples away.
     const std::atomic<bool>* cancelled = nullptr;
@@ -74,7 +75,7 @@ struct ManifoldStats {
     uint64_t max_trials = 0;
     TrialHistogram trial_histogram{};  // of trial_estimates
     uint64_t capped = 0;
-    uint64_t leads = 0;          // chains that sheets or highlights told to look for
+    uint64_t chain_seeds = 0;    // chains that sheets or camera chains told to look for
     uint64_t roots = 0;          // different ones that were there
     uint64_t missed = 0;         // found by walks beside them
     double missed_energy = 0.0;  // luminance that those gave to their estimates
@@ -88,7 +89,7 @@ struct ManifoldStats {
         rays += other.rays;
         trial_estimates += other.trial_estimates;
         trials += other.trials;
-        leads += other.leads;
+        chain_seeds += other.chain_seeds;
         roots += other.roots;
         missed += other.missed;
         missed_energy += other.missed_energy;

@@ -44,7 +44,7 @@ struct ChainSolution {
     float first_resolution, last_resolution;
     Vec3 w;  // unit direction at the receiver
     // Of the derivative by w of the angle by which a shot misses: 0 on a fold, and of the other sign
-    // beyond. The unit direction across w in which the miss changes least: two solutions that meet on
+    // beyond. The unit direction across w in which the endpoint error changes least: two solutions that meet on
     // a fold lie along it.
     float determinant;
     Vec3 softest;
@@ -68,17 +68,17 @@ std::optional<ChainSolution> shoot_across_fold(const Scene& scene, const Manifol
                                                int max_halvings, ManifoldStats& stats);
 
 // Where a chain may be looked for.
-struct ChainStart {
+struct ChainSeed {
     ChainKind kind;
-    Vec3 w;
+    Vec3 w;  // unit, at the receiver
 };
 // Follows a random ray from the receiver to a caster, and on through casters, reflected or refracted by
 // chance, as Fresnel has it about, or as settings.family demands. Half of the rays aim at points uniform over the caster's specular area, half are
 // uniform in the cone of its bounding sphere. Empty where the ray meets nothing. `facets`: as above.
-std::optional<ChainStart> sample_chain(const Scene& scene, const ManifoldSettings& settings,
-                                       const RayStart& x, const CasterSet& casters, uint32_t caster,
-                                       Pcg& pcg, ManifoldStats& stats,
-                                       const FrozenFacets* facets = nullptr);
+std::optional<ChainSeed> sample_chain(const Scene& scene, const ManifoldSettings& settings,
+                                      const RayStart& x, const CasterSet& casters, uint32_t caster,
+                                      Pcg& pcg, ManifoldStats& stats,
+                                      const FrozenFacets* facets = nullptr);
 // A random ray through casters, and how it leaves each of them.
 struct FollowedRay {
     struct Behind {
@@ -100,12 +100,12 @@ std::optional<FollowedRay> follow_camera_ray(const Scene& scene, const ManifoldS
 float turn_towards(const FollowedRay::Behind& behind, const ChainEnd& end);
 // Along the segment to the end: refracted by every caster that it crosses, whatever else stands in
 // its way [Hanika15]. Empty where it crosses none, or more than a chain may have.
-std::optional<ChainStart> straight_chain(const Scene& scene, const ManifoldSettings& settings,
-                                         const RayStart& x, const CasterSet& casters,
-                                         const ChainEnd& end, ManifoldStats& stats);
+std::optional<ChainSeed> straight_chain(const Scene& scene, const ManifoldSettings& settings,
+                                        const RayStart& x, const CasterSet& casters,
+                                        const ChainEnd& end, ManifoldStats& stats);
 // Reflected once by the caster, from where x sees it in the direction of its middle. Empty in the
 // middle.
-std::optional<ChainStart> central_reflection(const RayStart& x, const Caster& caster);
+std::optional<ChainSeed> central_reflection(const RayStart& x, const Caster& caster);
 
 // Whether two solutions for the same ends are the same chain.
 bool same_solution(const ManifoldSettings& settings, const ChainSolution& a, const ChainSolution& b);

@@ -10,7 +10,7 @@ namespace spc {
 // A solution: the point on the caster and how light turns there.
 struct ChainRoot {
     SurfaceHit hit;
-    CasterPatch patch;
+    DifferentialGeometry geometry;
     Interaction interaction;
     float eta;         // behind over in front, as seen from x
     float resolution;  // m: how far the point may lie from the solution

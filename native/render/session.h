@@ -7,7 +7,7 @@
 #include "core/parallel.h"
 #include "film/film.h"
 #include "film/filter.h"
-#include "integrator/highlights.h"
+#include "integrator/camera_chains.h"
 #include "integrator/light_path.h"
 
 #include <atomic>
@@ -20,7 +20,7 @@
 namespace spc {
 
 struct RenderSettings {
-    // But for `light_tracing`, `highlights` and the flakes of glints, which the session sets.
+    // But for `light_tracing`, `camera_chains` and the flakes of glints, which the session sets.
     IntegratorSettings integrator;
     bool light_tracing = false;  // where there is a caster that a light reaches
     // Whether the manifold leaves to light paths and path tracing what they find at less cost: casters that
@@ -67,17 +67,17 @@ struct RenderProgress {
 // What is known of the estimates of a tile, from all its samples so far.
 struct TileEvidence {
     uint64_t samples = 0;
-    uint64_t rays = 0;  // of path tracing, and the work of leads
+    uint64_t rays = 0;  // of path tracing, and the work of chain seeds
     std::array<ActivationEvidence, kEstimates> manifold;
     void add(const RenderStats& stats);
 };
 // What has not been met must not come too rarely: a tile hears late of what chains bring that are
 // found once in a while, and then it comes as a single bright sample.
-inline constexpr double kLeastChance = 1.0 / 4;
-// The chances of manifold estimates for which variance times cost of the tile is least, as
+inline constexpr double kLeastProbability = 1.0 / 4;
+// The probabilities of manifold estimates for which variance times cost of the tile is least, as
 // efficiency-optimised Russian roulette has it [Rath22], between `least` and `most`.
 // `variance`: of one sample; else it is that of the tile's pixels. Until they have samples enough, the
-// chances are as `before`.
+// probabilities are as `before`.
 Activation activation_for(const TileEvidence& evidence, double variance, double least, double most);
 Activation activation_for(const TileEvidence& evidence, std::span<const PixelSums> pixels,
                           const Activation& before);
@@ -107,7 +107,7 @@ private:
     void fail();
     // A coarse picture by path tracing alone, for as long as there is nothing better.
     void render_preview();
-    // Before the first pass, in this order: session_plan.cpp.
+    // Before the first round, in this order: session_plan.cpp.
     void prepare();
     // The stage's budget: so much work, and of a limited time such a share.
     const Budget& begin(RenderStage stage, double work, double share);
@@ -117,9 +117,9 @@ private:
     void prepare_flakes();
     void choose_casters();
     void prepare_sheets();
-    void leave_out(const std::vector<double>& chains, const char* what);
+    void exclude(const std::vector<double>& chains, const char* what);
     void learn_light_paths();
-    void find_highlights();
+    void find_camera_chains();
     void weigh_noise();
     void weigh_estimates();
     void count_splats();
@@ -134,7 +134,8 @@ private:
         std::array<double, CoarsePicture::kCells> variances;
     };
     Probe probe(uint32_t most, uint32_t rare, const Budget& budget);
-    static Probe with_chances(const Probe& whole, const Activation& from, const Activation& to);
+    static Probe with_probabilities(const Probe& whole, const Activation& from,
+                                    const Activation& to);
     struct LightPathPlan {
         uint64_t paths;  // for each sample of the picture
         double error;    // logarithm of the variances' mean, times the work of a sample
@@ -143,19 +144,19 @@ private:
     void weigh_light_paths(const Probe& camera);
     static double walks_that_pay(const Probe& least_walks);
     bool render_job(uint64_t job, RenderStats& stats);
-    bool render_tile(uint32_t pass, uint32_t tile, RenderStats& stats);
-    bool render_splats(uint32_t pass, uint32_t part, RenderStats& stats);
-    bool render_pixels(uint32_t tile, uint32_t pass, std::vector<PixelSums>& pixels,
+    bool render_tile(uint32_t round, uint32_t tile, RenderStats& stats);
+    bool render_splats(uint32_t round, uint32_t part, RenderStats& stats);
+    bool render_pixels(uint32_t tile, uint32_t round, std::vector<PixelSums>& pixels,
                        RenderStats& stats);
-    GlintEffort glint_effort(const PixelSums& pixel, double variance_of_tile) const;
+    GlintSampling glint_sampling(const PixelSums& pixel, double variance_of_tile) const;
     FilmSample take_sample(uint32_t x, uint32_t y, uint32_t index,
-                           const IntegratorSettings& integrator, const PassState& state,
+                           const IntegratorSettings& integrator, const RoundState& state,
                            RenderStats& stats) const;
-    uint32_t pass_begin(
-        uint32_t pass) const;  // relative sample index; of pass_count_ the number of samples
-    bool must_stop() const;    // whatever has been done
-    bool should_stop() const;  // that, or time is up
-    bool stops_in(uint32_t pass) const;
+    uint32_t round_begin(
+        uint32_t round) const;  // relative sample index; of round_count_ the number of samples
+    bool must_stop() const;     // whatever has been done
+    bool should_stop() const;   // that, or time is up
+    bool stops_in(uint32_t round) const;
     void look_at_clock();
     double seconds() const;
 
@@ -165,19 +166,19 @@ private:
     const IntegratorSettings path_tracing_;  // of the preview
     const PixelFilter filter_;
     Film film_;
-    const uint32_t pass_count_;
-    std::vector<std::atomic<uint32_t>> tile_passes_;  // passes that each tile has had
+    const uint32_t round_count_;
+    std::vector<std::atomic<uint32_t>> tile_rounds_;  // rounds that each tile has had
     std::atomic<uint32_t> tiles_begun_{0};            // those that have had one
-    std::vector<TileEvidence> evidence_;              // of each tile, from those passes
-    Activation first_chances_ = kAlways;              // of tiles whose samples tell nothing yet
-    // Of each pass, beside its tiles. Splats are added to the film in the order of these, too.
+    std::vector<TileEvidence> evidence_;              // of each tile, from those rounds
+    Activation first_probabilities_ = kAlways;        // of tiles whose samples tell nothing yet
+    // Of each round, beside its tiles. Splats are added to the film in the order of these, too.
     uint32_t splat_jobs_ = 0;
-    uint64_t light_paths_ = 0, highlight_estimates_ = 0,
-             highlight_searches_ = 0;  // for each sample of the picture
+    uint64_t light_paths_ = 0, camera_chain_estimates_ = 0,
+             camera_chain_searches_ = 0;  // for each sample of the picture
     InOrder splats_in_order_;
     CasterSet searched_;  // where some casters are left to others
     std::unique_ptr<const LightPilot> light_pilot_;
-    std::unique_ptr<const Highlights> highlights_;
+    std::unique_ptr<const CameraChains> camera_chains_;
     SheetPool sheet_pool_;
     LightSheets sheets_;  // of the pool
     // Of a sample, on average over the picture, as far as somebody asks: variance, and its work over

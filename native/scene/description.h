@@ -119,7 +119,7 @@ struct CameraView {
     Vec3 origin;          // where the ray to the point starts
     float t_near, t_far;  // clips along that ray
     Vec2 film;            // pixels of the full frame; may lie outside of it
-    float film_per_area;  // pixels^2 per m^2 of a surface at the point that faces the ray
+    float film_density;   // pixels^2 per m^2 of a surface at the point that faces the ray
 };
 
 struct Camera {
@@ -150,7 +150,7 @@ struct Camera {
     // point of the film, where the direction `w` is seen on it, and pixels^2 per sr around that.
     Ray ray_from(const Vec3& x, const Vec2& film) const;
     Vec2 film_towards(const Vec3& x, const Vec3& w) const;
-    float film_per_solid_angle(const Vec3& w) const;
+    float film_density_omega(const Vec3& w) const;
     // Within the crop, or less than `margin` pixels beside it.
     bool is_near_crop(const Vec2& film, float margin) const;
     Vec3 forward() const { return to_world.column(2) * -1.0f; }  // along the viewing axis

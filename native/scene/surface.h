@@ -51,13 +51,13 @@ Vec3 front_normal(const Scene& scene, uint32_t instance, uint32_t triangle);
 // is the normal of the material's specular interface on the *front* side: the mapped one, or the
 // interpolated mesh normal if `smooth_base` is asked for. Its derivatives are exact inside a
 // texture cell.
-struct CasterPatch {
+struct DifferentialGeometry {
     Vec3 p, dp_du, dp_dv;
     Vec3 n, dn_du, dn_dv;
     Vec3 ng;               // unit, front side
     float p_error = 0.0f;  // m, see RayStart
 };
-CasterPatch evaluate_caster(const Scene& scene, const SurfaceHit& hit, bool smooth_base);
+DifferentialGeometry evaluate_caster(const Scene& scene, const SurfaceHit& hit, bool smooth_base);
 
 // Origin for a ray that leaves the surface at `from` towards the side of `direction`: as far from
 // the triangle as rounding could have p and ray cast disagree about it, and no farther.

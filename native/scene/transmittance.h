@@ -35,7 +35,7 @@ struct RayEnd {
     Vec3 beside(const Vec3& vertex) const;
 };
 RayEnd end_on(const Scene& scene, const SurfaceHit& hit, const Vec3& p);
-RayEnd end_on(const Scene& scene, const SurfaceHit& hit, const CasterPatch& vertex);
+RayEnd end_on(const Scene& scene, const SurfaceHit& hit, const DifferentialGeometry& vertex);
 
 // What a connection cannot be looked through.
 enum class Opaque : uint8_t {

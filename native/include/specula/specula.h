@@ -350,7 +350,7 @@ typedef enum spc_method {
     SPC_METHOD_SMS_BIASED = 2,
     SPC_METHOD_LT = 3,     /* path tracing and light tracing, no manifold */
     SPC_METHOD_SHEETS = 4, /* manifold: all chains by light sheets, walks for what they miss */
-    /* [Hanika15]: at most one refraction and one reflection, from fixed starts. What they miss is
+    /* [Hanika15]: at most one refraction and one reflection, from MNEE seeds. What they miss is
      * path traced, or lost by SPC_METHOD_MNEE_BIASED. Lights without extent have no paths to trace. */
     SPC_METHOD_MNEE = 5,
     SPC_METHOD_MNEE_BIASED = 6,
@@ -478,9 +478,9 @@ typedef struct spc_render_stats {
     uint64_t nan_samples;   /* samples and splats dropped for not being finite, or above 1e18 */
     uint64_t light_paths;   /* from lights; those that learned where to start included */
     uint64_t splats;        /* that light paths added to the picture */
-    /* Of light sheets and highlights: chains that were known to be worth looking for, different ones
+    /* Of light sheets and camera chains: chains that were known to be worth looking for, different ones
      * that were there, and others that walks found beside them, with the luminance that these gave. */
-    uint64_t leads, led_chains, missed_chains;
+    uint64_t chain_seeds, seeded_chains, missed_chains;
     double missed_energy;
     uint64_t glint_estimates; /* of the light of one direction, over a footprint */
     uint64_t glint_nodes;     /* parts of maps that they looked at, or slopes on walks */

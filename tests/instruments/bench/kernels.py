@@ -9,7 +9,7 @@ is that of the repetitions. A kernel first proves that it does what its name say
 newton    Newton iterations of walks from seeds that stand ready, success and failure as it comes
 walk      whole random walks, seeds included
 seed      candidates for seeds
-surface   from a hit to closures; patch: to the local shape with derivatives, as walks ask for it
+surface   from a hit to closures; geometry: to the local shape with derivatives, as walks ask for it
 sample    of a material's closures; eval: their value and density
 closest   ray casts, from a hundred to a million triangles; occluded: shadow rays
 glints    light averaged over a footprint: by search, random walks, and Gaussians; prepare: what a

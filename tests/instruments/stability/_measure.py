@@ -20,7 +20,7 @@ from tests.instruments.stability._scenes import SIDE
 
 BLOCKS = 2  # along each side of the picture
 BRIGHTEST = 1e-3  # share of the pixels of a picture with one sample each
-FALSE_ALARMS = 1e-2  # chance that any comparison of a whole table fails though all is well
+FALSE_ALARMS = 1e-2  # probability that any comparison of a whole table fails though all is well
 POLL_MILLISECONDS = 100
 
 
@@ -72,9 +72,9 @@ METHODS = (
         excuse="solutions that no walk meets are lost",
     ),
     # What they miss is path tracing's: it takes as many samples.
-    Method("fixed starts", settings("MNEE"), 4096, needs_path_tracing=True),
+    Method("MNEE seeds", settings("MNEE"), 4096, needs_path_tracing=True),
     Method(
-        "fixed starts alone",
+        "MNEE seeds alone",
         settings("MNEE_BIASED"),
         excuse="one refraction and one reflection at most, whatever there are",
         needs_path_tracing=True,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Fixed starts [Hanika15] and brute force, for casters of which they find all chains, some, or few.
+// MNEE seeds [Hanika15] and brute force, for casters of which they find all chains, some, or few.
 #include "agreement/parts.h"
 
 namespace spc::test {

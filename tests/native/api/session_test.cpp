@@ -357,7 +357,7 @@ TEST(Determinism, MovedCameraIsAnotherScenes) {
 
 TEST(Determinism, CropIsAWindow) {
     constexpr uint32_t kWidth = 40, kHeight = 24;
-    // Light paths and the chances of manifold estimates follow what is seen of the picture.
+    // Light paths and the probabilities of manifold estimates follow what is seen of the picture.
     spc_render_settings settings = quick_settings();
     settings.method = SPC_METHOD_PT;
     spc_camera_desc camera = valid_camera(kWidth, kHeight);
@@ -451,7 +451,7 @@ TEST(Determinism, HalvesAddUp) {
         }
         EXPECT_GT(energy, 0.0) << "pass " << pass << " is empty";
     }
-    // The chances of manifold estimates follow the samples before: halves and whole are then
+    // The probabilities of manifold estimates follow the samples before: halves and whole are then
     // different pictures of one mean. Light paths alone are a sum over their indices.
     for (const uint32_t method : {SPC_METHOD_SMS_UNBIASED, SPC_METHOD_LT}) {
         const auto all = mean_of(0, 16, SPC_PASS_COMBINED, method),

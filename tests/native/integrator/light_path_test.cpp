@@ -5,8 +5,9 @@
 namespace spc::test {
 namespace {
 
-// Trials for the light that light paths find, beside sheets of so many tiles.
-double effort_beside_sheets(const std::function<void(SceneMaker&)>& add_caster, uint32_t tiles) {
+// Trials for the light that light paths find, beside sheets of so many emission cells.
+double search_trials_beside_sheets(const std::function<void(SceneMaker&)>& add_caster,
+                                   uint32_t emission_cells) {
     constexpr uint32_t kSeed = 3;
     SceneMaker maker;
     set_camera(maker);
@@ -17,12 +18,12 @@ double effort_beside_sheets(const std::function<void(SceneMaker&)>& add_caster, 
     IntegratorSettings settings = few_bounces();
     settings.manifold = unbiased_manifold();
     settings.manifold.finder = ChainFinder::sheets;
-    const SheetPool pool =
-        build_sheets(*world.scene, world.lights, world.casters, settings.manifold, kSeed, tiles, 1);
+    const SheetPool pool = build_sheets(*world.scene, world.lights, world.casters,
+                                        settings.manifold, kSeed, emission_cells, 1);
     LightPathStats stats;
     const std::unique_ptr<const LightPilot> pilot =
         learn_emission(world, settings, {pool}, 0.0f, kLeastPilotPaths, kSeed, 1, Budget(), stats);
-    return pilot ? pilot->effort : 0.0;
+    return pilot ? pilot->mean_search_trials : 0.0;
 }
 
 // That light paths learn from beside a ball, told to take `paths`.
@@ -55,8 +56,8 @@ TEST(LightPathsSlow, KnowWhatItTakesToFindWhatSheetsMiss) {
         add_caster(m, with_sphere_uvs(sphere(48, 0.4), 48),
                    normal_mapped(glass(1.5f), Vec2(1.0f, 1.0f)), translation({0, 0, 0.6f}));
     };
-    const double of_plain = effort_beside_sheets(mirror_ball, 64),
-                 of_hammered = effort_beside_sheets(hammered_ball, 64);
+    const double of_plain = search_trials_beside_sheets(mirror_ball, 64),
+                 of_hammered = search_trials_beside_sheets(hammered_ball, 64);
     EXPECT_GE(of_plain, 1.0);
     EXPECT_LE(of_plain, 2.0);
     EXPECT_GE(of_hammered, 20.0);

@@ -2,7 +2,7 @@
 // Small pictures of a floor that casters throw light at, by path tracing, manifold and light paths.
 #pragma once
 
-#include "integrator/highlights.h"
+#include "integrator/camera_chains.h"
 #include "integrator/light_path.h"
 #include "support/casters.h"
 #include "support/power.h"
@@ -13,8 +13,9 @@
 
 namespace spc::test {
 
-inline constexpr double kFamily = 1e-3;  // chance that right estimators differ somewhere in a test
-inline constexpr uint32_t kSide = 8;     // pixels, of most pictures
+inline constexpr double kFamily =
+    1e-3;  // probability that right estimators differ somewhere in a test
+inline constexpr uint32_t kSide = 8;  // pixels, of most pictures
 
 // One diffuse scattering is enough: what comes after only adds noise.
 inline IntegratorSettings few_bounces() {
@@ -42,7 +43,7 @@ struct Method {
     const char* name;
     bool manifold, light_paths;
     ChainFinder finder = ChainFinder::walks;
-    uint32_t tiles = 512;  // 0: there is no sheet, and all chains are missed
+    uint32_t emission_cells = 512;  // 0: there is no sheet, and all chains are missed
     Constraint constraint = Constraint::half_vector;
     bool biased = false;
     CameraChains camera_chains = CameraChains::none;
@@ -69,9 +70,9 @@ public:
         manifold.biased = method.biased;
         if (method.finder == ChainFinder::sheets) {
             constexpr float kSure = 0.2f;  // leaves many chains to chance
-            if (method.tiles > 0)
+            if (method.emission_cells > 0)
                 sheets_ = build_sheets(*world.scene, world.lights, world.casters, manifold, seed,
-                                       method.tiles, 1);
+                                       method.emission_cells, 1);
             state.sheets = {sheets_, kSure};
         }
         if (method.light_paths) learn_light_paths(world, seed);
@@ -81,7 +82,7 @@ public:
     Prepared& operator=(const Prepared&) = delete;
 
     IntegratorSettings settings;
-    PassState state;
+    RoundState state;
     bool has_light_paths() const { return pilot_ != nullptr; }
 
 private:
@@ -94,33 +95,33 @@ private:
         EXPECT_TRUE(pilot_) << "no light path finds the picture";
         if (!pilot_) return;
         settings.light_tracing.guide = &pilot_->guide;
-        settings.light_tracing.effort = pilot_->effort;
+        settings.light_tracing.mean_search_trials = pilot_->mean_search_trials;
         settings.light_tracing.manifold_share = pilot_->manifold_share;
     }
     void learn_camera_chains(const RenderScene& world, uint32_t seed, const Method& method) {
         PathStats stats;
-        const std::unique_ptr<const Highlights> learned =
-            learn_highlights(world, settings, method.camera_walks, seed, 1, Budget(), stats);
+        const std::unique_ptr<const CameraChains> learned =
+            learn_camera_chains(world, settings, method.camera_walks, seed, 1, Budget(), stats);
         EXPECT_TRUE(learned) << "no chain from the camera to a light";
         if (!learned) return;
         camera_chains_ = *learned;
         if (method.camera_chains == CameraChains::searched) leave_searches_alone(*camera_chains_);
-        settings.highlights = &*camera_chains_;
+        settings.camera_chains = &*camera_chains_;
     }
-    // In the place of all leads one that comes to nothing, and so many searches that they have their
+    // In the place of all chain seeds one that comes to nothing, and so many searches that they have their
     // share beside rays, which find the lamps of tests easily.
-    static void leave_searches_alone(Highlights& highlights) {
-        highlights.searches = 16.0;
-        for (std::vector<HighlightLead>& leads : highlights.leads) {
-            if (leads.empty()) continue;
-            leads.resize(1);
-            leads[0].w = leads[0].w * -1.0f;
+    static void leave_searches_alone(CameraChains& camera_chains) {
+        camera_chains.searches = 16.0;
+        for (std::vector<ChainSeed>& chain_seeds : camera_chains.chain_seeds) {
+            if (chain_seeds.empty()) continue;
+            chain_seeds.resize(1);
+            chain_seeds[0].w = chain_seeds[0].w * -1.0f;
         }
     }
 
     SheetPool sheets_;
     std::unique_ptr<const LightPilot> pilot_;
-    std::optional<Highlights> camera_chains_;
+    std::optional<CameraChains> camera_chains_;
 };
 
 // `rounds` samples of each pixel under a box filter; all rounds independent of each other.
@@ -158,13 +159,15 @@ inline Picture render(const RenderScene& world, const IntegratorSettings& integr
         if (prepared.has_light_paths())
             for (uint32_t i = 0; i < pixels; ++i)
                 trace_light_path(world, settings, 0.0f, seed + round, i, splats, light_stats);
-        if (const Highlights* chains = settings.highlights) {
+        if (const CameraChains* chains = settings.camera_chains) {
             const auto count = static_cast<uint64_t>(chains->estimates);
             for (uint64_t i = 0; i < count; ++i)
-                estimate_highlights(world, settings, 0.0f, seed, round * count + i, splats, stats);
-            const uint64_t searches = highlight_searches(camera, *chains, 0.0f);
+                estimate_camera_chains(world, settings, 0.0f, seed, round * count + i, splats,
+                                       stats);
+            const uint64_t searches = camera_chain_searches(camera, *chains, 0.0f);
             for (uint64_t i = 0; i < searches; ++i)
-                search_highlights(world, settings, 0.0f, seed, round * searches + i, splats, stats);
+                search_camera_chains(world, settings, 0.0f, seed, round * searches + i, splats,
+                                     stats);
         }
         for (const Splat& splat : splats) {
             add(splat.film.x, splat.film.y, average(splat.value));

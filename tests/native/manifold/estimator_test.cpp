@@ -13,7 +13,7 @@ namespace {
 
 using test::SceneMaker;
 
-constexpr double kFamily = 1e-3;  // chance that a right estimator fails somewhere in a test
+constexpr double kFamily = 1e-3;  // probability that a right estimator fails somewhere in a test
 
 Transform shining_down_from(const Vec3& p) { return test::translation(p); }
 
@@ -135,9 +135,9 @@ TEST(ManifoldEstimatorSlow, BiasedComesFromBelow) {
     }
 }
 
-// ---- fixed starts [Hanika15]
+// ---- MNEE seeds [Hanika15]
 
-ManifoldSettings fixed_starts(bool biased) {
+ManifoldSettings mnee_seeds(bool biased) {
     ManifoldSettings settings = test::unbiased_manifold();
     settings.finder = ChainFinder::mnee;
     settings.biased = biased;
@@ -145,7 +145,7 @@ ManifoldSettings fixed_starts(bool biased) {
 }
 
 // Under a slab a ring of light between two cones becomes a ring on the floor: I sin t dt = E r dr.
-TEST(ManifoldEstimator, FixedStartsGiveTheLightUnderASlabWithoutNoise) {
+TEST(ManifoldEstimator, MneeSeedsGiveTheLightUnderASlabWithoutNoise) {
     constexpr double kPower = 100.0, kIor = 1.5, kThickness = 0.3, kHeight = 2.2;
     const Vec3 above(0.2f, -0.7f, 2.2f);
     SceneMaker maker;
@@ -160,7 +160,7 @@ TEST(ManifoldEstimator, FixedStartsGiveTheLightUnderASlabWithoutNoise) {
     const RenderScene world = maker.finish();
     for (const Vec3& x : {Vec3(0.3f, 0.1f, 0.0f), Vec3(-0.4f, 0.2f, 0.0f)}) {
         const test::RadianceEstimate found = test::estimate(
-            world, test::unlimited(fixed_starts(true)), 16, test::ray_to({0.0f, -0.8f, 0.3f}, x));
+            world, test::unlimited(mnee_seeds(true)), 16, test::ray_to({0.0f, -0.8f, 0.3f}, x));
         const double r = std::hypot(double(x.x - above.x), double(x.y - above.y));
         const auto radius = [&](double t) {
             return (kHeight - kThickness) * std::tan(t) +

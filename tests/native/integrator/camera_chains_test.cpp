@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Lights that the camera sees in casters, by chains from the camera beside path tracing, in closed form.
-#include "integrator/highlights.h"
+#include "integrator/camera_chains.h"
 
 #include "integrator/pictures.h"
 
@@ -38,7 +38,7 @@ IntegratorSettings within(const BounceLimits& limits) {
 
 // In a flat mirror the picture of a lamp is that of a lamp behind it: its radiance over the solid
 // angle of a sphere.
-TEST(Highlights, OfASphereInAMirrorAreInClosedForm) {
+TEST(CameraChains, OfASphereInAMirrorAreInClosedForm) {
     constexpr float kRadius = 0.003f;
     const Vec3 eye = kEye, at(0.1f, 2.0f, 1.4f);
     SceneMaker maker;
@@ -69,7 +69,7 @@ TEST(Highlights, OfASphereInAMirrorAreInClosedForm) {
 
 // Between two mirrors, seen down a row of pictures: the one behind n reflections, the floor's first,
 // lies n below for odd n, for a distance of 1 between them.
-TEST(Highlights, BetweenMirrorsAreInClosedFormForAllReflections) {
+TEST(CameraChains, BetweenMirrorsAreInClosedFormForAllReflections) {
     constexpr float kRadius = 0.003f;
     constexpr uint32_t kMost = kLongestChain, kMiddle = 9;
     const Vec3 eye(0.0f, -0.8f, 0.5f), at(0.0f, 0.8f, 0.4f);
@@ -124,7 +124,7 @@ void add_mirror_ball(SceneMaker& maker) {
     maker.add(sphere(24, 0.5), mirror(), {}, CausticsRole::caster);
 }
 
-TEST(Highlights, AreNotLookedForWhereNoneCanBe) {
+TEST(CameraChains, AreNotLookedForWhereNoneCanBe) {
     const auto learned = [](const std::function<void(SceneMaker&)>& fill) {
         SceneMaker maker;
         set_wide_camera(maker, kEye, {});
@@ -134,7 +134,7 @@ TEST(Highlights, AreNotLookedForWhereNoneCanBe) {
         settings.manifold = unbiased_manifold();
         settings.manifold.finder = ChainFinder::sheets;
         PathStats stats;
-        return learn_highlights(world, settings, kWalks, 1, 1, Budget(), stats) != nullptr;
+        return learn_camera_chains(world, settings, kWalks, 1, 1, Budget(), stats) != nullptr;
     };
     const auto bulb = [](SceneMaker& maker, float radius) { add_bulb(maker, kBefore, radius); };
     EXPECT_TRUE(learned([&](SceneMaker& maker) {

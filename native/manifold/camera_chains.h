@@ -8,19 +8,14 @@
 
 namespace spc {
 
-// Where a chain to some point of a light was found from the camera.
-struct HighlightLead {
-    ChainKind kind;
-    Vec3 w{0.0f};  // unit, from the camera
-};
-
-struct Highlights {
-    std::vector<std::vector<HighlightLead>> leads;  // of each light
-    double estimates = 0.0;  // for each sample of the picture; each shoots all leads of one light
+struct CameraChains {
+    std::vector<std::vector<ChainSeed>> chain_seeds;  // of each light
+    double estimates =
+        0.0;  // for each sample of the picture; each shoots all chain seeds of one light
     // In each pixel of the film for each sample of the picture: random searches, which begin there, for
-    // chains that no lead comes to and that are seen there.
+    // chains that no chain seed comes to and that are seen there.
     double searches = 0.0;
-    bool has(uint32_t light) const { return !leads[light].empty(); }
+    bool has(uint32_t light) const { return !chain_seeds[light].empty(); }
 };
 
 }  // namespace spc

@@ -14,8 +14,8 @@ import time
 import numpy as np
 
 from . import native
-from .abi import Method, Pass, RenderState
-from .export.desc import CameraDesc, RenderSettings
+from .abi import Method, Pass, RenderSettings, RenderState
+from .export.desc import CameraDesc
 from .upload import camera_struct
 
 COARSE_SECONDS = 0.05  # that one sample of the moving picture may take
@@ -86,9 +86,9 @@ class Refinement:
     def _begin(self, factor: int) -> None:
         self._stop()
         self._factor = factor
-        path_traced = dataclasses.replace(self._settings, method=Method.PT)
+        path_traced = native.changed(self._settings, method=Method.PT)
         if factor > 1:
-            wanted = [dataclasses.replace(path_traced, samples=1)]
+            wanted = [native.changed(path_traced, samples=1)]
         elif self._settings.method == Method.PT:
             wanted = [path_traced]
         else:

@@ -92,10 +92,11 @@ class Viewport:
         if self._refinement is None:
             return
         settings = viewport_settings(context.scene, context.view_layer)
-        seen_now = (seen(context), settings, film_exposure(context.scene))
+        exposure = film_exposure(context.scene)
+        seen_now = (seen(context), native.struct_fields(settings), exposure)
         if seen_now != self._seen:
             self._seen = seen_now
-            self._refinement.look(export_view(context, depsgraph), *seen_now[1:])
+            self._refinement.look(export_view(context, depsgraph), settings, exposure)
             self._tick_soon()
         picture = self._refinement.picture()
         if picture is not None:

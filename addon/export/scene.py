@@ -5,6 +5,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..inquiry import Inquiry
+from ..native import NativeError
 from . import compat
 from .camera import export_camera
 from .desc import EnvironmentDesc, ExportError, InstanceDesc, MaterialNeeds, SceneDesc
@@ -49,9 +51,10 @@ class SceneExport:
             export_view(self.view, self.depsgraph) if self.view else export_camera(self.depsgraph)
         )
         self._world(compat.world_of(self.depsgraph.scene_eval, self.layer))
-        for instance in self.depsgraph.object_instances:
-            if is_shown(instance, self.view and self.view.space_data):
-                self._named_instance(instance)
+        with Inquiry() as self._core:
+            for instance in self.depsgraph.object_instances:
+                if is_shown(instance, self.view and self.view.space_data):
+                    self._named_instance(instance)
         self._check_scene(self.depsgraph.scene_eval.render)
         return self.scene
 
@@ -66,7 +69,7 @@ class SceneExport:
         name = instance.object.name
         try:
             self._instance(instance)
-        except ExportError:
+        except (ExportError, NativeError):
             raise
         except MemoryError as error:
             raise ExportError(f"object {name}: out of memory ({error})") from error
@@ -148,11 +151,10 @@ class SceneExport:
     def _material(self, material) -> tuple[int, MaterialNeeds]:
         """Index of a material and what it reads from a mesh; None is an empty slot."""
         if material not in self._materials:
-            desc, needs = (
-                export_material(material, self.images, self.log)
-                if material
-                else (default_material(), MaterialNeeds())
+            desc = (
+                export_material(material, self.images, self.log) if material else default_material()
             )
+            needs = self._core.needs(self._core.add(desc, self.images.descs))
             self._materials[material] = (len(self.scene.materials), needs)
             self.scene.materials.append(desc)
         return self._materials[material]

@@ -3,6 +3,8 @@
 
 #include "render/session.h"
 #include "scene/builder.h"
+#include "scene/caustics_part.h"
+#include "shading/uv_needs.h"
 #include "specula/specula.h"
 
 #include <mutex>
@@ -13,6 +15,11 @@ struct spc_scene {
     std::optional<spc::RenderScene> world;
     std::string report;
     double commit_seconds = 0.0;
+    // What the last answers refer to.
+    std::vector<spc::UvNeed> needs{};
+    std::vector<spc_uv_need> needed_layers{};
+    spc::CausticsPart part{};
+    std::string glints{}, no_glints{};
     // Sessions that render it; a render may start and end in any thread.
     mutable std::mutex renders_mutex;
     mutable uint32_t renders = 0;

@@ -38,7 +38,7 @@ def pictures(refinement: Refinement) -> list:
     raise AssertionError("it does not end")
 
 
-def rendered(view: desc.CameraDesc, settings: desc.RenderSettings) -> np.ndarray:
+def rendered(view: desc.CameraDesc, settings: abi.RenderSettings) -> np.ndarray:
     scene_desc = glowing_triangle()
     scene_desc.camera = view
     with upload(scene_desc) as scene:
@@ -52,7 +52,7 @@ def rendered(view: desc.CameraDesc, settings: desc.RenderSettings) -> np.ndarray
 @pytest.mark.parametrize("method", [abi.Method.PT, abi.Method.AUTO])
 def test_it_begins_coarse_and_ends_with_the_picture_of_a_render(refinement, method):
     view = camera(64, 32)
-    settings = desc.RenderSettings(method=method, samples=8)
+    settings = native.render_settings(method=method, samples=8)
     refinement.look(view, settings, 1.0)
     shown = pictures(refinement)
     assert shown[0].pixels.shape[0] < 32  # coarse
@@ -65,11 +65,11 @@ def test_it_begins_coarse_and_ends_with_the_picture_of_a_render(refinement, meth
 
 
 def test_looking_elsewhere_begins_anew(refinement):
-    settings = desc.RenderSettings(method=abi.Method.AUTO, samples=1 << 16)
+    settings = native.render_settings(method=abi.Method.AUTO, samples=1 << 16)
     refinement.look(camera(256, 128), settings, 1.0)
     while refinement.picture() is None:
         time.sleep(0.01)
-    settings = desc.RenderSettings(method=abi.Method.AUTO, samples=4)
+    settings = native.render_settings(method=abi.Method.AUTO, samples=4)
     refinement.look(camera(32, 16, z=2.0), settings, 2.0)
     final = pictures(refinement)[-1].pixels
     assert final.shape == (16, 32, 4)
@@ -80,7 +80,7 @@ def test_a_bad_camera_is_refused_by_name(refinement):
     view = camera()
     view.clip_far = 0.0
     with pytest.raises(native.NativeError, match="clipping"):
-        refinement.look(view, desc.RenderSettings(), 1.0)
+        refinement.look(view, native.render_settings(), 1.0)
 
 
 def test_a_coarse_camera_covers_the_crop():

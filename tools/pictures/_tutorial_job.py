@@ -301,6 +301,9 @@ def tutorial_shoe():
             bpy.ops.node.select_all(action="DESELECT")
             bpy.ops.node.view_all()
         yield
+    with operator("NODE_EDITOR"):
+        bpy.ops.view2d.zoom_in(zoomfacx=0.2, zoomfacy=0.2)
+    yield
     screenshot("shoe_material")
     only("")
     editor.ui_type = "VIEW_3D"

@@ -44,7 +44,7 @@ extern "C" {
 #endif
 
 /* Raised whenever a struct or the meaning of a call changes. */
-#define SPC_API_VERSION 8u
+#define SPC_API_VERSION 9u
 
 /* "No index", where an index is optional. */
 #define SPC_NONE 0xffffffffu
@@ -170,13 +170,21 @@ typedef struct spc_material_desc {
 SPC_API spc_status spc_scene_add_material(spc_scene* scene, const spc_material_desc* desc,
                                           uint32_t* material_index);
 
-/* What a committed surface of this material would read from its mesh. */
+/* A UV layer that a material reads. */
+typedef struct spc_uv_need {
+    const char* layer; /* "": the active one */
+    uint32_t tangents; /* 1: its tangents, too */
+} spc_uv_need;
+
+/* What surfaces of a material read from their mesh. */
 typedef struct spc_material_needs {
     size_t struct_size;
-    uint32_t uv;       /* 1 if a texture coordinate is read */
-    uint32_t tangents; /* 1 if a tangent-space normal map is read */
+    const spc_uv_need* uv_layers; /* valid until the next call for this scene */
+    uint32_t uv_layer_count;
 } spc_material_needs;
-SPC_API spc_status spc_scene_material_needs(const spc_scene* scene, uint32_t material_index,
+
+/* Before commit. Errors: SPC_INVALID_ARGUMENT, SPC_WRONG_STATE. */
+SPC_API spc_status spc_scene_material_needs(spc_scene* scene, uint32_t material_index,
                                             spc_material_needs* needs);
 
 /* One line per node kind: `kind: in Socket:type ... out Socket:type ... option name=A|B ...`; static storage. */
@@ -247,6 +255,31 @@ typedef struct spc_instance_desc {
 
 SPC_API spc_status spc_scene_add_instance(spc_scene* scene, const spc_instance_desc* desc,
                                           uint32_t* instance_index);
+
+/* Who looks for the caustics that an object casts, where the method has them. */
+typedef enum spc_caustics_search {
+    SPC_SEARCH_NONE = 0, /* it casts none */
+    SPC_SEARCH_LIGHT_PATHS = 1,
+    SPC_SEARCH_MANIFOLD = 2, /* and light paths */
+    /* light paths, and the manifold if the normal map turns out to be coarse */
+    SPC_SEARCH_MANIFOLD_IF_COARSE = 3
+} spc_caustics_search;
+
+/* What a scene would make of an object in caustics. The texts are valid until the next call for the scene. */
+typedef struct spc_forecast {
+    size_t struct_size;
+    uint32_t receives; /* 1: shows caustics */
+    uint32_t search;   /* spc_caustics_search */
+    const char* reason; /* a closure by which it casts, or why it does not; "" if its role rules casting out */
+    const char* glints;    /* closures that glint; "" if there are none */
+    const char* no_glints; /* why there are none where a material asks for them, else "" */
+} spc_forecast;
+
+/* Before commit, of an object that need not be there, with `material_count` >= 1 materials; builds nothing.
+ * `visibility` and `caustics_role` as in spc_instance_desc. Errors: SPC_INVALID_ARGUMENT, SPC_WRONG_STATE. */
+SPC_API spc_status spc_scene_forecast(spc_scene* scene, const uint32_t* materials,
+                                      uint32_t material_count, uint32_t visibility,
+                                      uint32_t caustics_role, spc_forecast* forecast);
 
 /* ---- lights */
 
@@ -417,7 +450,8 @@ typedef struct spc_render_settings {
     const char* chain_family;
 } spc_render_settings;
 
-/* Fills in the defaults (struct_size included). */
+/* Fills in the defaults (struct_size included): SPC_METHOD_AUTO, and limits and filter as in a new file of
+ * Blender's Cycles. */
 SPC_API void spc_render_settings_init(spc_render_settings* settings);
 
 /* Starts worker threads and returns at once. The scene must be committed and outlive the session. */

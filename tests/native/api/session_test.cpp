@@ -484,7 +484,7 @@ TEST(Settings, DefaultsAreValidAndComplete) {
     std::memset(&settings, 0xff, sizeof(settings));
     spc_render_settings_init(&settings);
     EXPECT_EQ(settings.struct_size, sizeof(settings));
-    EXPECT_EQ(settings.method, static_cast<uint32_t>(SPC_METHOD_SMS_UNBIASED));
+    EXPECT_EQ(settings.method, static_cast<uint32_t>(SPC_METHOD_AUTO));
     EXPECT_EQ(settings.light_tracing, static_cast<uint32_t>(SPC_LIGHT_TRACING_AUTO));
     EXPECT_EQ(settings.first_sample, 0u);
     EXPECT_EQ(settings.time_limit, 0.0f);

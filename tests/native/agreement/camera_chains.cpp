@@ -59,11 +59,11 @@ Row row(const Part& casters, const Part& light = bulb_before(), const Part& came
     row.settings.limits.diffuse = 0;
     return row;
 }
-Claim claim(ChainFinder finder, CameraChains chains, uint32_t rounds) {
+Claim claim(ChainFinder finder, CameraChainUse chains, uint32_t rounds) {
     constexpr double kNotices = 0.3;
     Method method{"chains from the camera", true, false, finder};
     method.camera_chains = chains;
-    method.tiles = 0;  // nothing is lit by way of casters
+    method.emission_cells = 0;  // nothing is lit by way of casters
     return {method, rounds, kNotices};
 }
 
@@ -72,7 +72,7 @@ std::vector<Row> beside_every_finder() {
     std::vector<Row> rows{row(kMirrorBall), row(kGlassBall)};
     for (Row& one : rows)
         for (const ChainFinder finder : {ChainFinder::walks, ChainFinder::mnee})
-            one.claims.push_back(claim(finder, CameraChains::learned, kRounds / 16));
+            one.claims.push_back(claim(finder, CameraChainUse::learned, kRounds / 16));
     return rows;
 }
 
@@ -139,7 +139,7 @@ Table learned() {
         table.rows.insert(table.rows.end(), rows.begin(), rows.end());
     for (Row& one : table.rows) {
         one.reference.rounds = kRounds;
-        one.claims.push_back(claim(ChainFinder::sheets, CameraChains::learned, kRounds / 16));
+        one.claims.push_back(claim(ChainFinder::sheets, CameraChainUse::learned, kRounds / 16));
     }
     return table;
 }
@@ -156,7 +156,7 @@ Table searched() {
                  row(before_camera(kMirrorBall, "behind a veil", transparent(0.5f)))}};
     for (Row& one : table.rows) {
         one.reference.rounds = kFewer;
-        one.claims = {claim(ChainFinder::sheets, CameraChains::searched, kFewer / 16)};
+        one.claims = {claim(ChainFinder::sheets, CameraChainUse::searched, kFewer / 16)};
     }
     return table;
 }

@@ -64,17 +64,12 @@ Row from_behind() {
 }
 
 // Several delta closures on one normal share a chain; so do chains of a surface that lost some to a
-// switch. The bulb is so near that both densities are alike.
+// switch.
 Row lobes(const std::string& name, const Graph& graph, bool refractions) {
-    Row row{.casters = {name,
-                        [graph](SceneMaker& m) {
-                            add_caster(m, square(0.5f), graph,
-                                       rotation_x(-0.9f, Vec3(0.0f, 0.7f, 0.5f)));
-                        }},
-            .light = bulb("", {0.0f, -0.6f, 1.6f}, 0.4f),
-            .camera = camera_at({0.0f, -2.0f, 0.5f}, {0.0f, 0.25f, 0.0f}),
-            .reference = {6000},
-            .claims = {{kManifold, 6000, 0.3}}};
+    Row row{.casters = {name, [graph](SceneMaker& m) { add_panel(m, graph); }},
+            .light = bulb("", {0, -0.7f, 2.2f}),
+            .reference = {12000},
+            .claims = {{kManifold, 3000, 0.4}}};
     row.settings.manifold.refractions = refractions;
     return row;
 }

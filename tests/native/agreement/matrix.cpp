@@ -17,7 +17,7 @@ RenderScene scene_of(const Row& row) {
 
 // What the method's own techniques give of the whole picture: those that splat, else the manifold.
 double share_of(const Method& method, const Picture& picture) {
-    const bool splats = method.light_paths || method.camera_chains != CameraChains::none;
+    const bool splats = method.light_paths || method.camera_chains != CameraChainUse::none;
     return (splats ? picture.splats : picture.caustics).mean();
 }
 

@@ -26,7 +26,7 @@ void set_wide_camera(SceneMaker& maker, const Vec3& from, const std::function<vo
 // Chains from the camera, of which so many walks learn beforehand.
 Method by_chains(ChainFinder finder = ChainFinder::sheets, uint32_t walks = kWalks) {
     Method method{"chains from the camera", true, false, finder};
-    method.camera_chains = CameraChains::learned;
+    method.camera_chains = CameraChainUse::learned;
     method.camera_walks = walks;
     return method;
 }

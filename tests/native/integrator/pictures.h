@@ -36,7 +36,7 @@ inline double average(const Spectrum& c) { return (double(c.x) + double(c.y) + d
 
 // Who finds lamps that the camera sees in casters, beside rays: chains that start from what random
 // walks have learned, or searches alone.
-enum class CameraChains : uint8_t { none, learned, searched };
+enum class CameraChainUse : uint8_t { none, learned, searched };
 
 // Which techniques find caustics beside path tracing.
 struct Method {
@@ -46,7 +46,7 @@ struct Method {
     uint32_t emission_cells = 512;  // 0: there is no sheet, and all chains are missed
     Constraint constraint = Constraint::half_vector;
     bool biased = false;
-    CameraChains camera_chains = CameraChains::none;
+    CameraChainUse camera_chains = CameraChainUse::none;
     uint32_t camera_walks = 8192;  // which learn of those
 };
 inline constexpr Method kPathTracing{"path tracing", false, false},
@@ -76,7 +76,7 @@ public:
             state.sheets = {sheets_, kSure};
         }
         if (method.light_paths) learn_light_paths(world, seed);
-        if (method.camera_chains != CameraChains::none) learn_camera_chains(world, seed, method);
+        if (method.camera_chains != CameraChainUse::none) learn_camera_chains(world, seed, method);
     }
     Prepared(const Prepared&) = delete;
     Prepared& operator=(const Prepared&) = delete;
@@ -100,12 +100,12 @@ private:
     }
     void learn_camera_chains(const RenderScene& world, uint32_t seed, const Method& method) {
         PathStats stats;
-        const std::unique_ptr<const CameraChains> learned =
-            learn_camera_chains(world, settings, method.camera_walks, seed, 1, Budget(), stats);
+        const std::unique_ptr<const CameraChains> learned = spc::learn_camera_chains(
+            world, settings, method.camera_walks, seed, 1, Budget(), stats);
         EXPECT_TRUE(learned) << "no chain from the camera to a light";
         if (!learned) return;
         camera_chains_ = *learned;
-        if (method.camera_chains == CameraChains::searched) leave_searches_alone(*camera_chains_);
+        if (method.camera_chains == CameraChainUse::searched) leave_searches_alone(*camera_chains_);
         settings.camera_chains = &*camera_chains_;
     }
     // In the place of all chain seeds one that comes to nothing, and so many searches that they have their

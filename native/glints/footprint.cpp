@@ -35,7 +35,7 @@ MapPoint map_point(const SlopeMap& map, const Vec2& size, const UvLayer& layer,
             to_image(layer.uv[first + 2] - layer.uv[first])};
 }
 
-// As map_normal() has it.
+// The frame of a normal map's slopes, as map_normal() uses it.
 SlopeFrame tangent_frame(const Scene& scene, const UvLayer& layer, const Surface& surface) {
     const Instance& instance = scene.instances[surface.hit.instance];
     const Mesh& mesh = scene.meshes[instance.mesh];
@@ -51,8 +51,8 @@ SlopeFrame tangent_frame(const Scene& scene, const UvLayer& layer, const Surface
     return {{to_world(tangent), to_world(cross(normal, tangent) * sign), to_world(normal)}};
 }
 
-// As bump_normal() has it: of the gradient by barycentrics, which the chain rule makes of that by
-// texels. Not finite where the normal lies in the plane of the triangle.
+// The frame of a height map's slopes, as bump_normal() uses it. The chain rule turns the gradient by texels
+// into one by barycentrics. Not finite if the normal lies in the plane of the triangle.
 SlopeFrame raised_frame(const SlopeMap& map, const MapPoint& point, const Vec3& dp_du,
                         const Vec3& dp_dv, const Surface& surface) {
     const float side = surface.backfacing ? -1.0f : 1.0f;
@@ -106,7 +106,8 @@ RayDual diffuse_lobe(const Vec3& wi) {
     return {Vec3d(wi), {Vec3d(0.0), Vec3d(0.0)}, {Vec3d(frame.x) * spread, Vec3d(frame.y) * spread}};
 }
 
-// As if the facet leaned with the place in its plane, and nothing else changed.
+// Differential of a microfacet's reflection: the facet leans with the position in its plane, and nothing
+// else changes.
 std::optional<RayDual> facet_lobe(ChainVertex vertex, const Vec3& wo, float alpha) {
     DifferentialGeometry& geometry = vertex.geometry;
     const Frame frame = Frame::around(geometry.n);

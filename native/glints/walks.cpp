@@ -139,7 +139,7 @@ private:
         return !is_black(value_) && is_finite(value_);
     }
 
-    // Of the angle between half-vector and normal, in the plane that touches the sphere at the former.
+    // Draws the angle between half-vector and normal, in the plane that touches the sphere at the half-vector.
     Vec2 draw_tangent() {
         float u = pcg_.one() * total_;
         int i = 0;

@@ -61,7 +61,7 @@ public:
         add_terms();
     }
 
-    // Of each lobe, and the slope at which the facets that make it up lie on average.
+    // Density of a lobe's normals, and the mean slope of the facets that contribute to it.
     struct Density {
         float density = 0.0f;
         Vec2 slope{0, 0};  // times the density

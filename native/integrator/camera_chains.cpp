@@ -87,7 +87,7 @@ public:
         radius_ = static_cast<float>(kRadius * std::sqrt(std::max(1.0, window_.pixels() / walks)));
     }
 
-    // Of the walks numbered from `first` to `end`. Returns whether there are any leads by now.
+    // Makes the walks from `first` to `end` - 1. Returns whether there are any chain seeds by now.
     bool walk(uint32_t first, uint32_t end, uint32_t threads, const Budget& budget,
               PathStats& stats) {
         const uint32_t chunks = (end - first + kChunk - 1) / kChunk;
@@ -110,7 +110,7 @@ public:
     std::vector<std::vector<ChainSeed>> take() { return std::move(chain_seeds_); }
 
 private:
-    // Appends those that the picture shows and that chain seeds of earlier rounds do not come to.
+    // Appends the camera chains of walk `i` that the picture shows and that no seed of earlier rounds finds.
     void walk(uint32_t i, std::vector<RandomCameraChain>& found, ManifoldStats& stats) const {
         const Sampler sampler = camera_chain_sampler(~seed_, i);
         std::vector<RandomCameraChain> near;
@@ -121,7 +121,7 @@ private:
                 found.push_back(one);
     }
 
-    // Whether one of the chain seeds that begin nearest comes to it, or there are enough.
+    // Whether one of the nearest chain seeds finds it, or its light has enough seeds.
     bool is_known(const RandomCameraChain& camera_chain, ManifoldStats& stats) const {
         constexpr size_t kNearest = 4;
         const std::vector<ChainSeed>& chain_seeds = chain_seeds_[camera_chain.y.light];
@@ -167,7 +167,7 @@ std::unique_ptr<const CameraChains> learn_camera_chains(const RenderScene& world
         return nullptr;
     const double shots = std::max(1.0, kShots * pixel_count(scene.camera));
     const size_t lights = world.lights.count();
-    // As if one chain seed led to each light: what is not worth an estimate then never is.
+    // Weights as if each light had a single chain seed: chains that get no share then never do.
     const CameraChains most{std::vector(lights, std::vector(1, ChainSeed{{}, Vec3(0.0f)})), shots};
     settings.camera_chains = &most;
     settings.manifold.longest_chain = kLongestChain;

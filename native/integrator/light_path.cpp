@@ -9,8 +9,8 @@ namespace spc {
 
 namespace {
 
-// What light paths carry by chains that the manifold looks for, and that times the trials to come to
-// one: LightTracing::mean_search_trials.
+// Light of light paths whose chains the manifold looks for, and the same times the trials that a search
+// takes to find the chain: for LightTracing::mean_search_trials.
 struct SearchTrials {
     double light = 0.0, trials = 0.0;
     ManifoldStats searches{};  // of the render's they are no part
@@ -262,8 +262,8 @@ Sampler light_sampler(uint32_t seed, uint64_t index) {
 // Shares of the pilot's paths on each of several guides, each of which learns from the one before.
 constexpr std::array<double, 4> kGenerations{0.125, 0.125, 0.25, 0.5};
 constexpr uint32_t kPilotChunk = 1u << 11;
-// Of all of the pilot's paths so many tell how well sheets lead to their chains: each searches for its
-// own, which is slow. Those of a chunk stop where that has taken as much work as the chunk's paths may.
+// So many of the pilot's paths are asked how hard sheets find their chains: each searches for its own, which
+// is slow. A chunk stops asking when that has taken kWorkOfAsked.
 constexpr uint32_t kAsked = 1u << 11;
 constexpr uint64_t kWorkOfAsked = 16 * kPilotChunk;
 // Chunks between two looks at what is left of the budget.
@@ -348,8 +348,8 @@ void limit_weights(std::vector<EmissionSample>& samples) {
         sample.place.weight = std::min(sample.place.weight, largest);
 }
 
-// Of paths that went on with probability c. With probability b they have the variance V + V' / b and cost
-// C + b C'; what is counted is V' / c and c C'.
+// Evaluates paths that went on with probability c. With probability b they would have the variance V + V' / b
+// and the cost C + b C'; what is counted is V' / c and c C'.
 void measure(const LightPathStats& counted, const CoarsePicture& moments, LightPilot& result) {
     constexpr double kLeastGoingOn = 1.0 / 16;  // what was not met must not come too rarely
     const auto behind = static_cast<double>(counted.rays_behind),

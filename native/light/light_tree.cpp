@@ -311,7 +311,8 @@ LightTree::Sample LightTree::sample(const LitPoint& at, float u) const {
 
 namespace {
 
-// Of a sample of density `own` beside another, over what LightTree::mixed makes of both.
+// Power heuristic for a sample of density `own` beside one of density `other`, for a probability that
+// LightTree::mixed has blended from both.
 float weight_of(float own, float other) {
     return (1.0f - LightTree::kEvenShare) * (own + other) * own / (sqr(own) + sqr(other));
 }

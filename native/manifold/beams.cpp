@@ -9,7 +9,7 @@ namespace spc {
 
 namespace {
 
-constexpr uint32_t kGridCells = 16;  // of an emission cell, along each side
+constexpr uint32_t kGridCells = 16;  // cells of the grid of rays along a side of an emission cell
 constexpr uint32_t kCorners = kGridCells + 1;
 constexpr uint32_t kFinestLevel = 16;
 
@@ -146,7 +146,8 @@ private:
         }
     }
 
-    // As Landing::light. A point of a lamp that this one does not light, one of its neighbours may.
+    // See Landing::light. For a lamp it is the largest over the lamp's points: where this light point does not
+    // shine, a neighbour may.
     float emitted_to(const Vec3& p, const Vec3& direction) const {
         const bool lamp = y_.light < world_.lights.lamps.size();
         const float cosine = dot(y_.n, direction);
@@ -196,8 +197,8 @@ struct Mark {
         expected += other.expected;
     }
 };
-// A ray on an emission cell's border, which neighbouring emission cells have as well: its place, in cells of the finest
-// emission cells, and how it came to where it ends.
+// A ray on an emission cell's border, which neighbouring emission cells have as well. Its key is its place on
+// the finest grid, its chain kind, and Landing::ordinal.
 struct BorderRay {
     std::array<uint32_t, 4> key;  // place, kind, Landing::ordinal
     uint32_t edge;
@@ -209,8 +210,7 @@ struct MarkedBeams {
 };
 struct TracedCell {
     Square square;
-    // How much of the emission cell's light comes by cells that are no smooth part of a sheet: by area of the
-    // unit square.
+    // Area of the unit square that falls to grid cells which are no smooth part of a sheet.
     float irregular = 0.0f;
     MarkedBeams beams;
 };
@@ -353,8 +353,8 @@ private:
     }
 
     static constexpr float kFlat = 0.999f, kFlatDepth = 0.05f;
-    // Of a cell in which a sheet ends, where a bent one has 1 at most: there are chains beyond its
-    // beams, which at the silhouette of a rippled caster no beam leads to.
+    // Irregularity of a grid cell in which a sheet ends; a bent one has at most 1. Beyond its beams there are
+    // chains that no beam leads to, as at the silhouette of a rippled caster.
     static constexpr float kEnd = 3.0f;
 
     TracedCell traced_;
@@ -407,7 +407,7 @@ std::vector<Square> first_squares(std::span<const Vec2> places, size_t most) {
     return squares;
 }
 
-// Splits the least regular emission cells, an eighth of them at a time.
+// Traces emission cells, and splits the least regular ones, an eighth of them at a time.
 std::vector<TracedCell> trace_cells(const SheetWorld& world, const LightPoint& y,
                                     std::span<const LightPoint> around, size_t budget) {
     std::vector<TracedCell> emission_cells;
@@ -448,7 +448,7 @@ std::vector<TracedCell> trace_cells(const SheetWorld& world, const LightPoint& y
     return emission_cells;
 }
 
-// Adds the emission cell's to all that there are; `kinds` are theirs.
+// Appends the beams of an emission cell to those of all. `kinds`: indices of all chain kinds so far.
 void append(const MarkedBeams& part, std::map<ChainKind, uint32_t>& kinds, MarkedBeams& all) {
     const auto offset = static_cast<uint32_t>(all.set.edges.size());
     all.set.edges.insert(all.set.edges.end(), part.set.edges.begin(), part.set.edges.end());
@@ -473,7 +473,7 @@ void append(const MarkedBeams& part, std::map<ChainKind, uint32_t>& kinds, Marke
     all.set.rays += part.set.rays;
 }
 
-// Marks what rays on borders have around them in all of their emission cells.
+// Combines what rays on borders have around them in each of their emission cells.
 void join_borders(MarkedBeams& all) {
     std::stable_sort(all.border.begin(), all.border.end(),
                      [](const BorderRay& a, const BorderRay& b) { return a.key < b.key; });

@@ -9,7 +9,8 @@ namespace spc {
 
 namespace {
 
-// Chains of less throughput have their trials counted by chance, of no less than that.
+// Chains of throughput below kWeak have their trials counted only with a proportional probability, at least
+// kLeastProbability.
 constexpr float kWeak = 1.0f / 4, kLeastProbability = 1.0f / 16;
 
 ReceiverSides sides_of(const Receiver& receiver) {
@@ -46,7 +47,7 @@ public:
                }));
     }
 
-    // The same of chains with several vertices, which shots find.
+    // The same for chains with several vertices, which shots find.
     Spectrum unbiased_long(Pcg& pcg) { return by_random_search({techniques_.casters, 2}, pcg); }
 
     // The sum over the different solutions of a fixed number of walks.
@@ -63,12 +64,11 @@ public:
                                      [](const ChainSolution& one) { return one.chain; });
     }
 
-    // The sum over the solutions to which a sheet leads, weak ones by chance. What it misses at its
-    // folds and ends is left to walks, as many as it takes to find it again: they have next to
-    // nothing to find.
+    // The sum over the chains that sheet seeds find, weak ones with a probability. What the sheet misses at
+    // its folds and ends is left to a random search with trials, which rarely finds anything.
     ManifoldRadiance by_sheet(const LightSheet* sheet, float sure, bool draws, Pcg& pcg) {
         const float search_probability = sheet != nullptr ? settings_.search_probability : 1.0f;
-        // Of light that is 1 by area at the receiver.
+        // Turns a beam's density, the irradiance at the receiver, into the probability of its seed.
         const float probability_per_density = sure > 0.0f ? receiver_.importance / (y_.pdf * sure)
                                                           : std::numeric_limits<float>::max();
         FoundChains found;
@@ -106,7 +106,7 @@ public:
         return by_random_search({techniques_.rough_chain_casters, 1, &facets}, pcg);
     }
 
-    // Of chains that chain seeds come to.
+    // Appends the camera chains that chain seeds find.
     void camera_chains(std::vector<CameraChain>& out) {
         FoundChains found;
         shoot_seeds(techniques_, start(), y_, found, stats_);
@@ -117,7 +117,7 @@ public:
         }
     }
 
-    // Of those that none comes to, by a search of one pixel.
+    // A camera chain that no chain seed finds, by a search in one pixel.
     std::optional<CameraChain> missed_camera_chain(const Vec2& pixel, Pcg& pcg) {
         const auto search = [&] {
             return search_pixel(techniques_, start(), pixel, end_of(y_), pcg, stats_);
@@ -142,7 +142,7 @@ public:
         return found;
     }
 
-    // The solution to which the straight line leads, and that from the middle of a caster.
+    // The chains of both MNEE seeds: the straight line, and the middle of a caster.
     Spectrum from_mnee_seeds(uint32_t caster) {
         Spectrum sum(0.0f);
         for (const Interaction first : {Interaction::refraction, Interaction::reflection})
@@ -175,8 +175,8 @@ private:
                              pcg.one());
     }
 
-    // From a random direction towards the caster, with every interaction on the way left to chance:
-    // finds any chain that begins there with some probability.
+    // A shot from a random direction towards the caster, with a random interaction at every vertex. It finds
+    // every chain that begins at the caster with some probability.
     std::optional<ChainSolution> random_chain(const Search& search, const CasterChoice& first,
                                               Pcg& pcg) {
         if (first.index == kNone) return std::nullopt;
@@ -202,8 +202,8 @@ private:
                (1.0f / first.probability);
     }
 
-    // The value over the probability to find its solution, by trials until it comes again. Chains of little
-    // throughput take as many as others, so that only some are counted.
+    // `value` times the number of trials until its solution is found again, which estimates 1 / p_k. Chains of
+    // little throughput take as many trials as others, so only some of them are counted.
     template <class Trial>
     Spectrum counted(const Spectrum& value, float strength, Pcg& pcg, const Trial& comes_again) {
         if (is_black(value)) return value;
@@ -242,7 +242,7 @@ private:
         double scale;  // of its light, where the manifold is sure to find it
         float strength() const { return max_component(throughput); }
     };
-    // Of chains among facets, those alone that have a rough vertex: the others are found without.
+    // With `among_facets` only chains that have a rough vertex count; the others are found without facets.
     std::optional<Connection> connect(const Chain& chain, bool among_facets = false) const {
         const Vec3 wi = normalize(chain.vertices[0].geometry.p - receiver_.p);
         const ClosureEval at_x = scattering_at_x(wi);
@@ -299,7 +299,7 @@ private:
         return light_of(*connection, chain) * static_cast<float>(connection->scale);
     }
 
-    // The same of a chain that a definite search misses, without what is shared with others.
+    // The contribution of a chain that seeds miss, with the weight of searches for such chains.
     template <class Trial>
     Spectrum of_missed(const Chain& chain, Pcg& pcg, const Trial& comes_again) {
         const std::optional<Connection> connection = connect(chain);

@@ -11,7 +11,7 @@ namespace {
 const Vec3 kAxis = normalize(Vec3(0.36f, 0.51f, 0.78f));
 constexpr float kLeastSine = 1e-4f;  // of the angle to it
 
-// Of the normal that mirrors, or refracts, wi to wo; not normalised, either side.
+// The normal that mirrors or refracts wi to wo, not normalised, on either side.
 Vec3 half_vector(Interaction interaction, float eta, const Vec3& wi, const Vec3& wo) {
     return wi + wo * (interaction == Interaction::reflection ? 1.0f : eta);
 }

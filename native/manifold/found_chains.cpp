@@ -147,7 +147,7 @@ namespace {
 
 RayStart start_of(const CausticPath& path) { return {path.x, path.sides.ng, path.p_error}; }
 
-// Of the light: what stands for the end of a path that was found some other way.
+// The light point that corresponds to the end of a path that another technique has found.
 LightPoint light_point(const LightEnd& end) {
     LightPoint y{};
     y.light = end.light;

@@ -23,16 +23,16 @@ bool looks_for(const ManifoldSettings& settings, const CausticPath& path) {
     if (!settings.family.empty() && !std::equal(vertices.begin(), vertices.end(),
                                                 settings.family.begin(), settings.family.end(), same))
         return false;
-    // By MNEE seeds along straight lines through glass, and for single reflections; from the camera by
-    // chain seeds and random searches, whatever is done elsewhere.
+    // MNEE seeds find refractions along straight lines and single reflections. Camera chains have seeds and
+    // searches of their own, whatever the finder.
     return path.from_camera || settings.finder != ChainFinder::mnee || vertices.size() == 1 ||
            std::all_of(vertices.begin(), vertices.end(), [](const CausticVertex& vertex) {
                return vertex.interaction == Interaction::refraction;
            });
 }
 
-// Whether path tracing may follow the path to its light, by whichever closure x scatters, after such
-// bounces.
+// Whether path tracing may follow the path to its light within the limits, whichever closure scatters at x.
+// `before`: bounces before x.
 bool within_limits(const BounceLimits& limits, const BounceCounts& before, const CausticPath& path) {
     const uint32_t at_x = path.from_camera ? 0 : 1;
     uint32_t glossy = before.glossy + at_x, transmission = before.transmission + at_x;
@@ -43,8 +43,7 @@ bool within_limits(const BounceLimits& limits, const BounceCounts& before, const
            transmission <= limits.transmission;
 }
 
-// Whether light paths may find chains with rough vertices, at which they scatter: where the camera
-// comes to x as they do.
+// Whether light paths may find rough chains of the path: they scatter at the rough vertices and at x.
 bool light_paths_may_find(const Techniques& techniques, const CausticPath& path) {
     return techniques.light_tracing.guide != nullptr && path.film_density > 0.0f;
 }
@@ -84,7 +83,7 @@ bool ends_scattered(const CausticPath& path) {
     return path.count == 0 || path.vertices[path.count - 1].rough;
 }
 
-// Lights without size show no camera chains.
+// Whether camera chains lead to this light. Not to lights without extent.
 bool has_camera_chains(const Techniques& techniques, const LightEnd& end) {
     return techniques.camera_chains->has(end.light) && !end.delta;
 }
@@ -122,7 +121,7 @@ ChainVertex chain_vertex(const Scene& scene, const CausticPath& path, uint32_t i
     return {vertex.interaction, eta, geometry};
 }
 
-// What a ray scatters as that turns so.
+// The bit of the bounce by which a closure makes this interaction.
 uint32_t kinds_of(Interaction interaction) {
     return kind_bit(interaction == Interaction::reflection ? BounceKind::glossy
                                                            : BounceKind::transmission);
@@ -136,8 +135,8 @@ float facet_pdf_at(const Scene& scene, const SurfaceHit& hit, Interaction intera
                      eta_seen_from(geometry.ng, wi, interface.ior), wi, wo);
 }
 
-// Of next event estimation at x, or at the last vertex, which is at `last`. `before`: probabilities of the
-// other lobes.
+// Density of next event estimation at x, or at the last vertex, which is at `last`. `before`: product of the
+// probabilities of the lobes before that.
 double direct_density(const CausticPath& path, double before, const Vec3& last, const LightEnd& end,
                       double geometry) {
     const auto pdf = static_cast<double>(end.pdf_direct);
@@ -216,8 +215,8 @@ bool light_tracing_owns(const Techniques& techniques, const CausticPath& path) {
 }
 
 bool light_tracing_may_own(const Techniques& techniques, const CausticPath& path) {
-    // Switched-off caustics leave diffuse rays not all that light paths meet.
-    // The manifold's limits hold for all that light tracing owns.
+    // If caustics by reflection or refraction are switched off, paths behind a scattering do not meet all that
+    // light paths meet. The limits of manifold chains hold for light tracing, too.
     const auto [n, reflections, refractions] = path.camera_subpath;
     const BounceCounts whichever{.total = n + reflections + refractions,
                                  .diffuse = n,
@@ -334,7 +333,7 @@ std::optional<CausticDensities> caustic_densities(const Techniques& techniques,
     } else if (by_manifold) {
         const ManifoldSettings& manifold = techniques.manifold;
         p.manifold = manifold_confidence(techniques, path) * static_cast<double>(end.pdf) * facets;
-        // Nothing else than random walks looks for rough chains.
+        // Only random searches look for rough chains.
         if (!path.is_rough()) {
             const auto probability_of_caster = [&] {
                 return static_cast<double>(caster_probability(
@@ -349,8 +348,7 @@ std::optional<CausticDensities> caustic_densities(const Techniques& techniques,
         }
     }
     if (ends_scattered(path)) p.direct = direct_density(path, before_last, from, end, p.geometry);
-    // Where next event estimation looks for a lamp without shadow, whatever stands in the way, rays
-    // leave it to those who connect to it.
+    // Next event estimation connects to a lamp without shadow through everything, so rays leave it to that.
     const bool seen_through = is_seen_through(techniques.lights, end.light),
                by_rays = !seen_through || !ends_scattered(path);
     if (!end.delta && by_rays)
@@ -359,7 +357,7 @@ std::optional<CausticDensities> caustic_densities(const Techniques& techniques,
         p.folds = kFoldConfidence *
                   static_cast<double>(path.folds->pdf(normalize(chain[0].geometry.p - path.x))) *
                   probability * p.geometry;
-    // Where the camera's rays run into a light as often, they need no help, which is not for nothing.
+    // If the camera's rays hit the light as often as seeds find it, path tracing needs no help.
     if (path.from_camera && p.manifold <= p.path_tracing) {
         p.manifold = 0.0;
         p.missed.reset();
@@ -374,7 +372,7 @@ std::optional<CausticDensities> caustic_densities(const Techniques& techniques,
                                                              end.light, end.end, last);
         const double cos_x = std::abs(static_cast<double>(dot(path.sides.ng, wi)));
         const LightTracing& paths = techniques.light_tracing;
-        // All of those that a rough caster scatters go on.
+        // Light paths behind a receiver go on with this probability; those that a rough caster scatters always.
         const bool thinned = path.camera_subpath.scatterings > 0 && path.count > 0;
         if (emitted > 0.0f)
             p.light_tracing = paths.paths * (thinned ? paths.goes_on : 1.0) /

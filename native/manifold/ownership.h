@@ -106,8 +106,8 @@ struct SubpathBounces {
 // The camera's path up to a surface, if light tracing could make it: from a surface that the camera sees
 // directly, by smooth scatterings and chains between them.
 struct CameraSubpath {
-    // CausticPath::film_density without the light path's density of leaving this surface. 0 if light
-    // tracing could not make the subpath.
+    // CausticPath::film_density without the division by the light path's density of leaving this surface. 0
+    // if light tracing could not make the subpath.
     float film_density = 0.0f;
     SubpathBounces bounces{};
 };

@@ -8,12 +8,12 @@ namespace spc {
 namespace {
 
 constexpr float kLongestStep = 0.5f;  // rad, at the receiver
-// Where rounding may turn a chain's end further than that, by its bound, a ray may be within the bound
-// of a light that no chain leads to: the bound says how far off it can be, not that it is. A fifth of
-// the sun's radius.
+// Largest endpoint error that counts as an arrival, whatever the bound of rounding errors: the bound says how
+// far off a ray can be, not that it is, and may be larger than the distance to a light that no chain leads
+// to. A fifth of the sun's radius.
 constexpr float kLargestEndpointError = 1e-3f;  // rad
 
-// Where a ray that has left the surface at a small angle is past its rounding.
+// Distance along w after which a ray has left the rounding errors of its surface behind, m.
 float start_offset(const RayStart& from, const Vec3& w) {
     constexpr float kLeastCosine = 1e-2f;
     return 2.0f * from.error / std::max(std::abs(dot(from.ng, w)), kLeastCosine);
@@ -35,10 +35,10 @@ DifferentialGeometry geometry_at(const Scene& scene, const SurfaceHit& hit,
     return geometry;
 }
 
-// By how much a ray misses its end.
+// The endpoint error of a ray, and its derivative.
 struct EndpointError {
     Vec2 c;             // angle in two directions, rad
-    Vec2 dc_dx, dc_dy;  // by the two turns at the receiver
+    Vec2 dc_dx, dc_dy;  // derivatives by the two turns at the receiver
     double distance;    // m, to the end; infinite for a distant one
 };
 
@@ -72,7 +72,7 @@ std::optional<Vec2> newton_step(const EndpointError& error) {
                     -error.c.y);
 }
 
-// A shot: the ray behind its last vertex, and by how much it misses.
+// A shot: its chain, the ray behind the last vertex, and the endpoint error.
 struct Shot {
     Chain chain;
     RayDual ray;
@@ -196,14 +196,15 @@ bool measure_resolution(const Shot& shot, ChainSolution& solution) {
     return true;
 }
 
-// By Fresnel, with a floor: trials need no probability of it to be right, and neither may starve.
+// Probability of following the reflection: Fresnel's term with a floor, so that neither side starves. Any
+// positive probability is right, since trials make up for it.
 float reflection_probability(const SpecularInterface& interface, float cosine, float eta) {
     constexpr float kFloor = 1.0f / 8;
     if (!interface.reflects || !interface.refracts) return interface.reflects ? 1.0f : 0.0f;
     return std::clamp(facet::dielectric(cosine, eta), kFloor, 1.0f - kFloor);
 }
 
-// Of a ray that has hit a caster, or nothing.
+// Follows a ray from its first hit `hit`, which must lie on a caster, through casters.
 std::optional<FollowedRay> follow_at_random(const Scene& scene, const ManifoldSettings& settings,
                                             const CasterSet& casters, Ray ray,
                                             std::optional<Hit> hit, uint32_t longest, Pcg& pcg,

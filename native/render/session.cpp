@@ -25,7 +25,7 @@ uint32_t count_rounds(uint32_t samples) {
 
 constexpr uint32_t kLeastSamples = 3;  // of a pixel: fewer tell nothing yet of its noise
 
-// Of one sample, on average over pixels and channels; empty where some pixel has but one.
+// Variance of one sample, averaged over pixels and channels. Empty if a pixel has fewer than two samples.
 std::optional<double> variance_of(std::span<const PixelSums> pixels) {
     double sum = 0.0;
     for (const PixelSums& pixel : pixels) {
@@ -132,7 +132,7 @@ void TileEvidence::add(const RenderStats& stats) {
 }
 
 Activation activation_for(const TileEvidence& evidence, double variance, double least, double most) {
-    // Of the variance that a tile shows, what is left for all but the manifold at least.
+    // Least share of a tile's variance that is ascribed to everything but the manifold.
     constexpr double kLeastRest = 0.05;
 
     Activation probabilities = kAlways;

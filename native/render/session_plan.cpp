@@ -16,10 +16,10 @@ namespace {
 // Light paths, estimates of camera chains and searches for them in a job.
 constexpr uint64_t kSplatJob = 1024;
 
-// Where light paths bring what is not found, it may come more rarely.
+// Least share of receivers with walks beside light paths, which bring what the walks do not find.
 constexpr double kLeastWalks = 1.0 / 16;
-// Walks are worth as much less as few receivers have them, and below a quarter of these less than
-// that: light paths are dense there. Elsewhere walks keep the rare light path from being a bright pixel.
+// If fewer than 1 / kUnlessRare of the receivers have walks, their confidence falls faster than their number,
+// since light paths are dense there. Otherwise walks keep a rare light path from making a bright pixel.
 constexpr double kUnlessRare = 4.0;
 
 // Sum of the squares of the shares that pixels have of one splat, on average.
@@ -41,11 +41,11 @@ constexpr double kNodesOfRay = 8.0, kRaysOfGlint = 3.0;
 // With what is done for each, a light path's ray takes the time of so many of other work.
 constexpr double kWorkOfLightRay = 2.0;
 
-// Of one point by way of one caster: where there are more, sheets find each of them so rarely, and search
-// so long for what they miss, that light paths and path tracing have less error in the same time.
+// Most chains to one point by way of one caster. With more, sheets find each of them so rarely, and search so
+// long for what they miss, that light paths and path tracing have less error in the same time.
 constexpr double kMostChains = 64.0;
 
-// Of a probed pixel, where it is much; of a limited time.
+// Work of a probed pixel, if it is a lot of work; share of a limited time that probes may take.
 constexpr double kWorkOfProbe = 0x1p14, kShareOfProbes = 0.08;
 
 // Index of the preview's samples: no pixel takes as many.
@@ -59,8 +59,8 @@ double glint_work(const GlintStats& stats) {
 }  // namespace
 
 const Budget& Session::begin(RenderStage stage, double work, double share) {
-    // Of a render without a limit: longer than what its work takes, so that its picture does not depend
-    // on the machine.
+    // A stage's time without a time limit: longer than its work takes, so that the picture does not depend on
+    // the machine.
     constexpr double kGuard = 20.0;  // s
     const auto limit = static_cast<double>(settings_.time_limit);
     auto budget =
@@ -125,7 +125,7 @@ void Session::prepare_flakes() {
     stats_.add(stats);
 }
 
-// Which casters the manifold searches: not those that make more chains at once than a search is worth.
+// Chooses the casters that the manifold searches: not those that make too many chains at once.
 void Session::choose_casters() {
     settings_.chooses =
         settings_.chooses && settings_.light_tracing && rays_find_all(*world_.scene, world_.lights);
@@ -166,7 +166,7 @@ void Session::prepare_sheets() {
     constexpr double kLeastCells = 64.0, kMostCells = 2048.0;
     constexpr double kRaysPerCell = 0x1p14, kShare = 0.15;
     const ManifoldSettings& manifold = settings_.integrator.manifold;
-    // As large as leaves their making a small part of the work.
+    // So many emission cells that building the sheets is a small part of the work.
     const auto& crop = world_.scene->camera.crop;
     const auto pixels = static_cast<double>(uint64_t{crop[2]} * crop[3]);
     double emission_cells =
@@ -418,7 +418,7 @@ Session::Probe Session::probe(uint32_t most, uint32_t rare, const Budget& budget
     return with_probabilities(probe, always.activation, kAlways);
 }
 
-// As if manifold estimates came by other probabilities.
+// The probe as it would be if manifold estimates had the probabilities `to` instead of `from`.
 Session::Probe Session::with_probabilities(const Probe& whole, const Activation& from,
                                            const Activation& to) {
     Probe result = whole;
@@ -444,7 +444,7 @@ Session::LightPathPlan Session::light_paths_that_pay(const LightPilot& pilot,
     constexpr double kLeast = 1.0 / 64, kMost = 8.0, kStep = 1.125;  // for each pixel
     const auto& crop = world_.scene->camera.crop;
     const auto pixels = static_cast<double>(uint64_t{crop[2]} * crop[3]);
-    // Of a pixel, by one light path for each.
+    // Variance of a pixel if there is one light path for each pixel, per unit of pilot.squares.
     const double of_light = spread(filter_) * CoarsePicture::kCells / (pixels * pixels);
     const double work = kWorkOfLightRay * pilot.rays;
     const auto error = [&](double paths) {  // logarithm of that mean

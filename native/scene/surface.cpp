@@ -56,7 +56,7 @@ Vec3 absolute(const Vec3& v) { return {std::abs(v.x), std::abs(v.y), std::abs(v.
 
 float largest(const Vec3& v) { return std::max({v.x, v.y, v.z}); }
 
-// Sums of the sizes of all terms that transforms to the object and back multiply.
+// Sums of the absolute values of all products in the transforms to object space and back.
 Vec3 terms_there_and_back(const Instance& instance, const Vec3& size) {
     const auto terms = [](const Transform& m, const Vec3& v) {
         return Vec3(dot(absolute(m.row[0]), v), dot(absolute(m.row[1]), v),
@@ -146,14 +146,13 @@ void fill_point(const Scene& scene, const SurfaceHit& hit, const T& u, const T& 
     }
 }
 
-// And for what a material's heights read.
+// The same, with the storage for what a material's heights read.
 template <class T>
 struct PointWithHeights : PointAt<T> {
     std::optional<PointAt<Dual<T>>> around;
 };
 
-// Fills in what `reads`, of that material, asks for on the side of `wo`. `front`: the geometric
-// normal of the front side.
+// Fills in what `reads` asks for, seen from `wo`. `front`: the geometric normal on the front side.
 template <class T>
 void fill_point_seen_from(const Scene& scene, const SurfaceHit& hit, const T& u, const T& v,
                           const Vec3& wo, uint32_t reads, const Material& material,
@@ -181,7 +180,7 @@ void point_seen_from(const Scene& scene, const SurfaceHit& hit, const Vec3& wo,
     fill_point_seen_from(scene, hit, hit.u, hit.v, wo, material.reads, material, corner, front, at);
 }
 
-// One thing that a material's program gives at a hit, without closures.
+// Evaluates one output of a material's program at a hit, without closures.
 template <class Evaluate>
 Spectrum evaluate_alone(const Evaluate& evaluate, const Scene& scene, const SurfaceHit& hit,
                         const Vec3& wo) {

@@ -392,8 +392,9 @@ typedef enum spc_method {
     SPC_METHOD_AUTO = 7
 } spc_method;
 
-/* Light paths beside the manifold's methods, as many as pay, and chains to the lights that the camera
- * sees in casters, which SPC_METHOD_SHEETS always has. AUTO: as ON, for now. */
+/* Whether the manifold's methods trace light paths, too (the session chooses how many), and look for camera
+ * chains, to the lights that the camera sees in casters. SPC_METHOD_SHEETS always has camera chains. AUTO: as
+ * ON, for now. */
 typedef enum spc_light_tracing {
     SPC_LIGHT_TRACING_AUTO = 0,
     SPC_LIGHT_TRACING_ON = 1,
@@ -405,7 +406,7 @@ typedef enum spc_constraint {
     SPC_CONSTRAINT_ANGLE_DIFFERENCE = 1
 } spc_constraint;
 
-/* How light is averaged over what a pixel covers of a normal map. SEARCH is the one to use; the others are
+/* How glints are averaged over a pixel's footprint on a normal map. SEARCH is the one to use; the others are
  * there to compare with. */
 typedef enum spc_glint_method {
     SPC_GLINT_METHOD_SEARCH = 0,
@@ -512,8 +513,8 @@ typedef struct spc_render_stats {
     uint64_t nan_samples;   /* samples and splats dropped for not being finite, or above 1e18 */
     uint64_t light_paths;   /* from lights; those that learned where to start included */
     uint64_t splats;        /* that light paths added to the picture */
-    /* Of light sheets and camera chains: chains that were known to be worth looking for, different ones
-     * that were there, and others that walks found beside them, with the luminance that these gave. */
+    /* Of light sheets and camera chains: chain seeds that were shot, different chains that they found, and
+     * chains that only searches found, with the luminance that these gave. */
     uint64_t chain_seeds, seeded_chains, missed_chains;
     double missed_energy;
     uint64_t glint_estimates; /* of the light of one direction, over a footprint */

@@ -80,47 +80,8 @@ Table over_ball_and_pane() {
     return table;
 }
 
-// ---- a lamp without shadow
-
-// Next event estimation looks through everything for it. Behind casters rays alone come to it, and
-// casters themselves stand in the way of chains that would leave them through their other side.
-Table behind_casters() {
-    constexpr uint32_t kRounds = 600;
-    const auto with_plate = [](const char* name, const std::function<void(SceneMaker&)>& add_casters,
-                               const Transform& plate) {
-        return Part{name, [=](SceneMaker& m) {
-                        add_casters(m);
-                        m.add(square(0.1f), diffuse(0.0f), plate, CausticsRole::off,
-                              kVisibleAll & ~uint32_t{kVisibleCamera});
-                    }};
-    };
-    constexpr uint32_t kWithoutShadow = kNotDirectly & ~uint32_t{kVisibleShadow};
-    Table table{
-        {{.casters = with_plate(
-              "glass ball", [](SceneMaker& m) { add_ball(m, glass(1.5f)); },
-              translation({0.1f, 0.0f, 1.4f})),
-          .light = bulb("bulb without shadow", {0.1f, -0.2f, 1.9f}, 0.3f, kWithoutShadow)},
-         {.casters = with_plate(
-              "mirror",
-              [](SceneMaker& m) {
-                  add_caster(m, square(0.6f), mirror(), rotation_x(0.5f * kPi, {0.0f, 0.9f, 0.6f}));
-              },
-              rotation_x(0.5f * kPi, {0.05f, 0.3f, 0.75f})),
-          .light = bulb("bulb without shadow", {0.0f, -0.6f, 1.2f}, 0.3f, kWithoutShadow)}}};
-    Method sheets = kSheets, missed = kMissed;
-    sheets.light_paths = missed.light_paths = false;
-    for (Row& row : table.rows) {
-        row.reference.rounds = 30000;
-        row.few_hits = true;
-        for (const Method& method : {kManifold, sheets, missed, kMnee})
-            row.claims.push_back({method, kRounds});
-    }
-    return table;
-}
-
 }  // namespace
 
 SPC_AGREEMENT(Lights, over_ball_and_pane);
-SPC_AGREEMENT(LightsWithoutShadow, behind_casters);
 
 }  // namespace spc::test

@@ -208,6 +208,23 @@ TEST(Absorption, OfAChain) {
     EXPECT_GT(found, 10);
 }
 
+// From above the water, where light paths do not find what the camera sees.
+TEST(Absorption, IsTheSameForWalksAndForPathTracing) {
+    const RenderScene world =
+        floor_in_water(test::absorbing(test::glass(1.33f), Spectrum(0.2f, 0.7f, 2.0f)), 0.35f);
+    const Ray ray = test::ray_to({1.0f, 0.2f, 2.0f}, {0.4f, 0.2f, 0.8f});
+    IntegratorSettings traced = test::unlimited();
+    traced.limits.total = 2;  // into the water, at the floor: lit through the surface
+    IntegratorSettings walked = traced;
+    walked.manifold = test::unbiased_manifold();
+    const test::RadianceEstimate a = test::estimate(world, traced, 400000, ray),
+                                 b = test::estimate(world, walked, 200000, ray, 2);
+    EXPECT_TRUE(test::same_mean(a.radiance, b.radiance, 1e-3));
+    EXPECT_GT(b.caustics.mean(), 0.2 * b.radiance.mean());
+    EXPECT_LT(std::hypot(a.radiance.standard_error(), b.radiance.standard_error()),
+              0.03 * a.radiance.mean());
+}
+
 // ---- who takes part
 
 TEST(Absorption, OfObjectsThatSomeRaysDoNotSeeIsLeftOutAndReported) {

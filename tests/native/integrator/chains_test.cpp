@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The manifold without light paths: a sphere under a sun against what its mapping of impact parameters
-// to the floor makes of the light, and directions next to folds against walks.
-#include "support/casters.h"
-#include "support/radiance.h"
+// The manifold without light paths, for each kind of chain: a sphere under a sun against what its
+// mapping of impact parameters to the floor makes of the light, the rest against path tracing.
+#include "integrator/chain_cases.h"
+#include "support/power.h"
+#include "support/truths.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+
+#include <set>
 
 namespace spc::test {
 namespace {
@@ -190,7 +194,231 @@ TEST(SphereUnderASunSlow, HasTheIrradianceOfItsMapping) {
     }
 }
 
-// ---- folds
+// ---- every kind of chain, against path tracing
+
+struct ChainCase {
+    ChainScene scene;
+    std::vector<Method> methods;
+    LightType light = LightType::point;
+    float radius = 0.3f;  // of the lamp
+};
+
+std::vector<ChainCase> chain_cases() {
+    std::vector<ChainCase> cases;
+    // Of longer chains walks leave most light to path tracing, where it finds the lamp.
+    for (const ChainScene& scene : chain_scenes())
+        cases.push_back(
+            {scene, scene.interactions == 1 ? std::vector{kWalks, kSheets} : std::vector{kSheets}});
+    return cases;
+}
+
+// ---- rough vertices
+
+// Roughness 0.2 and 0.15: lobes of 0.04 and 0.0225 rad.
+const Graph kMetal = mirror(0.2f), kFrosted = refraction(1.4f, 0.15f);
+Graph beckmann(Graph graph) {
+    graph.options.push_back({1, "distribution", "BECKMANN"});
+    return graph;
+}
+constexpr Method kRoughWalks{"walks", ChainFinder::walks, kLongestManifoldChain, 30000},
+    kRoughSheets{"sheets", ChainFinder::sheets, kLongestManifoldChain, 80000};
+
+using Build = std::function<void(SceneMaker&)>;
+ChainCase rough(const char* name, const Method& method, const Build& build) {
+    return {{name, 1, [build](SceneMaker& m, Reliefs) { build(m); }}, {method}};
+}
+void add_pane(SceneMaker& maker, float z, const Graph& graph) {
+    add_surface(maker, 2.5f, graph, translation({0, 0, z}));
+}
+// Whose back is above.
+void add_pane_over_glass(SceneMaker& maker, float z, const Graph& graph) {
+    add_surface(maker, 2.5f, graph, rotation_x(kPi, {0, 0, z}));
+}
+
+std::vector<ChainCase> rough_reflections() {
+    const auto off = [](const Graph& graph) {
+        return [graph](SceneMaker& m) { add_mirror(m, Relief::none, graph); };
+    };
+    std::vector<ChainCase> cases{
+        rough("rough R", kRoughWalks, off(kMetal)),
+        rough("rough R, Beckmann", kRoughWalks, off(beckmann(kMetal))),
+        // What its diffuse part scatters is path tracing's.
+        rough("rough R of a mixture", kRoughWalks, off(combined(kMetal, diffuse(0.7f), 0.5f))),
+        // Half of the light passes the pane straight on.
+        rough("rough R behind a pane", kRoughSheets,
+              [](SceneMaker& m) {
+                  add_mirror(m, Relief::none, kMetal);
+                  add_pane_before_mirror(m, combined(kMetal, transparent(1.0f), 0.5f));
+              }),
+        // Next event estimation finds lights without size at rough vertices.
+        rough("rough R of a point", kRoughWalks, off(kMetal)),
+        rough("rough T, rough R, rough T", kRoughSheets, [](SceneMaker& m) {
+            add_mirror(m, Relief::none, kMetal);
+            add_pane_before_mirror(m, kFrosted);
+        })};
+    cases[4].radius = 0.0f;
+    const auto by_pane = [](const Graph& wall, const Graph& pane) {
+        return [=](SceneMaker& m) {
+            add_mirror(m, Relief::none, wall);
+            add_pane_over_mirror(m, pane);
+        };
+    };
+    cases.push_back(rough("rough R, T", kRoughSheets, by_pane(kMetal, refraction(1.3f))));
+    cases.push_back(rough("R, rough T", kRoughSheets, by_pane(mirror(), refraction(1.3f, 0.15f))));
+    cases.push_back(
+        rough("rough R, rough T", kRoughSheets, by_pane(kMetal, refraction(1.3f, 0.15f))));
+    return cases;
+}
+
+std::vector<ChainCase> rough_refractions() {
+    const auto through = [](const Graph& graph) {
+        return [graph](SceneMaker& m) { add_pane(m, 0.7f, graph); };
+    };
+    const auto pair = [](const Graph& below, const Graph& above) {
+        return [=](SceneMaker& m) {
+            add_pane_over_glass(m, 0.6f, below);
+            add_pane(m, 0.8f, above);
+        };
+    };
+    std::vector<ChainCase> cases{
+        rough("rough T", kRoughSheets, through(kFrosted)),
+        rough("rough T, Beckmann", kRoughSheets, through(beckmann(kFrosted))),
+        rough("rough T, T", kRoughSheets, pair(kFrosted, refraction(1.4f))),
+        rough("rough T, T, Beckmann", kRoughSheets, pair(beckmann(kFrosted), refraction(1.4f))),
+        rough("rough T, rough T, Beckmann", kRoughSheets,
+              pair(beckmann(kFrosted), beckmann(kFrosted))),
+        rough("T, rough T", kRoughSheets, pair(refraction(1.4f), kFrosted)),
+        rough("rough T of a sun without a disc", kRoughSheets, through(refraction(1.4f, 0.28f)))};
+    cases[5].radius = 0.2f;
+    cases[6].light = LightType::sun;
+    cases[6].radius = 0.0f;
+    return cases;
+}
+
+std::vector<ChainCase> rough_pairs_of_slabs() {
+    const auto slabs = [](const std::array<Graph, 4>& from_below) {
+        return [=](SceneMaker& m) {
+            for (size_t i = 0; i < 4; i += 2) {
+                const float z = 0.3f + 0.25f * float(i);
+                add_pane_over_glass(m, z, from_below[i]);
+                add_pane(m, z + 0.2f, from_below[i + 1]);
+            }
+        };
+    };
+    const Graph clear = refraction(1.4f), frosted = refraction(1.4f, 0.12f);
+    std::vector<ChainCase> cases{
+        rough("rough T, T, T, T", kRoughSheets, slabs({frosted, clear, clear, clear})),
+        rough("T, T, rough T, T", kRoughSheets, slabs({clear, clear, frosted, clear})),
+        rough("four times rough T", kRoughSheets, slabs({frosted, frosted, frosted, frosted}))};
+    for (ChainCase& c : cases) c.radius = 0.2f;
+    return cases;
+}
+
+ChainCase rough_ball() {
+    ChainCase ball = rough("rough ball", kRoughSheets, [](SceneMaker& m) {
+        add_for_light(m, sphere(32, 0.5), combined(kMetal, refraction(1.5f, 0.2f), 0.5f),
+                      translation({0.0f, 0.9f, 0.6f}));
+    });
+    ball.scene.lamp = {0.1f, -0.4f, 1.3f};
+    return ball;
+}
+
+std::vector<ChainCase> rough_reliefs() {
+    constexpr Method kPatient{"sheets", ChainFinder::sheets, kLongestManifoldChain, 160000};
+    const auto relieved = [](const char* name, const Method& method, const auto& build) {
+        return ChainCase{{name, 1, build}, {method}};
+    };
+    return {relieved("rough R", kRoughWalks,
+                     [](SceneMaker& m, Reliefs r) { add_mirror(m, r.one, kMetal); }),
+            relieved("rough T, Beckmann", kRoughSheets,
+                     [](SceneMaker& m, Reliefs r) {
+                         add_surface(m, 2.5f, beckmann(kFrosted), translation({0, 0, 0.7f}), r.one);
+                     }),
+            relieved("rough T, R, rough T", kPatient,
+                     [](SceneMaker& m, Reliefs r) {
+                         add_mirror(m, r.others);
+                         add_pane_before_mirror(m, kFrosted, r.one);
+                     }),
+            relieved("T, rough T", kPatient, [](SceneMaker& m, Reliefs r) {
+                add_surface(m, 2.5f, kFrosted, translation({0, 0, 0.8f}), r.one);
+                add_surface(m, 2.5f, refraction(1.4f), rotation_x(kPi, {0, 0, 0.6f}), r.others);
+            })};
+}
+
+RenderScene make(const ChainCase& c, Reliefs reliefs) {
+    SceneMaker maker;
+    add_floor(maker);
+    add_relief_image(maker, reliefs);
+    c.scene.build(maker, reliefs);
+    LightDesc lamp;
+    lamp.name = "lamp";
+    lamp.type = c.light;
+    lamp.to_world = translation(c.scene.lamp);
+    lamp.power = Spectrum(100.0f);
+    lamp.radius = c.radius;
+    lamp.visibility = kNotDirectly;
+    maker.builder.add_light(lamp);
+    return maker.finish();
+}
+
+// Four blocks of the floor.
+auto block_of(int block) {
+    return [block](const Vec2& u) {
+        constexpr float kSide = 0.3f;
+        return Vec3(u.x - float(block % 2), u.y - float(block / 2), 0.0f) * kSide;
+    };
+}
+
+void expect_agreement(const std::vector<ChainCase>& cases, Reliefs reliefs = {}) {
+    constexpr uint32_t kTruth = 200000;
+    const uint32_t by_day = power(2, 1);  // fewer samples
+    const double noticed = power(0.35, 0.25);
+    const double significance = sidak(kFamily, 4 * 11);
+    const bool smooth = reliefs.one == Relief::none && reliefs.others == Relief::none;
+    for (const ChainCase& c : cases) {
+        if (!smooth && !c.scene.has_relief) continue;
+        const RenderScene world = make(c, reliefs);
+        Floor by_path_tracing(world, nullptr);
+        const Estimates expected = truth(
+            fmt::format("{}, {} and {}", c.scene.name, to_string(reliefs.one),
+                        to_string(reliefs.others)),
+            kTruth, [&](uint32_t samples) {
+                Estimates found;
+                for (int block = 0; block < 4; ++block)
+                    found.push_back(by_path_tracing.mean(block_of(block), samples, 1).radiance);
+                return found;
+            });
+        for (const Method& method : c.methods) {
+            Floor floor(world, &method);
+            double radiance = 0.0, caustics = 0.0, variance = 0.0;  // of all blocks together
+            for (int block = 0; block < 4; ++block) {
+                const FloorMean found = floor.mean(block_of(block), method.samples / by_day, 2);
+                EXPECT_TRUE(same_mean(found.radiance, expected[size_t(block)], significance))
+                    << c.scene.name << " by " << method.name << ", block " << block;
+                radiance += found.radiance.mean();
+                caustics += found.caustics.mean();
+                variance += std::pow(found.radiance.standard_error(), 2) +
+                            std::pow(expected[size_t(block)].standard_error(), 2);
+            }
+            // What five standard errors are of the manifold's share.
+            const double notices = 5.0 * std::sqrt(variance) / caustics;
+            std::cout << c.scene.name << ", " << to_string(reliefs.one) << " and "
+                      << to_string(reliefs.others) << ", by " << method.name
+                      << ": the manifold finds " << caustics / radiance
+                      << " of the light, an error is noticed from " << notices << std::endl;
+            EXPECT_GT(caustics, 0.25 * radiance) << c.scene.name;
+            EXPECT_LT(notices, noticed) << c.scene.name;
+        }
+    }
+}
+
+std::vector<ChainCase> of_kinds(const std::set<std::string>& names, const Method& method) {
+    std::vector<ChainCase> cases = chain_cases();
+    std::erase_if(cases, [&](const ChainCase& c) { return !names.contains(c.scene.name); });
+    EXPECT_EQ(cases.size(), names.size());
+    for (ChainCase& c : cases) c.methods = {method};
+    return cases;
+}
 
 // Directions next to folds lead to rays that nothing ever ends: the floor is tiny beside the mirror
 // around it.
@@ -236,6 +464,32 @@ TEST(FoldsSlow, AgreeWithWalks) {
     EXPECT_TRUE(same_mean(sheets, walks, kFamily));
     EXPECT_LT(std::hypot(sheets.standard_error(), walks.standard_error()), 0.02 * walks.mean());
 }
+
+TEST(ChainsSlow, OfSmoothCastersAgreeWithPathTracing) { expect_agreement(chain_cases()); }
+TEST(ChainsSlow, OfNormalMappedCastersAgreeWithPathTracing) {
+    expect_agreement(of_kinds({"R", "T"}, kWalks), {Relief::normals});
+    expect_agreement(of_kinds({"R", "T", "RT", "TT", "TRT", "TTTT"}, kSheets), {Relief::normals});
+}
+TEST(ChainsSlow, OfSeveralNormalMappedCastersAgreeWithPathTracing) {
+    constexpr Method kPatient{"sheets", ChainFinder::sheets, kLongestManifoldChain, 40000};
+    expect_agreement(of_kinds({"RT", "TRT"}, kPatient), {Relief::none, Relief::normals});
+    expect_agreement(of_kinds({"RT", "TT", "TTTT"}, kPatient), {Relief::normals, Relief::normals});
+}
+TEST(ChainsSlow, OfBumpedCastersAgreeWithPathTracing) {
+    expect_agreement(of_kinds({"R", "T"}, kWalks), {Relief::heights});
+    expect_agreement(of_kinds({"R", "T", "RT", "TT"}, kSheets), {Relief::heights});
+    expect_agreement(of_kinds({"TT"}, kSheets), {Relief::heights, Relief::heights});
+}
+TEST(ChainsSlow, OfRoughMirrorsAgreeWithPathTracing) { expect_agreement(rough_reflections()); }
+TEST(ChainsSlow, ThroughRoughPanesAgreeWithPathTracing) { expect_agreement(rough_refractions()); }
+TEST(ChainsSlow, ThroughRoughSlabsAgreeWithPathTracing) {
+    expect_agreement(rough_pairs_of_slabs());
+}
+TEST(ChainsSlow, OfMappedRoughCastersAgreeWithPathTracing) {
+    expect_agreement(rough_reliefs(), {Relief::normals});
+    expect_agreement({rough_reliefs()[0], rough_reliefs()[1]}, {Relief::heights});
+}
+TEST(ChainsSlow, OfARoughBallAgreeWithPathTracing) { expect_agreement({rough_ball()}); }
 
 }  // namespace
 }  // namespace spc::test

@@ -101,5 +101,49 @@ TEST(HiddenLights, NoChainGoesThroughAPlateCloseBeforeItsEnds) {
     }
 }
 
+// Next event estimation looks through everything for a lamp without shadow. Behind casters rays alone
+// come to it, and casters themselves stand in the way of chains that would leave them through their
+// other side.
+TEST(HiddenLightsSlow, LampsWithoutShadowAreTheSameForAllMethodsBehindCasters) {
+    struct Case {
+        const char* name;
+        std::function<void(SceneMaker&)> add_caster;
+        Vec3 bulb;
+        Transform plate;  // in the way of a part of the light
+    };
+    const Case cases[] = {
+        {"glass ball",
+         [](SceneMaker& maker) { add_ball(maker, glass(1.5f)); },
+         {0.1f, -0.2f, 1.9f},
+         translation({0.1f, 0.0f, 1.4f})},
+        {"mirror",
+         [](SceneMaker& maker) {
+             add_caster(maker, square(0.6f), mirror(), rotation_x(0.5f * kPi, {0.0f, 0.9f, 0.6f}));
+         },
+         {0.0f, -0.6f, 1.2f},
+         rotation_x(0.5f * kPi, {0.05f, 0.3f, 0.75f})}};
+    const Method methods[] = {kManifold,
+                              {"light sheets", true, false, ChainFinder::sheets},
+                              {"walks beside no sheets", true, false, ChainFinder::sheets, 0},
+                              kMnee};
+    constexpr int kComparisons = 2 * 4;
+    for (const auto& [name, add_caster_to, bulb, plate] : cases) {
+        SceneMaker maker;
+        set_camera(maker);
+        add_floor(maker);
+        add_caster_to(maker);
+        maker.add(square(0.1f), diffuse(0.0f), plate, CausticsRole::off,
+                  kVisibleAll & ~uint32_t{kVisibleCamera});
+        add_bulb(maker, bulb, 0.3f, kNotDirectly & ~uint32_t{kVisibleShadow});
+        const RenderScene world = maker.finish();
+        const Picture expected = render(world, few_bounces(), kPathTracing, 30000, 1);
+        EXPECT_LT(5.0 * expected.mean[4].standard_error(), 0.08 * expected.mean[4].mean())
+            << name << ": too little power";
+        for (const Method& method : methods)
+            expect_same(render(world, few_bounces(), method, 600, 2), expected,
+                        std::string(name) + " by " + method.name, kComparisons);
+    }
+}
+
 }  // namespace
 }  // namespace spc::test

@@ -26,6 +26,44 @@ LightDesc lamp(LightType type, float power) {
     return light;
 }
 
+struct LightCase {
+    const char* name;
+    std::function<void(SceneMaker&)> add;
+};
+// Large enough for path tracing to find them.
+std::vector<LightCase> finite_lights() {
+    const auto lamp_case = [](const char* name, const LightDesc& light) {
+        return LightCase{name, [light](SceneMaker& maker) { maker.builder.add_light(light); }};
+    };
+    LightDesc point = lamp(LightType::point, 100.0f);
+    point.radius = 0.3f;
+    LightDesc spot = lamp(LightType::spot, 100.0f);
+    spot.radius = 0.3f;
+    spot.spot_angle = 1.5f;
+    spot.spot_blend = 0.4f;
+    LightDesc sun = lamp(LightType::sun, 3.0f);
+    sun.sun_angle = 0.25f;
+    LightDesc rectangle = lamp(LightType::area, 100.0f);
+    rectangle.size = Vec2(0.7f, 0.4f);
+    LightDesc ellipse = rectangle;
+    ellipse.shape = AreaShape::ellipse;
+    LightDesc sheared = rectangle;  // its -Z axis is no longer its normal
+    for (Vec3& row : sheared.to_world.row) row.z += 0.6f * row.x;
+    LightDesc beam = rectangle;
+    beam.spread = 1.0f;
+    return {lamp_case("sphere", point),
+            lamp_case("beam of a rectangle", beam),
+            lamp_case("spot", spot),
+            lamp_case("sun", sun),
+            lamp_case("rectangle", rectangle),
+            lamp_case("ellipse", ellipse),
+            lamp_case("sheared rectangle", sheared),
+            {"emissive mesh", [](SceneMaker& maker) {
+                 maker.add(test::flat(test::square(0.3f)), test::emission(20.0f),
+                           test::translation({0.9f, 0.2f, 2.5f}));
+             }}};
+}
+
 // A diffuse floor with a mirror ball above it, and a sheet of glass between floor and light.
 void add_floor_and_casters(SceneMaker& maker) {
     maker.add(test::square(4.0f), test::diffuse(0.8f), {}, CausticsRole::receiver);
@@ -37,6 +75,67 @@ void add_floor_and_casters(SceneMaker& maker) {
 Ray camera_ray(uint32_t i) {
     Pcg pcg(i);
     return test::ray_to({0.0f, -3.0f, 2.0f}, {pcg.one() - 0.5f, 0.6f * pcg.one() - 0.3f, 0.0f});
+}
+
+TEST(ManifoldEstimatorSlow, AgreesWithPathTracingForEveryLight) {
+    const std::vector<LightCase> lights = finite_lights();
+    constexpr uint32_t kSamples = 300000;
+    const double significance = test::sidak(kFamily, int(2 * lights.size()));
+    for (const LightCase& light : lights) {
+        SceneMaker maker;
+        add_floor_and_casters(maker);
+        light.add(maker);
+        const RenderScene world = maker.finish();
+        const test::MeanEstimate expected =
+            test::path_traced(light.name, world, test::unlimited(), kSamples, camera_ray);
+        for (const Constraint constraint : {Constraint::half_vector, Constraint::angle_difference}) {
+            const test::RadianceEstimate actual =
+                test::estimate(world, test::unlimited(test::unbiased_manifold(constraint)),
+                               kSamples / 3, camera_ray, 2);
+            EXPECT_TRUE(test::same_mean(actual.radiance, expected, significance)) << light.name;
+            EXPECT_GT(actual.caustics.mean(), 1e-3 * actual.radiance.mean())
+                << light.name << " feeds no caustics";
+        }
+    }
+}
+
+// Frosted glass seen from below scatters what a sheet of clear glass above it refracts.
+TEST(ManifoldEstimatorSlow, ReachesReceiversThroughTheirBack) {
+    SceneMaker maker;
+    maker.add(test::square(4.0f), test::refraction(1.3f, 0.4f), {}, CausticsRole::receiver);
+    maker.add(test::square(4.0f), test::refraction(1.4f), test::translation(Vec3(0.0f, 0.0f, 0.6f)),
+              CausticsRole::caster);
+    LightDesc large = lamp(LightType::point, 100.0f);
+    large.radius = 0.3f;
+    maker.builder.add_light(large);
+    const RenderScene world = maker.finish();
+    const Ray from_below = test::ray_to({0.0f, -0.5f, -1.5f}, {0.3f, 0.1f, 0.0f});
+    const test::MeanEstimate expected =
+        test::path_traced("from below", world, test::unlimited(), 1000000, from_below);
+    const test::RadianceEstimate actual =
+        test::estimate(world, test::unlimited(test::unbiased_manifold()), 100000, from_below, 2);
+    EXPECT_TRUE(test::same_mean(actual.radiance, expected, kFamily));
+    EXPECT_GT(actual.caustics.mean(), 0.3 * actual.radiance.mean());
+}
+
+// The same comparison must notice when the manifold's share is wrong by a twentieth.
+TEST(ManifoldEstimatorSlow, ComparisonNoticesAWrongShare) {
+    // Under a sheet of glass all light is refracted.
+    SceneMaker maker;
+    maker.add(test::square(4.0f), test::diffuse(0.8f), {}, CausticsRole::receiver);
+    maker.add(test::square(4.0f), test::refraction(1.4f), test::translation(Vec3(0.0f, 0.0f, 0.6f)));
+    LightDesc large = lamp(LightType::point, 100.0f);
+    large.radius = 0.2f;  // the manifold's share is large
+    maker.builder.add_light(large);
+    const RenderScene world = maker.finish();
+    const Ray below = test::ray_to({0.0f, -1.0f, 0.4f}, {0.2f, 0.1f, 0.0f});
+    const test::MeanEstimate expected =
+        test::path_traced("under glass", world, test::unlimited(), 12000000, below);
+    const test::RadianceEstimate actual =
+        test::estimate(world, test::unlimited(test::unbiased_manifold()), 1000000, below, 2);
+    EXPECT_TRUE(test::same_mean(actual.radiance, expected, kFamily));
+    const double deviation = std::hypot(expected.standard_error(), actual.radiance.standard_error());
+    EXPECT_GT(0.05 * actual.caustics.mean(), 5.0 * deviation);
 }
 
 // Lights without extent: the limit of small ones.
@@ -103,14 +202,81 @@ TEST(CasterChoice, FollowsItsProbabilities) {
     }
 }
 
+TEST(ManifoldEstimatorSlow, ManyCastersAgreeWithPathTracing) {
+    SceneMaker maker;
+    maker.add(test::square(4.0f), test::diffuse(0.8f), {}, CausticsRole::receiver);
+    add_many_mirrors(maker, 60);
+    finite_lights()[0].add(maker);
+    const RenderScene world = maker.finish();
+    const test::MeanEstimate expected =
+        test::path_traced("many mirrors", world, test::unlimited(), 400000, camera_ray);
+    const test::RadianceEstimate actual =
+        test::estimate(world, test::unlimited(test::unbiased_manifold()), 200000, camera_ray, 2);
+    EXPECT_TRUE(test::same_mean(actual.radiance, expected, kFamily));
+    EXPECT_GT(actual.caustics.mean(), 1e-3 * actual.radiance.mean());
+}
+
+// A sheet that is both transparent and a mirror, between a floor and a mirror: what is seen through
+// it belongs to path tracing alone.
+TEST(ManifoldEstimatorSlow, TransparentCastersInTheWayAreCountedOnce) {
+    SceneMaker maker;
+    maker.add(test::square(1.0f), test::diffuse(0.8f), {}, CausticsRole::receiver);
+    maker.add(test::square(0.25f), test::combined(test::transparent(1.0f), test::mirror(), 0.3f),
+              test::translation(Vec3(0.0f, 0.0f, 0.3f)));
+    maker.add(test::sphere(24, 0.4), test::mirror(), test::translation(Vec3(-0.3f, 0.0f, 0.9f)));
+    finite_lights()[0].add(maker);
+    const RenderScene world = maker.finish();
+    // Part of what the ball throws here comes through the sheet, part beside it.
+    const Ray ray = test::ray_to({0.0f, -1.0f, 0.2f}, {0.15f, 0.05f, 0.0f});
+    const test::MeanEstimate expected =
+        test::path_traced("beside a sheet", world, test::unlimited(), 400000, ray);
+    const test::RadianceEstimate actual =
+        test::estimate(world, test::unlimited(test::unbiased_manifold()), 400000, ray, 2);
+    EXPECT_TRUE(test::same_mean(actual.radiance, expected, kFamily));
+    EXPECT_GT(actual.caustics.mean(), 0.0);
+}
+
+// Several delta closures on one normal share a chain; so do chains of a surface that lost some to a
+// switch.
+TEST(ManifoldEstimatorSlow, SharesOfSeveralLobesSumToOne) {
+    const Graph two = test::combined(
+        test::mirror(),
+        test::single_shader("bsdf_glossy",
+                            {{1, "Color", {0.9f, 0.6f, 0.3f, 1}}, {1, "Roughness", {0, 0, 0, 0}}}),
+        0.5f);
+    struct Case {
+        const char* name;
+        Graph graph;
+        bool refractions;
+    };
+    for (const Case& c : {Case{"two mirrors", two, true},
+                          Case{"glass without refraction", test::glass(2.0f), false}}) {
+        SceneMaker maker;
+        maker.add(test::square(4.0f), test::diffuse(0.8f), {}, CausticsRole::receiver);
+        maker.add(test::square(0.5f), c.graph, test::rotation_x(-0.9f, Vec3(0.0f, 0.7f, 0.5f)));
+        LightDesc large = lamp(LightType::point, 100.0f);  // so near that both densities are alike
+        large.to_world = test::translation(Vec3(0.0f, -0.6f, 1.6f));
+        large.radius = 0.4f;
+        maker.builder.add_light(large);
+        const RenderScene world = maker.finish();
+        const Ray ray = test::ray_to({0.0f, -2.0f, 0.5f}, {0.0f, 0.25f, 0.0f});
+        IntegratorSettings settings = test::unlimited();
+        settings.manifold.refractions = c.refractions;
+        const test::MeanEstimate expected = test::path_traced(c.name, world, settings, 400000, ray);
+        settings.manifold = test::unbiased_manifold();
+        settings.manifold.refractions = c.refractions;
+        const test::RadianceEstimate actual = test::estimate(world, settings, 400000, ray, 2);
+        EXPECT_TRUE(test::same_mean(actual.radiance, expected, kFamily)) << c.name;
+        EXPECT_GT(actual.caustics.mean(), 1e-3 * actual.radiance.mean()) << c.name;
+    }
+}
+
 // [Zeltner20 Alg. 3] loses what its walks miss, and nothing else: less than all, more with more
 // walks.
 TEST(ManifoldEstimatorSlow, BiasedComesFromBelow) {
     SceneMaker maker;
     add_floor_and_casters(maker);
-    LightDesc sphere = lamp(LightType::point, 100.0f);
-    sphere.radius = 0.3f;
-    maker.builder.add_light(sphere);
+    finite_lights()[0].add(maker);
     const RenderScene world = maker.finish();
     const auto caustics = [&](const ManifoldSettings& settings) {
         return test::estimate(world, test::unlimited(settings), 100000, camera_ray).caustics;
@@ -144,16 +310,111 @@ ManifoldSettings mnee_seeds(bool biased) {
     return settings;
 }
 
+// Light that comes by way of casters alone: a lamp that diffuse rays do not see.
+struct CausticCase {
+    const char* name;
+    std::function<void(SceneMaker&)> add_casters;
+    // Of the light: what is lost at least, and at most, without the path-traced remainder.
+    double least_lost, most_lost;
+    double notices;  // relative error of what is found that the comparison must notice
+};
+RenderScene under_a_lamp(const CausticCase& c) {
+    SceneMaker maker;
+    maker.add(test::square(4.0f), test::diffuse(0.8f), {}, CausticsRole::receiver);
+    c.add_casters(maker);
+    LightDesc large = lamp(LightType::point, 100.0f);
+    large.to_world = test::translation(Vec3(0.2f, -0.7f, 2.2f));
+    large.radius = 0.5f;
+    large.visibility = kVisibleGlossy | kVisibleTransmission | kVisibleShadow;
+    maker.builder.add_light(large);
+    return maker.finish();
+}
+// From below the casters, so that nothing but the floor is seen.
+Ray ray_under_casters(uint32_t i) {
+    Pcg pcg(i);
+    return test::ray_to({0.0f, -0.8f, 0.3f}, {pcg.one() - 0.5f, 0.5f * pcg.one() - 0.2f, 0.0f});
+}
+std::vector<CausticCase> caustic_cases() {
+    const auto add = [](SceneMaker& maker, const Mesh& mesh, const Graph& graph,
+                        const Transform& transform) {
+        maker.add(mesh, graph, transform, CausticsRole::caster);
+    };
+    return {
+        {"flat slab",
+         [add](SceneMaker& m) {
+             add(m, test::flat(test::square(4.0f)), test::refraction(1.5f),
+                 test::translation({0, 0, 0.9f}));
+             add(m, test::flat(test::square(4.0f)), test::refraction(1.5f),
+                 test::rotation_x(kPi, {0, 0, 0.6f}));
+         },
+         0.0, 0.0, 0.05},
+        {"glass ball",
+         [add](SceneMaker& m) {
+             add(m, test::sphere(24, 0.4), test::refraction(1.5f),
+                 test::translation({0, 0.1f, 0.9f}));
+         },
+         0.02, 0.5, 0.3},
+        {"mirror ball",
+         [add](SceneMaker& m) {
+             add(m, test::sphere(24, 0.4), test::mirror(), test::translation({0, 1.2f, 0.5f}));
+         },
+         0.0, 0.0, 0.2},
+        {"normal-mapped mirror",
+         [add](SceneMaker& m) {
+             m.builder.add_image(test::plane_normals(128, 0.25, 0.1, 5));
+             add(m,
+                 test::with_uvs(
+                     test::grid(
+                         1, [](double u, double v) { return Vec3d(1.6 * u - 0.8, 1.6 * v - 0.8, 0); },
+                         [](double, double) { return Vec3d(0, 0, 1); }),
+                     1),
+                 test::normal_mapped(test::mirror(), Vec2(1.0f, 1.0f)),
+                 test::rotation_x(1.3f, {0.0f, 0.9f, 0.8f}));
+         },
+         0.5, 1.0, 0.8}};
+}
+
+TEST(ManifoldEstimatorSlow, MneeSeedsAgreeWithPathTracing) {
+    const std::vector<CausticCase> cases = caustic_cases();
+    constexpr uint32_t kSamples = 150000;
+    const double significance = test::sidak(kFamily, int(cases.size()));
+    const auto settings_for = [](const ManifoldSettings& manifold) {
+        IntegratorSettings settings = test::unlimited(manifold);
+        settings.limits.diffuse = 1;  // what comes after only adds noise
+        return settings;
+    };
+    for (const CausticCase& c : cases) {
+        const RenderScene world = under_a_lamp(c);
+        const test::MeanEstimate truth =
+            test::path_traced(c.name, world, settings_for({}), 10 * kSamples, ray_under_casters);
+        const auto mean_of = [&](bool biased) {
+            return test::estimate(world, settings_for(mnee_seeds(biased)), kSamples,
+                                  ray_under_casters, 2);
+        };
+        const test::RadianceEstimate all = mean_of(false), some = mean_of(true);
+        EXPECT_TRUE(test::same_mean(all.radiance, truth, significance)) << c.name;
+        const double lost = 1.0 - some.radiance.mean() / truth.mean(),
+                     noise = std::hypot(some.radiance.standard_error(), truth.standard_error()) /
+                             truth.mean();
+        std::cout << c.name << ": MNEE seeds find " << all.caustics.mean() / truth.mean()
+                  << " of the light, without path tracing's remainder " << lost << " is lost, +- "
+                  << noise << std::endl;
+        EXPECT_GT(lost, c.least_lost - 4.0 * noise) << c.name;
+        EXPECT_LT(lost, c.most_lost + 4.0 * noise) << c.name;
+        // What the comparison would notice.
+        EXPECT_GT(c.notices * all.caustics.mean(),
+                  5.0 * std::hypot(all.radiance.standard_error(), truth.standard_error()))
+            << c.name;
+    }
+}
+
 // Under a slab a ring of light between two cones becomes a ring on the floor: I sin t dt = E r dr.
 TEST(ManifoldEstimator, MneeSeedsGiveTheLightUnderASlabWithoutNoise) {
     constexpr double kPower = 100.0, kIor = 1.5, kThickness = 0.3, kHeight = 2.2;
     const Vec3 above(0.2f, -0.7f, 2.2f);
     SceneMaker maker;
     maker.add(test::square(4.0f), test::diffuse(0.8f), {}, CausticsRole::receiver);
-    const Mesh face = test::flat(test::square(4.0f));
-    maker.add(face, test::refraction(1.5f), test::translation({0, 0, 0.9f}), CausticsRole::caster);
-    maker.add(face, test::refraction(1.5f), test::rotation_x(kPi, {0, 0, 0.6f}),
-              CausticsRole::caster);
+    caustic_cases()[0].add_casters(maker);
     LightDesc point = lamp(LightType::point, static_cast<float>(kPower));
     point.to_world = test::translation(above);
     maker.builder.add_light(point);

@@ -27,10 +27,13 @@ class SizedStructure(Structure):
     """A struct whose first field is its own size."""
 
     def __init__(self, **fields):
+        unknown = fields.keys() - {name for name, *_ in self._fields_}
+        if unknown:  # ctypes would take them for new attributes
+            raise TypeError(f"{type(self).__name__} has no field {', '.join(sorted(unknown))}")
         super().__init__(struct_size=sizeof(type(self)), **fields)
 
 
-API_VERSION = 8
+API_VERSION = 9
 NONE = 0xFFFFFFFF
 
 
@@ -134,11 +137,18 @@ class MaterialDesc(SizedStructure):
     ]
 
 
+class UvNeed(Structure):
+    _fields_ = [
+        ("layer", c_char_p),
+        ("tangents", c_uint32),
+    ]
+
+
 class MaterialNeeds(SizedStructure):
     _fields_ = [
         ("struct_size", c_size_t),
-        ("uv", c_uint32),
-        ("tangents", c_uint32),
+        ("uv_layers", POINTER(UvNeed)),
+        ("uv_layer_count", c_uint32),
     ]
 
 
@@ -194,6 +204,24 @@ class InstanceDesc(SizedStructure):
         ("material_count", c_uint32),
         ("visibility", c_uint32),
         ("caustics_role", c_uint32),
+    ]
+
+
+class CausticsSearch(IntEnum):
+    NONE = 0
+    LIGHT_PATHS = 1
+    MANIFOLD = 2
+    MANIFOLD_IF_COARSE = 3
+
+
+class Forecast(SizedStructure):
+    _fields_ = [
+        ("struct_size", c_size_t),
+        ("receives", c_uint32),
+        ("search", c_uint32),
+        ("reason", c_char_p),
+        ("glints", c_char_p),
+        ("no_glints", c_char_p),
     ]
 
 
@@ -387,8 +415,8 @@ class RenderStats(SizedStructure):
         ("nan_samples", c_uint64),
         ("light_paths", c_uint64),
         ("splats", c_uint64),
-        ("leads", c_uint64),
-        ("led_chains", c_uint64),
+        ("chain_seeds", c_uint64),
+        ("seeded_chains", c_uint64),
         ("missed_chains", c_uint64),
         ("missed_energy", c_double),
         ("glint_estimates", c_uint64),
@@ -426,6 +454,10 @@ PROTOTYPES = {
     "spc_node_kinds": (c_char_p, ()),
     "spc_scene_add_mesh": (c_int, (c_void_p, POINTER(MeshDesc), POINTER(c_uint32))),
     "spc_scene_add_instance": (c_int, (c_void_p, POINTER(InstanceDesc), POINTER(c_uint32))),
+    "spc_scene_forecast": (
+        c_int,
+        (c_void_p, POINTER(c_uint32), c_uint32, c_uint32, c_uint32, POINTER(Forecast)),
+    ),
     "spc_scene_add_light": (c_int, (c_void_p, POINTER(LightDesc), POINTER(c_uint32))),
     "spc_scene_set_camera": (c_int, (c_void_p, POINTER(CameraDesc))),
     "spc_scene_set_environment": (c_int, (c_void_p, POINTER(EnvironmentDesc))),

@@ -7,8 +7,6 @@ import bpy
 
 from . import diagnosis, passes, statistics, ui
 
-VIEWPORT_NOTE = "Specula renders with F12; the rendered viewport is not there yet"
-
 
 class SpeculaRenderEngine(bpy.types.RenderEngine):
     """What Blender calls; the work is done in `rendering` and `viewport`."""
@@ -19,6 +17,8 @@ class SpeculaRenderEngine(bpy.types.RenderEngine):
     bl_use_postprocess = True
     bl_use_eevee_viewport = True
     bl_use_shading_nodes_custom = False  # True hides Cycles' nodes
+
+    _viewport = None  # once Blender asks for one
 
     # -------------------------------------------------------------------------- final render
 
@@ -66,14 +66,27 @@ class SpeculaRenderEngine(bpy.types.RenderEngine):
     # ------------------------------------------------------------------------------ viewport
 
     def view_update(self, context, depsgraph):
-        """Blender insists on it; the note does not change."""
+        """Called when rendered mode begins, and whenever something in the scene has changed."""
+        with self.failures_reported():
+            self._viewport_of().update(context, depsgraph)
 
     def view_draw(self, context, depsgraph):
-        """A line of text on grey: the viewport is never black and says why it is empty."""
+        """Called for each redraw of the view."""
         with self.failures_reported():
-            from .viewport import draw_note
+            self._viewport_of().draw(context, depsgraph)
 
-            draw_note(context.region, VIEWPORT_NOTE)
+    def _viewport_of(self):
+        if self._viewport is None:
+            # Not above: without NumPy the addon still registers, and this says what is missing.
+            from .viewport import Viewport
+
+            self._viewport = Viewport(self)
+        return self._viewport
+
+    def __del__(self):
+        if self._viewport is not None:
+            self._viewport.close()
+            self._viewport = None
 
 
 @bpy.app.handlers.persistent

@@ -11,7 +11,7 @@ import functools
 import os
 import struct
 from ctypes import byref, c_float, c_uint32, c_void_p
-from dataclasses import fields
+from enum import IntEnum
 from pathlib import Path
 
 from . import abi
@@ -141,10 +141,36 @@ def reads_image_files() -> bool:
     return True
 
 
+def struct_fields(struct: abi.SizedStructure) -> dict:
+    """A struct's fields by name, without its size, as ctypes has them."""
+    return {name: getattr(struct, name) for name, *_ in struct._fields_[1:]}
+
+
 def struct_values(struct: abi.SizedStructure) -> dict[str, int | float | list[int]]:
     """A struct's fields by name, without its size; arrays as lists."""
-    values = {name: getattr(struct, name) for name, *_ in struct._fields_[1:]}
+    values = struct_fields(struct)
     return {n: list(v) if isinstance(v, ctypes.Array) else v for n, v in values.items()}
+
+
+def enumeration(field: str) -> type[IntEnum] | None:
+    """The enumeration that a field bears the name of: of `method` Method; else None."""
+    return getattr(abi, "".join(part.capitalize() for part in field.split("_")), None)
+
+
+def changed(struct: abi.SizedStructure, **values) -> abi.SizedStructure:
+    """A copy with other values in some fields; enumerators by name or number, text as str."""
+    for name, value in values.items():
+        if isinstance(value, str):
+            choices = enumeration(name)
+            values[name] = choices[value] if choices else value.encode()
+    return type(struct)(**struct_fields(struct) | values)
+
+
+def render_settings(**values) -> abi.RenderSettings:
+    """The core's defaults but for `values`, given as to `changed`."""
+    settings = abi.RenderSettings()
+    library().spc_render_settings_init(byref(settings))
+    return changed(settings, **values)
 
 
 class Scene:
@@ -166,11 +192,26 @@ class Scene:
         """Calls spc_scene_set_<kind>."""
         _check(getattr(library(), f"spc_scene_set_{kind}")(self.handle, byref(struct)))
 
-    def material_needs(self, material: int) -> dict[str, int]:
-        """Whether the material at that index reads UVs and tangents, 0 or 1 each."""
+    def material_needs(self, material: int) -> dict[str, bool]:
+        """UV layers that the material at that index reads -> whether it reads their tangents."""
         needs = abi.MaterialNeeds()
         _check(library().spc_scene_material_needs(self.handle, material, byref(needs)))
-        return struct_values(needs)
+        layers = needs.uv_layers[: needs.uv_layer_count]
+        return {need.layer.decode(): bool(need.tangents) for need in layers}
+
+    def forecast(self, materials: list[int], role: int, visibility: int) -> dict:
+        """spc_forecast by name, of an object with these materials."""
+        forecast, count = abi.Forecast(), len(materials)
+        indices = (c_uint32 * count)(*materials)
+        ask = library().spc_scene_forecast
+        _check(ask(self.handle, indices, count, visibility, role, byref(forecast)))
+        return {
+            "receives": bool(forecast.receives),
+            "search": abi.CausticsSearch(forecast.search),
+            "reason": forecast.reason.decode(),
+            "glints": forecast.glints.decode(),
+            "no_glints": forecast.no_glints.decode(),
+        }
 
     def commit(self, threads: int = 0) -> None:
         """Ends the changes and builds what rendering needs, with `threads` threads (0: all)."""
@@ -198,24 +239,14 @@ class Scene:
         self.close()
 
 
-def _settings_struct(settings) -> abi.RenderSettings:
-    struct = abi.RenderSettings()
-    library().spc_render_settings_init(byref(struct))
-    for item in fields(settings):
-        value = getattr(settings, item.name)
-        setattr(struct, item.name, value.encode() if isinstance(value, str) else value)
-    return struct
-
-
 class Session:
     """A running render of a committed scene, which must outlive it."""
 
-    def __init__(self, scene: Scene, settings):
-        """Starts rendering with a `desc.RenderSettings`; returns at once."""
+    def __init__(self, scene: Scene, settings: abi.RenderSettings):
+        """Starts rendering; returns at once."""
         self.handle = c_void_p()
-        struct = _settings_struct(settings)
         start = library().spc_render_start
-        _check(start(scene.handle, byref(struct), byref(self.handle)), "starting the render")
+        _check(start(scene.handle, byref(settings), byref(self.handle)), "starting the render")
 
     def wait(self, milliseconds: int) -> abi.RenderProgress:
         """Progress when the render ends or the time is over. Raises if the render failed."""

@@ -109,6 +109,11 @@ def _bounces(name: str) -> IntProperty:
     )
 
 
+def _tag(settings, context) -> None:
+    """So that a rendered viewport hears of the change."""
+    settings.id_data.update_tag()
+
+
 class SpeculaSceneSettings(bpy.types.PropertyGroup):
     method: EnumProperty(name="Method", description="How caustics are found", items=METHODS)
     light_tracing: EnumProperty(
@@ -157,6 +162,13 @@ class SpeculaSceneSettings(bpy.types.PropertyGroup):
         min=0,
         max=1 << 24,
     )
+    viewport_samples: IntProperty(
+        name="Viewport Samples",
+        description=f"Samples for each pixel of the rendered viewport. {FROM_CYCLES} 0",
+        default=0,
+        min=0,
+        max=1 << 24,
+    )
     time_limit: FloatProperty(
         name="Time Limit",
         description="Stop rendering after this time, whatever the samples. "
@@ -184,6 +196,7 @@ class SpeculaObjectSettings(bpy.types.PropertyGroup):
         name="Caustics",
         description="Part of this object in caustics. Automatic honours Cycles' caster flag",
         items=CAUSTICS_ROLES,
+        update=_tag,
     )
 
 
@@ -193,6 +206,7 @@ class SpeculaMaterialSettings(bpy.types.PropertyGroup):
         description="Average glossy reflections of lights over what a pixel covers of the normal "
         "map or bump: same picture, far less noise where the map is finer than a pixel",
         items=GLINTS,
+        update=_tag,
     )
 
 
@@ -203,6 +217,7 @@ class SpeculaLightSettings(bpy.types.PropertyGroup):
         name="Caustics",
         description="Search for caustics of this light; path tracing finds it in any case",
         default=True,
+        update=_tag,
     )
 
 

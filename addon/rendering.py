@@ -6,7 +6,7 @@ from __future__ import annotations
 import time
 
 from . import native, passes, statistics
-from .abi import RenderStage, RenderState
+from .abi import Method, RenderStage, RenderState
 from .export.log import ExportLog
 from .export.scene import export_scene
 from .export.settings import export_settings, film_exposure, method_label
@@ -31,7 +31,11 @@ def render_view_layer(engine, depsgraph) -> statistics.Statistics | None:
     scene, view_layer = depsgraph.scene_eval, depsgraph.view_layer_eval
     settings = export_settings(scene, engine.is_preview, view_layer)
     stats = statistics.Statistics(
-        scene.name, view_layer.name, native.version(), settings.method.name, method_label(scene)
+        scene.name,
+        view_layer.name,
+        native.version(),
+        Method(settings.method).name,
+        method_label(scene),
     )
 
     engine.update_stats("", "Specula: exporting")

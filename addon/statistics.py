@@ -53,8 +53,8 @@ class Statistics:
         ]
         if render["walks"]:
             rows.append(("Walks", self._walks()))
-        if render["leads"]:
-            rows.append(("Leads", self._leads()))
+        if render["chain_seeds"]:
+            rows.append(("Chain seeds", self._chain_seeds()))
         if render["light_paths"]:
             rows.append(("Light paths", self._light_paths()))
         if render["glint_estimates"]:
@@ -71,12 +71,12 @@ class Statistics:
             f"{_per(render['iterations'], render['walks']):.1f} iterations each"
         )
 
-    def _leads(self) -> str:
-        """What light sheets and highlights know beforehand."""
+    def _chain_seeds(self) -> str:
+        """What light sheets and camera chains know beforehand."""
         render = self.render_stats
         return (
-            f"{_per(render['leads'], render['estimates']):.2g} an estimate, to "
-            f"{_per(render['led_chains'], render['estimates']):.2g} chains; without them "
+            f"{_per(render['chain_seeds'], render['estimates']):.2g} an estimate, to "
+            f"{_per(render['seeded_chains'], render['estimates']):.2g} chains; without them "
             f"{_per(render['missed_energy'], render['manifold_energy']):.3%} of the manifold's "
             "light was found"
         )

@@ -4,6 +4,7 @@
 import bpy
 
 from . import diagnosis, statistics
+from .abi import CausticsSearch
 
 ENGINE = "SPECULA"
 LABEL_SHARE = 0.4  # of a panel's width, as Blender splits properties
@@ -11,12 +12,18 @@ LABEL_SHARE = 0.4  # of a panel's width, as Blender splits properties
 # Objects that have, or are turned into, a mesh.
 SURFACE_TYPES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
 
-# (casts, receives) -> what a panel says.
+# (casts, receives) and who searches -> what a panel says.
 PARTS = {
     (False, False): "No part in caustics",
     (False, True): "Shows caustics, casts none",
     (True, False): "Casts caustics, shows none",
     (True, True): "Casts and shows caustics",
+}
+
+SEARCHES = {
+    CausticsSearch.LIGHT_PATHS: "by light paths alone",
+    CausticsSearch.MANIFOLD: "by manifold and light paths",
+    CausticsSearch.MANIFOLD_IF_COARSE: "by light paths, the manifold too if its map is coarse",
 }
 
 # Blender's panels for BLENDER_RENDER are shown, but not those for what Specula does not have.
@@ -118,8 +125,9 @@ def draw_forecast(column, ask) -> None:
         column.label(text=diagnosis.describe(error), icon="ERROR")
         return
     column.label(text=PARTS[found.casts, found.receives], icon="INFO")
-    for line in found.reason.split(", ") if found.reason else ():
-        draw_note(column, line)
+    for text in (found.reason, SEARCHES.get(found.search)):
+        for line in text.split(", ") if text else ():
+            draw_note(column, line)
 
 
 class SPECULA_PT_sampling(SpeculaPanel, bpy.types.Panel):
@@ -132,6 +140,7 @@ class SPECULA_PT_sampling(SpeculaPanel, bpy.types.Panel):
         if problem:
             column.label(text=problem, icon="ERROR")
         draw_overrides(column, scene, ("samples", "time_limit", "seed"))
+        column.prop(scene.specula, "viewport_samples")
         column.separator()
         column.prop(scene.specula, "method")
         if scene.specula.method == "SMS_BIASED":
@@ -282,7 +291,9 @@ class SPECULA_PT_material_glints(SpeculaPanel, bpy.types.Panel):
         try:
             from . import forecast  # not above: NumPy may be missing
 
-            draw_note(column, forecast.of_material(material).glints)
+            found = forecast.of_material(material)
+            why_not = f"None: {found.no_glints}" if found.no_glints else "None"
+            draw_note(column, found.glints or why_not)
         except Exception as error:
             column.label(text=diagnosis.describe(error), icon="ERROR")
 

@@ -32,7 +32,7 @@ def upload(scene_desc: desc.SceneDesc, log: ExportLog | None = None) -> native.S
         for image in _drain(images):
             _add_image(scene, image, log)
         for material in scene_desc.materials:
-            scene.add("material", _material(material))
+            scene.add("material", material_struct(material))
         meshes, scene_desc.meshes = scene_desc.meshes, []
         for mesh in _drain(meshes):
             scene.add("mesh", _mesh(mesh))
@@ -41,7 +41,7 @@ def upload(scene_desc: desc.SceneDesc, log: ExportLog | None = None) -> native.S
         for instance in scene_desc.instances:
             scene.add("instance", _instance(instance))
         if scene_desc.camera:
-            scene.set("camera", _struct(abi.CameraDesc, scene_desc.camera))
+            scene.set("camera", camera_struct(scene_desc.camera))
         if scene_desc.environment:
             scene.set("environment", _struct(abi.EnvironmentDesc, scene_desc.environment))
     except BaseException:
@@ -50,14 +50,19 @@ def upload(scene_desc: desc.SceneDesc, log: ExportLog | None = None) -> native.S
     return scene
 
 
+def camera_struct(camera: desc.CameraDesc) -> abi.CameraDesc:
+    """For `native.Scene.set`."""
+    return _struct(abi.CameraDesc, camera)
+
+
 def _add_image(scene: native.Scene, image: desc.ImageDesc, log: ExportLog | None) -> None:
     try:
-        scene.add("image", _image(image))
+        scene.add("image", image_struct(image))
     except native.NativeError as error:
         if log is None or error.status != abi.Status.IO_ERROR:
             raise
         log.warn("images", f"{error}, shown in magenta")
-        scene.add("image", _image(desc.missing_image()))
+        scene.add("image", image_struct(desc.missing_image()))
 
 
 def _drain(items: list):
@@ -98,7 +103,7 @@ def _point_to(owner, struct, name: str, array: np.ndarray | None, shape: tuple[i
     owner.keep_alive = [*getattr(owner, "keep_alive", ()), array]
 
 
-def _image(image: desc.ImageDesc) -> abi.ImageDesc:
+def image_struct(image: desc.ImageDesc) -> abi.ImageDesc:
     struct = abi.ImageDesc(
         name=_text(image.name),
         path=None if image.path is None else os.fsencode(image.path),
@@ -116,7 +121,7 @@ def _image(image: desc.ImageDesc) -> abi.ImageDesc:
     return struct
 
 
-def _material(material: desc.MaterialDesc) -> abi.MaterialDesc:
+def material_struct(material: desc.MaterialDesc) -> abi.MaterialDesc:
     nodes = [
         abi.Node(name=_text(node.name), kind=_text(node.kind), image=node.image)
         for node in material.nodes

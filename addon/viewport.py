@@ -1,14 +1,33 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the viewport shows while Specula does not render there."""
+"""The rendered viewport: what Blender tells of changes goes to a `Refinement`, whose pictures it
+draws."""
+
+from __future__ import annotations
+
+import weakref
+from contextlib import contextmanager
 
 import blf
+import bpy
 import gpu
+from gpu_extras.presets import draw_texture_2d
+
+from . import diagnosis, native
+from .export.log import ExportLog
+from .export.scene import export_scene
+from .export.settings import film_exposure, viewport_settings
+from .export.view import export_view, is_shown
+from .refinement import Picture, Refinement
+from .upload import upload
 
 BACKGROUND = (0.04, 0.04, 0.04, 1.0)  # linear
 TEXT_COLOR = (0.9, 0.9, 0.9, 1.0)
 TEXT_SIZE = 14  # points
 MARGIN = 60  # pixels between text and lower edge: clear of the scene's usual middle
 FONT = 0  # Blender's default
+
+FAST_TICK, SLOW_TICK = 0.03, 0.25  # s between looks at a picture that is new, and an old one
+NEW_TICKS = 60
 
 
 def draw_note(region, text: str) -> None:
@@ -19,3 +38,180 @@ def draw_note(region, text: str) -> None:
     width, _ = blf.dimensions(FONT, text)
     blf.position(FONT, (region.width - width) / 2, MARGIN, 0)
     blf.draw(FONT, text)
+
+
+class Viewport:
+    """What one 3D view in rendered mode shows; its engine keeps it until the mode is left."""
+
+    def __init__(self, engine):
+        self._engine = weakref.ref(engine)
+        self._refinement: Refinement | None = None
+        self._problem: str | None = None
+        self._shown = None  # `shown` of the scene that is rendered
+        self._seen = None  # `seen` of the picture under way
+        self._picture: Picture | None = None
+        self._texture = None
+        self._ticks = 0
+        self._timer = None
+
+    def update(self, context, depsgraph) -> None:
+        """Takes over the scene as it is now, if it has changed."""
+        shown_now = shown(context, depsgraph)
+        if self._refinement and shown_now == self._shown:
+            changes = {kind_of(update) for update in depsgraph.updates}
+            if changes and changes <= {"CAMERA", "NOTHING"}:
+                self._seen = None if "CAMERA" in changes else self._seen
+                return
+        self._close_refinement()
+        with self._problems_noted():
+            self._refinement = exported(context, depsgraph)
+        self._shown, self._seen = shown_now, None
+        self._tick_soon()
+
+    def draw(self, context, depsgraph) -> None:
+        """Draws the best picture there is of what the view shows, or a note of what is wrong."""
+        with self._problems_noted():
+            self._look(context, depsgraph)
+        if self._problem or self._refinement is None:
+            draw_note(context.region, self._problem or "")
+            return
+        if self._texture is not None:
+            gpu.state.blend_set("ALPHA_PREMULT")
+            x0, y0, width, height = self._picture.crop
+            draw_texture_2d(self._texture, (x0, y0), width, height)
+            gpu.state.blend_set("NONE")
+        self._engine().update_stats("", self._refinement.progress())
+
+    def close(self) -> None:
+        """Ends what runs. The picture may stay longer than its owner."""
+        if self._timer is not None and bpy.app.timers.is_registered(self._timer):
+            bpy.app.timers.unregister(self._timer)
+        self._close_refinement()
+
+    def _look(self, context, depsgraph) -> None:
+        if self._refinement is None:
+            return
+        settings = viewport_settings(context.scene, context.view_layer)
+        exposure = film_exposure(context.scene)
+        seen_now = (seen(context), native.struct_fields(settings), exposure)
+        if seen_now != self._seen:
+            self._seen = seen_now
+            self._refinement.look(export_view(context, depsgraph), settings, exposure)
+            self._tick_soon()
+        picture = self._refinement.picture()
+        if picture is not None:
+            self._picture, self._texture = picture, texture_of(picture)
+
+    @contextmanager
+    def _problems_noted(self):
+        """The view tells of a failure until the scene changes."""
+        try:
+            yield
+            self._problem = self._problem if self._refinement is None else None
+        except Exception as error:
+            self._close_refinement()
+            self._problem = f"Specula: {diagnosis.describe(error)}"
+            print(diagnosis.details(error), end="", flush=True)
+
+    def _close_refinement(self) -> None:
+        if self._refinement is not None:
+            self._refinement.close()
+            self._refinement = None
+
+    def _tick_soon(self) -> None:
+        self._ticks = 0
+        if self._timer is None or not bpy.app.timers.is_registered(self._timer):
+            self._timer = ticker(weakref.ref(self))
+            bpy.app.timers.register(self._timer, first_interval=FAST_TICK)
+
+    def tick(self) -> float | None:
+        """Asks for a redraw; returns seconds until the next, None at the end."""
+        engine = self._engine()
+        if engine is None or self._refinement is None:
+            return None
+        engine.tag_redraw()
+        if self._refinement.is_final:
+            return None
+        self._ticks += 1
+        return FAST_TICK if self._ticks < NEW_TICKS else SLOW_TICK
+
+
+def exported(context, depsgraph) -> Refinement:
+    """The scene as the view shows it, ready to be rendered. Raises ExportError or NativeError."""
+    log = ExportLog()
+    scene_desc = export_scene(depsgraph, log, not native.reads_image_files(), view=context)
+    scene = upload(scene_desc, log)
+    try:
+        scene.commit()
+        return Refinement(scene)
+    except BaseException:
+        scene.close()
+        raise
+
+
+def kind_of(update) -> str:
+    """What a depsgraph update says of the picture: NOTHING (such as a selection), CAMERA, SCENE."""
+    if isinstance(update.id, bpy.types.Scene) and not (
+        update.is_updated_geometry or update.is_updated_transform or update.is_updated_shading
+    ):
+        return "NOTHING"  # what a scene's own settings change is seen in `shown` and `seen`
+    is_camera = isinstance(update.id, bpy.types.Camera) or (
+        isinstance(update.id, bpy.types.Object) and update.id.type == "CAMERA"
+    )
+    return "CAMERA" if is_camera else "SCENE"
+
+
+def shown(context, depsgraph) -> tuple:
+    """What is visible, to compare with: hiding an object looks to Blender like selecting it."""
+    scene, layer, space = context.scene, context.view_layer, context.space_data
+    objects = tuple(
+        instance.object.name for instance in depsgraph.object_instances if is_shown(instance, space)
+    )
+    override = layer.material_override
+    return (
+        scene.name,
+        scene.frame_current,
+        scene.world.name if scene.world else None,
+        layer.name,
+        override.name if override else None,
+        objects,
+    )
+
+
+def ticker(viewport: weakref.ref):
+    """A timer that does not keep its viewport alive."""
+
+    def tick():
+        alive = viewport()
+        return alive.tick() if alive else None
+
+    return tick
+
+
+def seen(context) -> tuple:
+    """What the camera of a 3D view follows from, to compare with."""
+    region, space, view = context.region, context.space_data, context.region_data
+    render = context.scene.render
+    borders = [
+        tuple(getattr(owner, prefix + name) for name in ("min_x", "min_y", "max_x", "max_y"))
+        for owner, prefix in ((space, "render_border_"), (render, "border_"))
+    ]
+    return (
+        region.width,
+        region.height,
+        view.view_perspective,
+        *(tuple(row) for row in view.window_matrix),
+        *(tuple(row) for row in view.view_matrix),
+        space.clip_start,
+        space.clip_end,
+        space.use_render_border,
+        render.use_border,
+        *borders,
+    )
+
+
+def texture_of(picture: Picture):
+    """For the graphics card."""
+    height, width, _ = picture.pixels.shape
+    data = gpu.types.Buffer("FLOAT", picture.pixels.size, picture.pixels.ravel())
+    return gpu.types.GPUTexture((width, height), format="RGBA16F", data=data)

@@ -15,11 +15,8 @@ from tools.common import DevError  # noqa: E402
 # name -> (module, function taking the arguments after the name, what --help says)
 COMMANDS = {
     "demo": ("demo", "main", "render blend_scenes/swimming_pool.blend to build/demo/"),
-    "test": (
-        "testing",
-        "main",
-        "all tests, or some: native addon blender bpy images instruments asan",
-    ),
+    "test": ("testing", "main", "[--quick | --nightly] [SUITE...]: the tests, and a summary"),
+    "coverage": ("coverage", "main", "[SUITE...]: which lines of native/ and addon/ tests run"),
     "bench": (
         "studies",
         "bench",
@@ -35,6 +32,11 @@ COMMANDS = {
         "studies",
         "field",
         "DIR...: render every .blend in folders, beside Cycles; --make DIR makes some",
+    ),
+    "pictures": (
+        "pictures",
+        "main",
+        "[tutorial] [strip] [gallery]: render the pictures of the documentation anew",
     ),
     "parity": (
         "studies",

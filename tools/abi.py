@@ -62,6 +62,9 @@ class SizedStructure(Structure):
     """A struct whose first field is its own size."""
 
     def __init__(self, **fields):
+        unknown = fields.keys() - {name for name, *_ in self._fields_}
+        if unknown:  # ctypes would take them for new attributes
+            raise TypeError(f"{type(self).__name__} has no field {', '.join(sorted(unknown))}")
         super().__init__(struct_size=sizeof(type(self)), **fields)
 
 '''

@@ -5,16 +5,19 @@ from __future__ import annotations
 
 import argparse
 import os
+import subprocess
 from pathlib import Path
 
 from tools import setup
 from tools.common import BUILD, ROOT, locked, run, say
 
-PRESETS = ("release", "portable", "bench", "dev", "asan")
+PRESETS = ("release", "portable", "bench", "dev", "asan", "tsan", "coverage")
 
 
 # Keys of setup.COMMAND_NEEDS, beside "build".
-NEEDS = {"bench": "bench kernels", "dev": "test native", "asan": "test native"}
+NEEDS = {"bench": "bench kernels"} | dict.fromkeys(
+    ("dev", "asan", "tsan", "coverage"), "test native"
+)
 
 
 def environment() -> dict[str, str]:
@@ -43,6 +46,17 @@ def configure(preset: str, quiet: bool = False) -> None:
         return
     say(f"configuring {preset}")
     run(["cmake", "--preset", preset], f"configuring {preset}", environment(), quiet)
+
+
+def steps(preset: str, target: str) -> int:
+    """How many commands build() would run."""
+    command = ["cmake", "--build", "--preset", preset, "--target", target, "--", "-n"]
+    with locked(BUILD / f"{preset}.lock"):
+        configure(preset, quiet=True)
+        planned = subprocess.run(
+            command, cwd=ROOT, env=environment(), capture_output=True, text=True
+        ).stdout
+    return sum(line.startswith("[") for line in planned.splitlines())
 
 
 def build(preset: str, quiet: bool = False, target: str = "all") -> Path:

@@ -7,7 +7,9 @@ in build/.
 
 from __future__ import annotations
 
+import importlib
 import os
+import sys
 from pathlib import Path
 
 from tools import setup, venvs
@@ -31,10 +33,27 @@ def scripts_folder(home: Path) -> Path:
     return home / "scripts"
 
 
-def library_folder(quiet: bool = True) -> Path:
-    """The native library's folder: what SPECULA_LIBRARY_DIR says, or the release build's."""
+def given_library_folder() -> Path | None:
+    """What SPECULA_LIBRARY_DIR says."""
     given = os.environ.get("SPECULA_LIBRARY_DIR")
-    return Path(given) if given else build("release", quiet)
+    return Path(given) if given else None
+
+
+def library_folder(quiet: bool = True) -> Path:
+    """The native library's folder: the one that is given, or the release build's."""
+    return given_library_folder() or build("release", quiet)
+
+
+def instruction_level() -> str:
+    """The instruction level whose library the addon loads on this machine."""
+    addons = str(scripts_folder(BUILD / "python") / "addons")
+    if addons not in sys.path:
+        sys.path.append(addons)
+    native = importlib.import_module("specula.native")
+    try:
+        return native.supported_levels(native.processor_flags(native.CPUINFO.read_text()))[0]
+    except native.NativeError as error:
+        raise DevError(str(error)) from None
 
 
 def environment(name: str, libraries: Path) -> dict[str, str]:

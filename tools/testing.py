@@ -1,5 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`./dev test`: every suite runs, whatever failed before it; then a summary, and one exit code."""
+"""`./dev test`: every suite runs, whatever failed before it; then a summary, and one exit code.
+
+There are three tiers. Each suite names the first one that it belongs to. The quick one leaves out
+tests that are marked as slow: by Slow in their name (GoogleTest) or by `@pytest.mark.slow`.
+
+    --quick     while working: five minutes on two cores
+    (none)      before a merge: half an hour; statistics at the power that power.h gives them by day
+    --nightly   hours: statistics at full power, all truths found anew, long fuzzing
+"""
 
 from __future__ import annotations
 
@@ -13,6 +21,7 @@ import threading
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from enum import IntEnum
 from pathlib import Path
 
 from tools import host, setup
@@ -28,9 +37,27 @@ NIGHTLY_SUITE_SECONDS = 3 * 60 * 60
 NIGHTLY = "SPECULA_TEST_NIGHTLY"
 WRITE_TRUTHS = "SPECULA_TEST_WRITE_TRUTHS"
 
+FUZZING_MINUTES = 30  # of each kind
+
 CTEST_CLOSING = re.compile(r"^(\d+% tests passed, .*|No tests were found!!!)$")
 PYTEST_CLOSING = re.compile(r"^=+ .* in [\d.]+s.*=+$")
 PYTEST_NO_TESTS = 5
+
+
+class Tier(IntEnum):
+    """How much of the tests; each one has what those before it have."""
+
+    QUICK = 0
+    DAILY = 1
+    NIGHTLY = 2
+
+
+@dataclass(frozen=True)
+class Selection:
+    """Which tests of a suite."""
+
+    tier: Tier = Tier.DAILY
+    expression: str | None = None  # of ctest -R or pytest -k
 
 
 @dataclass
@@ -98,12 +125,14 @@ def run_logged(
     return process.returncode, lines
 
 
-def run_ctest(preset: str, log: Path, selection: str | None) -> Result:
+def run_ctest(preset: str, log: Path, selection: Selection) -> Result:
     """The native tests of one preset."""
     build(preset)
     command = ["ctest", "--preset", preset, "--parallel", str(os.cpu_count() or 1)]
-    if selection:
-        command += ["-R", selection, "--no-tests=ignore"]
+    if selection.tier == Tier.QUICK:
+        command += ["-LE", "slow"]
+    if selection.expression:
+        command += ["-R", selection.expression, "--no-tests=ignore"]
     code, lines = run_logged(command, log)
     closing = [line for line in lines if CTEST_CLOSING.match(line)]
     ran = bool(closing) and not closing[-1].startswith("No tests")
@@ -115,88 +144,128 @@ def run_ctest(preset: str, log: Path, selection: str | None) -> Result:
 
 
 def run_pytest(
-    folder: str, log: Path, selection: str | None, runner: list[str], env: Mapping[str, str]
+    folder: str, log: Path, selection: Selection, runner: list[str], env: Mapping[str, str]
 ) -> Result:
     """The tests in `folder`; `runner` is the command line before pytest's arguments."""
     if not (ROOT / folder).is_dir():
         raise DevError(f"there is no folder {folder}")
     command = [*runner, folder]
-    if selection:
-        command += ["-k", selection]
+    if selection.tier == Tier.QUICK:
+        command += ["-m", "not slow"]
+    if selection.expression:
+        command += ["-k", selection.expression]
     code, lines = run_logged(command, log, env)
     closing = [line for line in lines if PYTEST_CLOSING.match(line)][-1:]
     if not closing:  # it died before its last words, whatever the exit code says
         return Result(folder, "failed", [f"pytest did not come to its end: exit code {code}"])
-    if code == PYTEST_NO_TESTS and selection:
+    if code == PYTEST_NO_TESTS and selection.expression:
         return Result(folder, "no test", closing)
     return Result(folder, "passed" if code == 0 else "failed", closing)
 
 
-def run_native(log: Path, selection: str | None) -> Result:
+def run_native(log: Path, selection: Selection) -> Result:
     """GoogleTest with asserts on."""
     return run_ctest("dev", log, selection)
 
 
-def run_asan(log: Path, selection: str | None) -> Result:
+def run_asan(log: Path, selection: Selection) -> Result:
     """GoogleTest under the sanitizers, without the slow tests."""
     return run_ctest("asan", log, selection)
 
 
-def run_without_blender(folder: str, log: Path, selection: str | None) -> Result:
-    """Tests in Debian's Python; `import specula` finds addon/."""
+def run_tsan(log: Path, selection: Selection) -> Result:
+    """GoogleTest of what runs threads, under the thread sanitizer."""
+    return run_ctest("tsan", log, selection)
+
+
+def run_fuzz(log: Path, selection: Selection) -> Result:
+    """Random scenes, mutated through the C interface and rendered by every method."""
+    result = Result("fuzz", "passed")
+    for kind in ([], ["--scenes"]):
+        command = [str(ROOT / "dev"), "fuzz", *kind, "--minutes", str(FUZZING_MINUTES)]
+        code, lines = run_logged(command, log.with_stem("_".join(["fuzz", *kind])))
+        if code != 0:
+            result.outcome = "failed"
+            result.closing += lines[-1:]
+    return result
+
+
+def addon_environment() -> dict[str, str]:
+    """Environment of a Python without Blender in which `import specula` finds addon/."""
     env = dict(os.environ)
     env["PYTHONPATH"] = str(host.scripts_folder(BUILD / "python") / "addons")
     env["SPECULA_LIBRARY_DIR"] = str(host.library_folder(quiet=False))
-    return run_pytest(folder, log, selection, [PYTHON, "-m", "pytest"], env)
+    return env
 
 
-def run_addon(log: Path, selection: str | None) -> Result:
+def run_without_blender(folder: str, log: Path, selection: Selection) -> Result:
+    """Tests in Debian's Python."""
+    return run_pytest(folder, log, selection, [PYTHON, "-m", "pytest"], addon_environment())
+
+
+def run_addon(log: Path, selection: Selection) -> Result:
     """What of the addon works without Blender."""
     return run_without_blender("tests/addon", log, selection)
 
 
-def run_blender(log: Path, selection: str | None) -> Result:
-    """The addon inside Debian's Blender."""
+def blender_runner() -> list[str]:
+    """Debian's Blender as a runner of pytest."""
     script = str(host.TOOLS / "pytest_in_blender.py")
     arguments = ["--background", "--python-exit-code", "1", "--python", script, "--"]
+    return host.blender_command(arguments)
+
+
+def run_blender(log: Path, selection: Selection) -> Result:
+    """The addon inside Debian's Blender."""
     env = host.blender_environment(host.library_folder(quiet=False))
-    return run_pytest("tests/blender", log, selection, host.blender_command(arguments), env)
+    return run_pytest("tests/blender", log, selection, blender_runner(), env)
 
 
-def run_bpy(log: Path, selection: str | None) -> Result:
+def run_bpy(log: Path, selection: Selection) -> Result:
     """The addon inside today's Blender."""
     runner = host.bpy_command(str(host.TOOLS / "pytest_in_blender.py"), [])
     env = host.bpy_environment(host.library_folder(quiet=False))
     return run_pytest("tests/blender", log, selection, runner, env)
 
 
-def run_images(log: Path, selection: str | None) -> Result:
+def run_images(log: Path, selection: Selection) -> Result:
     """Renders against reference images."""
     return run_without_blender("tests/images", log, selection)
 
 
-def run_instruments(log: Path, selection: str | None) -> Result:
+def run_instruments(log: Path, selection: Selection) -> Result:
     """The programs that measure."""
     return run_without_blender("tests/instruments", log, selection)
 
 
-SUITES: dict[str, Callable[[Path, str | None], Result]] = {
-    "native": run_native,
-    "asan": run_asan,
-    "addon": run_addon,
-    "blender": run_blender,
-    "bpy": run_bpy,
-    "images": run_images,
-    "instruments": run_instruments,
+@dataclass(frozen=True)
+class Suite:
+    """A row of the table of all tests."""
+
+    run: Callable[[Path, Selection], Result]
+    first: Tier  # the quickest that runs it
+
+
+SUITES = {
+    "native": Suite(run_native, Tier.QUICK),
+    "asan": Suite(run_asan, Tier.DAILY),
+    "tsan": Suite(run_tsan, Tier.DAILY),
+    "addon": Suite(run_addon, Tier.QUICK),
+    "blender": Suite(run_blender, Tier.QUICK),
+    "bpy": Suite(run_bpy, Tier.DAILY),
+    "images": Suite(run_images, Tier.DAILY),
+    "instruments": Suite(run_instruments, Tier.QUICK),
+    "fuzz": Suite(run_fuzz, Tier.NIGHTLY),
 }
 
 
-def run_suite(name: str, selection: str | None) -> Result:
+def run_suite(name: str, selection: Selection) -> Result:
     """Run one suite; whatever keeps it from running is a failed result."""
-    print(f"\n=== suite {name}: {SUITES[name].__doc__}", flush=True)
+    run = SUITES[name].run
+    print(f"\n=== suite {name}: {run.__doc__}", flush=True)
     start = time.monotonic()
     try:
-        result = SUITES[name](LOGS / f"{name}.log", selection)
+        result = run(LOGS / f"{name}.log", selection)
     except DevError as error:
         print(f"dev: error: {error}", flush=True)
         result = Result(name, "failed", [str(error)])
@@ -229,21 +298,27 @@ def raise_interrupt(*_: object) -> None:
 def main(argv: list[str]) -> int:
     """Entry of `./dev test`."""
     parser = argparse.ArgumentParser(
-        prog="./dev test", description="Run the tests; all suites but asan by default."
+        prog="./dev test", description="Run the tests of a tier, or of some suites."
     )
     parser.add_argument("suites", nargs="*", metavar="SUITE", help=" ".join(SUITES))
     parser.add_argument(
-        "--asan",
-        action="store_true",
-        help="also the native tests under the sanitizers, slow ones excepted",
-    )
-    parser.add_argument(
         "-k", metavar="EXPRESSION", help="only tests that match (pytest -k, ctest -R)"
     )
-    parser.add_argument(
+    tier = parser.add_mutually_exclusive_group()
+    tier.add_argument(
+        "--quick",
+        dest="tier",
+        action="store_const",
+        const=Tier.QUICK,
+        default=Tier.DAILY,
+        help="without the tests that are marked as slow (minutes)",
+    )
+    tier.add_argument(
         "--nightly",
-        action="store_true",
-        help="native tests at their full power, with all truths made anew (hours)",
+        dest="tier",
+        action="store_const",
+        const=Tier.NIGHTLY,
+        help="statistics at full power, all truths found anew, and long fuzzing (hours)",
     )
     parser.add_argument(
         "--write-truths",
@@ -254,13 +329,17 @@ def main(argv: list[str]) -> int:
     for name in args.suites:
         if name not in SUITES:
             parser.error(f"no suite '{name}'; there are: {' '.join(SUITES)}")
-    wanted = set(args.suites or SUITES.keys() - {"asan"}) | ({"asan"} if args.asan else set())
-    names = [name for name in SUITES if name in wanted]
+    names = [
+        name
+        for name, suite in SUITES.items()
+        if (name in args.suites if args.suites else suite.first <= args.tier)
+    ]
 
-    for name, wished in ((NIGHTLY, args.nightly), (WRITE_TRUTHS, args.write_truths)):
+    for name, wished in ((NIGHTLY, args.tier == Tier.NIGHTLY), (WRITE_TRUTHS, args.write_truths)):
         if wished:
             os.environ[name] = "1"
     signal.signal(signal.SIGTERM, raise_interrupt)
     setup.ensure(*(f"test {name}" for name in names))
     LOGS.mkdir(parents=True, exist_ok=True)
-    return 0 if report([run_suite(name, args.k) for name in names]) else 1
+    selection = Selection(args.tier, args.k)
+    return 0 if report([run_suite(name, selection) for name in names]) else 1

@@ -83,3 +83,8 @@ def bench_python() -> Path:
 def luxcore_python() -> Path:
     """Python of the environment that holds LuxCore, which the bench compares with."""
     return ensure("luxcore", (REQUIREMENTS / "luxcore.txt").read_text())
+
+
+def coverage_python() -> Path:
+    """Python of the environment that holds gcovr and coverage.py."""
+    return ensure("coverage", (REQUIREMENTS / "coverage.txt").read_text())

@@ -18,13 +18,8 @@ from ..abi import (
     AreaShape,
     CausticsRole,
     ColorSpace,
-    Constraint,
-    GlintMethod,
     Glints,
-    LightTracing,
     LightType,
-    Method,
-    PixelFilter,
     Projection,
     Visibility,
 )
@@ -184,31 +179,3 @@ class SceneDesc:
     lights: list[LightDesc] = field(default_factory=list)
     camera: CameraDesc | None = None
     environment: EnvironmentDesc | None = None
-
-
-@dataclass
-class RenderSettings:
-    """As spc_render_settings. Limits and filter default to what Cycles has in a new file."""
-
-    method: Method = Method.SMS_UNBIASED
-    light_tracing: LightTracing = LightTracing.AUTO
-    constraint: Constraint = Constraint.ANGLE_DIFFERENCE
-    two_stage: bool = True
-    set_size: int = 16
-    glint_method: GlintMethod = GlintMethod.SEARCH
-    first_sample: int = 0
-    samples: int = 64
-    time_limit: float = 0.0  # s of rendering, 0: none
-    seed: int = 0
-    threads: int = 0  # 0: all
-    max_bounces: int = 12
-    max_diffuse_bounces: int = 4
-    max_glossy_bounces: int = 4
-    max_transmission_bounces: int = 12
-    max_transparent_bounces: int = 8
-    caustics_reflective: bool = True
-    caustics_refractive: bool = True
-    pixel_filter: PixelFilter = PixelFilter.BLACKMAN_HARRIS
-    filter_width: float = 1.5  # pixels
-    transparent_film: bool = False
-    chain_family: str = ""  # as of spc_render_settings

@@ -6,7 +6,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from . import compat, graph
-from .desc import Glints, LinkDesc, MaterialDesc, MaterialNeeds, NodeDesc
+from .desc import Glints, LinkDesc, MaterialDesc, NodeDesc
 from .image import Images
 from .log import ExportLog
 from .nodes import NODES, NodeKind
@@ -31,16 +31,16 @@ def default_material() -> MaterialDesc:
     return plain_material("(no material)", "bsdf_diffuse", "BSDF", DEFAULT_COLOR)
 
 
-def export_material(material, images: Images, log: ExportLog) -> tuple[MaterialDesc, MaterialNeeds]:
-    """The node graph of `material`'s surface and volume, and what it reads from a mesh."""
+def export_material(material, images: Images, log: ExportLog) -> MaterialDesc:
+    """The node graph of `material`'s surface and volume."""
     if not compat.uses_nodes(material):
         color = (*material.diffuse_color[:3], 1.0)
-        return plain_material(material.name, "bsdf_diffuse", "BSDF", color), MaterialNeeds()
+        return plain_material(material.name, "bsdf_diffuse", "BSDF", color)
     converter = Converter(f"material {material.name}", images, log)
-    desc, needs = converter.convert(material.name, material.node_tree)
+    desc = converter.convert(material.name, material.node_tree)
     _make_emission(desc)
     desc.glints = Glints[material.specula.glints]
-    return desc, needs
+    return desc
 
 
 def _make_emission(desc: MaterialDesc) -> None:
@@ -61,13 +61,12 @@ class Converter:
         self.owner = owner
         self.images = images
         self.log = log
-        self.needs = MaterialNeeds()
         self._in_volume = False  # the walk is behind the output's Volume
         self._nodes: list[NodeDesc] = []
         self._links: list[LinkDesc] = []
         self._indices: dict[tuple, int] = {}
 
-    def convert(self, name: str, tree) -> tuple[MaterialDesc, MaterialNeeds]:
+    def convert(self, name: str, tree) -> MaterialDesc:
         """The graph behind the output that Cycles would use; without one it is an empty output."""
         self._nodes.append(NodeDesc("Output", "output"))
         output = tree.get_output_node("CYCLES")
@@ -79,7 +78,7 @@ class Converter:
             unsupported = compat.find_input(output, "Displacement" if of_material else "Volume")
             if unsupported and unsupported.is_linked:
                 self.warn(output, f"{unsupported.name} is not supported and has no effect")
-        return MaterialDesc(name, self._nodes, self._links), self.needs
+        return MaterialDesc(name, self._nodes, self._links)
 
     def _volume(self, output) -> None:
         """What fills the mesh. As in Cycles its surface is invisible if only that is given."""
@@ -129,9 +128,7 @@ class Converter:
         node, name = source.node, source.socket.identifier
         row = NODES.get(node.bl_idname)
         if row is not None and name in row.outputs:
-            index = self._node(node, row, source.path)
-            self._read_coordinates(self._nodes[index], index, name)
-            return index, name
+            return self._node(node, row, source.path), name
         what = f"node type {node.bl_label}" if row is None else f"output {source.socket.name}"
         if reader.type == "SHADER" and self._in_volume:
             self.warn(node, f"{what} is not supported in a volume and has no effect")
@@ -179,18 +176,3 @@ class Converter:
         inputs = {"Color": MAGENTA, "Strength": ONE}
         self._nodes.append(NodeDesc(node.name, "emission", inputs=inputs))
         return len(self._nodes) - 1
-
-    def _read_coordinates(self, desc: NodeDesc, index: int, output: str) -> None:
-        """Adds what reading `output` of a node reads from the mesh."""
-        uv_map = desc.options.get("uv_map", "")
-        if desc.kind == "normal_map" and desc.options["space"] == "TANGENT":
-            self.needs |= MaterialNeeds(tangents=frozenset([uv_map]))
-        elif (
-            desc.kind == "uv_map"
-            or (desc.kind == "texture_coordinate" and output == "UV")
-            or (desc.kind == "image_texture" and not self._is_linked(index, "Vector"))
-        ):
-            self.needs |= MaterialNeeds(uv_maps=frozenset([uv_map]))
-
-    def _is_linked(self, index: int, socket: str) -> bool:
-        return any((link.to_node, link.to_socket) == (index, socket) for link in self._links)

@@ -34,6 +34,7 @@ class NodeKind:
 
 
 def _sharp(converter, node, desc) -> None:
+    """The distribution Sharp of older Blenders is any other one without roughness."""
     if compat.is_sharp(node):
         desc.options["distribution"] = "GGX"
         converter.set_constant(desc, "Roughness", (0.0, 0.0, 0.0, 1.0))
@@ -81,11 +82,13 @@ def _clearcoat(converter, node, desc) -> None:
 
 
 def _old_principled(converter, node, desc) -> None:
+    """Converts what the Principled BSDF called and meant otherwise until 3.6."""
     _scalar_tint(converter, node, desc)
     _clearcoat(converter, node, desc)
 
 
 def _image(converter, node, desc) -> None:
+    """Exports the node's image."""
     desc.image = converter.images.add(node.image, node.image_user, converter.label(node))
 
 

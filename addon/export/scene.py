@@ -5,6 +5,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..inquiry import Inquiry
+from ..native import NativeError
 from . import compat
 from .camera import export_camera
 from .desc import EnvironmentDesc, ExportError, InstanceDesc, MaterialNeeds, SceneDesc
@@ -13,6 +15,7 @@ from .light import export_light
 from .log import ExportLog
 from .material import default_material, export_material
 from .mesh import export_mesh
+from .view import export_view, is_shown
 from .visibility import caustics_role, instance_visibility, instancer, world_visibility
 from .world import export_world
 
@@ -21,19 +24,21 @@ from .world import export_world
 UNSUPPORTED_TYPES = {"CURVES", "POINTCLOUD", "VOLUME", "GPENCIL", "GREASEPENCIL"}
 
 
-def export_scene(depsgraph, log: ExportLog, images_as_pixels: bool = False) -> SceneDesc:
+def export_scene(depsgraph, log: ExportLog, images_as_pixels: bool = False, view=None) -> SceneDesc:
     """Everything that `depsgraph` renders. Raises ExportError naming what cannot be rendered.
 
-    `images_as_pixels`: see `Images`.
+    `images_as_pixels`: see `Images`. `view`: the context of a 3D view, whose camera and visible
+    objects stand in for the scene's.
     """
-    return SceneExport(depsgraph, log, images_as_pixels).run()
+    return SceneExport(depsgraph, log, images_as_pixels, view).run()
 
 
 class SceneExport:
     """The walk under way, and what it has met so far."""
 
-    def __init__(self, depsgraph, log: ExportLog, images_as_pixels: bool):
+    def __init__(self, depsgraph, log: ExportLog, images_as_pixels: bool, view=None):
         self.depsgraph = depsgraph
+        self.view = view
         self.layer = depsgraph.view_layer_eval
         self.log = log
         self.images = Images(log, images_as_pixels, depsgraph.scene_eval.frame_current)
@@ -42,11 +47,14 @@ class SceneExport:
         self._meshes: dict = {}  # (evaluated mesh, slots) -> (index or None, needs)
 
     def run(self) -> SceneDesc:
-        self.scene.camera = export_camera(self.depsgraph)
+        self.scene.camera = (
+            export_view(self.view, self.depsgraph) if self.view else export_camera(self.depsgraph)
+        )
         self._world(compat.world_of(self.depsgraph.scene_eval, self.layer))
-        for instance in self.depsgraph.object_instances:
-            if instance.show_self:
-                self._named_instance(instance)
+        with Inquiry() as self._core:
+            for instance in self.depsgraph.object_instances:
+                if is_shown(instance, self.view and self.view.space_data):
+                    self._named_instance(instance)
         self._check_scene(self.depsgraph.scene_eval.render)
         return self.scene
 
@@ -61,7 +69,7 @@ class SceneExport:
         name = instance.object.name
         try:
             self._instance(instance)
-        except ExportError:
+        except (ExportError, NativeError):
             raise
         except MemoryError as error:
             raise ExportError(f"object {name}: out of memory ({error})") from error
@@ -143,11 +151,10 @@ class SceneExport:
     def _material(self, material) -> tuple[int, MaterialNeeds]:
         """Index of a material and what it reads from a mesh; None is an empty slot."""
         if material not in self._materials:
-            desc, needs = (
-                export_material(material, self.images, self.log)
-                if material
-                else (default_material(), MaterialNeeds())
+            desc = (
+                export_material(material, self.images, self.log) if material else default_material()
             )
+            needs = self._core.needs(self._core.add(desc, self.images.descs))
             self._materials[material] = (len(self.scene.materials), needs)
             self.scene.materials.append(desc)
         return self._materials[material]

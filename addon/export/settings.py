@@ -3,27 +3,27 @@
 
 from __future__ import annotations
 
+from .. import native
+from ..abi import LightTracing, RenderSettings
 from . import compat
-from .desc import Constraint, GlintMethod, LightTracing, Method, PixelFilter, RenderSettings
 
+MOST_VIEWPORT_SAMPLES = 1 << 16  # where Cycles' setting asks for no end
 PREVIEW_SAMPLES = 16  # of the little renders of material and world previews
 
-# Field of RenderSettings = Specula's property -> (Cycles' property, "not set").
-OVERRIDES = {
-    "samples": ("samples", 0),
-    "time_limit": ("time_limit", 0.0),
-    "seed": ("seed", -1),
-    "max_bounces": ("max_bounces", -1),
-    "max_diffuse_bounces": ("diffuse_bounces", -1),
-    "max_glossy_bounces": ("glossy_bounces", -1),
-    "max_transmission_bounces": ("transmission_bounces", -1),
-    "max_transparent_bounces": ("transparent_max_bounces", -1),
-}
-
-# Fields that are Cycles' own.
-INHERITED = {
+# Field of spc_render_settings -> Cycles' property, which holds where Specula has no property of the
+# field's name, or the artist leaves that at its default.
+CYCLES = {
+    "samples": "samples",
+    "time_limit": "time_limit",
+    "seed": "seed",
+    "max_bounces": "max_bounces",
+    "max_diffuse_bounces": "diffuse_bounces",
+    "max_glossy_bounces": "glossy_bounces",
+    "max_transmission_bounces": "transmission_bounces",
+    "max_transparent_bounces": "transparent_max_bounces",
     "caustics_reflective": "caustics_reflective",
     "caustics_refractive": "caustics_refractive",
+    "pixel_filter": "pixel_filter_type",
     "filter_width": "filter_width",
 }
 
@@ -33,27 +33,17 @@ def export_settings(scene, is_preview: bool = False, view_layer=None) -> RenderS
 
     `view_layer` may have its own number of samples.
     """
-    own = scene.specula
-    settings = RenderSettings(
-        method=Method[own.method],
-        light_tracing=LightTracing[own.light_tracing],
-        constraint=Constraint[own.constraint],
-        two_stage=own.two_stage,
-        set_size=own.set_size,
-        chain_family=own.chain_family,
-        glint_method=GlintMethod[own.glint_method],
+    defaults = native.render_settings(
         threads=scene.render.threads if scene.render.threads_mode == "FIXED" else 0,
         transparent_film=scene.render.film_transparent,
     )
-    for name, (cycles_name, _) in OVERRIDES.items():
-        value = getattr(own, name)
+    values = {}
+    for name, default in native.struct_fields(defaults).items():
         if is_inherited(scene, name):
-            value = compat.cycles_value(scene, cycles_name, getattr(settings, name))
-        setattr(settings, name, value)
-    for name, cycles_name in INHERITED.items():
-        default = getattr(settings, name)
-        setattr(settings, name, type(default)(compat.cycles_value(scene, cycles_name, default)))
-    settings.pixel_filter = _pixel_filter(scene, settings.pixel_filter)
+            values[name] = compat.cycles_value(scene, CYCLES[name], default)
+        elif hasattr(scene.specula, name):
+            values[name] = getattr(scene.specula, name)
+    settings = native.changed(defaults, **values)
     if compat.cycles_value(scene, "use_animated_seed", False):
         settings.seed += scene.frame_current
     if view_layer:
@@ -61,6 +51,15 @@ def export_settings(scene, is_preview: bool = False, view_layer=None) -> RenderS
     if is_preview:
         settings.samples = min(settings.samples, PREVIEW_SAMPLES)
         settings.light_tracing = LightTracing.OFF  # its pilot takes longer than so few samples
+    return settings
+
+
+def viewport_settings(scene, view_layer) -> RenderSettings:
+    """For the rendered viewport of `scene`: its own number of samples, no time limit."""
+    settings = export_settings(scene, view_layer=view_layer)
+    samples = scene.specula.viewport_samples or compat.cycles_value(scene, "preview_samples", 1024)
+    settings.samples = samples or MOST_VIEWPORT_SAMPLES
+    settings.time_limit = 0.0
     return settings
 
 
@@ -73,28 +72,28 @@ def _method_name(scene, identifier: str) -> str:
     return scene.specula.bl_rna.properties["method"].enum_items[identifier].name
 
 
+def _unset(scene, name: str):
+    """The value of a property of Specula's by which the artist leaves it to Cycles."""
+    return scene.specula.bl_rna.properties[name].default
+
+
 def is_inherited(scene, name: str) -> bool:
-    """Whether the artist left a field of OVERRIDES to Cycles."""
-    return getattr(scene.specula, name) == OVERRIDES[name][1]
+    """Whether a field of spc_render_settings has the value that it has in Cycles."""
+    own = scene.specula
+    return name in CYCLES and (not hasattr(own, name) or getattr(own, name) == _unset(scene, name))
 
 
 def inherited_text(scene, name: str) -> str:
     """What holds for such a field, as a line for the interface: "0: as Cycles, 64"."""
-    unset = OVERRIDES[name][1]
     value = getattr(export_settings(scene), name)
     if name == "time_limit":
         value = f"{value:g} s" if value else "none"
-    return f"{unset:g}: as Cycles, {value}"
+    return f"{_unset(scene, name):g}: as Cycles, {value}"
 
 
 def film_exposure(scene) -> float:
     """Factor on every colour of the film."""
     return compat.cycles_value(scene, "film_exposure", 1.0)
-
-
-def _pixel_filter(scene, default: PixelFilter) -> PixelFilter:
-    value = compat.cycles_value(scene, "pixel_filter_type", default.name)
-    return PixelFilter[value] if isinstance(value, str) else PixelFilter(value)
 
 
 def _layer_samples(scene, view_layer, samples: int) -> int:

@@ -17,7 +17,7 @@ def export_world(world, images: Images, log: ExportLog) -> MaterialDesc:
     if not compat.uses_nodes(world):
         color = (*world.color, 1.0)
         return plain_material(world.name, "background", "Background", color, Strength=1.0)
-    desc, _ = Converter(f"world {world.name}", images, log).convert(world.name, world.node_tree)
+    desc = Converter(f"world {world.name}", images, log).convert(world.name, world.node_tree)
     if not any(node.kind == "background" for node in desc.nodes):
         _add_background(desc)
     return desc

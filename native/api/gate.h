@@ -57,9 +57,7 @@ inline void require(bool holds, const std::string& message) {
     if (!holds) invalid(message);
 }
 
-inline void require_thread_count(uint32_t threads) {
-    require(threads <= 1024, "threads must be at most 1024");
-}
+inline constexpr uint32_t kMostThreads = 1024;
 
 template <class T>
 const T& checked(const T* desc, const char* what) {

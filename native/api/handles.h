@@ -3,7 +3,11 @@
 
 #include "render/session.h"
 #include "scene/builder.h"
+#include "scene/caustics_part.h"
+#include "shading/uv_needs.h"
 #include "specula/specula.h"
+
+#include <mutex>
 
 // A scene under construction, or frozen: `builder` until commit, `world` after it.
 struct spc_scene {
@@ -11,9 +15,36 @@ struct spc_scene {
     std::optional<spc::RenderScene> world;
     std::string report;
     double commit_seconds = 0.0;
+    // What the last answers refer to.
+    std::vector<spc::UvNeed> needs{};
+    std::vector<spc_uv_need> needed_layers{};
+    spc::CausticsPart part{};
+    std::string glints{}, no_glints{};
+    // Sessions that render it; a render may start and end in any thread.
+    mutable std::mutex renders_mutex;
+    mutable uint32_t renders = 0;
+};
+
+// Counts as one of the scene's renders for as long as it lives.
+class RendersScene {
+public:
+    explicit RendersScene(const spc_scene& scene) : scene_(scene) { add(1); }
+    ~RendersScene() { add(-1); }
+    RendersScene(const RendersScene&) = delete;
+    RendersScene& operator=(const RendersScene&) = delete;
+
+private:
+    void add(int change) {
+        const std::lock_guard lock(scene_.renders_mutex);
+        scene_.renders += static_cast<uint32_t>(change);
+    }
+    const spc_scene& scene_;
 };
 
 struct spc_session {
+    spc_session(const spc_scene& scene, const spc::RenderSettings& settings)
+        : renders(scene), session(*scene.world, settings) {}
+    RendersScene renders;
     spc::Session session;
     std::string report{};
 };

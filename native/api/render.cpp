@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include <limits>
+
 #ifndef SPC_ISA_LEVEL
 #define SPC_ISA_LEVEL "unknown"
 #endif
@@ -22,27 +24,67 @@ constexpr float kWidestFilter = 1000.0f;
 // Below this a filter is a point, and its density beyond single precision.
 constexpr float kNarrowestFilter = 0.01f;
 
-void check_settings(const spc_render_settings& s) {
-    require(s.method <= SPC_METHOD_AUTO, fmt::format("unknown method {}", s.method));
-    require(s.light_tracing <= SPC_LIGHT_TRACING_OFF,
-            fmt::format("unknown light tracing {}", s.light_tracing));
-    require(s.constraint <= SPC_CONSTRAINT_ANGLE_DIFFERENCE,
-            fmt::format("unknown constraint {}", s.constraint));
-    require(s.glint_method <= SPC_GLINT_METHOD_YAN,
-            fmt::format("unknown glint method {}", s.glint_method));
-    require(s.pixel_filter <= SPC_FILTER_BLACKMAN_HARRIS,
-            fmt::format("unknown pixel filter {}", s.pixel_filter));
-    require(s.samples >= 1, "samples must be at least 1");
-    require(s.samples <= 0xffffffffu - s.first_sample, "first_sample + samples is out of range");
-    require(s.set_size >= 1 && s.set_size <= kMostWalks,
-            fmt::format("set_size must lie in [1, {}]", kMostWalks));
-    require(std::isfinite(s.time_limit) && s.time_limit >= 0.0f,
-            "time_limit must be finite and not negative");
-    require_thread_count(s.threads);
-    require(
-        s.pixel_filter == SPC_FILTER_BOX ||
-            (s.filter_width >= kNarrowestFilter && s.filter_width <= kWidestFilter),
-        fmt::format("filter_width must lie in [{}, {}] pixels", kNarrowestFilter, kWidestFilter));
+// Takes the host's settings into the core's, if they are within bounds.
+struct Take {
+    template <class T>
+    void number(const char* name, T host, T& core, std::type_identity_t<T> least,
+                std::type_identity_t<T> most) const {
+        require(host >= least && host <= most,  // no NaN is
+                fmt::format("{} must lie in [{}, {}]", name, least, most));
+        core = host;
+    }
+    void flag(uint32_t host, bool& core) const { core = host != 0; }
+    template <class E>
+    void choice(const char* name, uint32_t host, E& core, uint32_t last) const {
+        core = checked_enum<E>(host, last, "settings", name);
+    }
+};
+
+// Gives the host the core's settings, which are the defaults.
+struct Give {
+    template <class T>
+    void number(const char*, T& host, T core, std::type_identity_t<T>,
+                std::type_identity_t<T>) const {
+        host = core;
+    }
+    void flag(uint32_t& host, bool core) const { host = core ? 1 : 0; }
+    template <class E>
+    void choice(const char*, uint32_t& host, E core, uint32_t) const {
+        host = static_cast<uint32_t>(core);
+    }
+};
+
+// A row for each setting that is one of the core's as it stands.
+template <class Way, class Host, class Core>
+void exchange(const Way& way, Host& host, Core& core) {
+    constexpr uint32_t kMost = std::numeric_limits<uint32_t>::max();
+    constexpr float kLongest = std::numeric_limits<float>::max();
+    auto& integrator = core.integrator;
+    auto& manifold = integrator.manifold;
+    auto& limits = integrator.limits;
+    way.choice("constraint", host.constraint, manifold.constraint, SPC_CONSTRAINT_ANGLE_DIFFERENCE);
+    way.flag(host.two_stage, manifold.two_stage);
+    way.number("set_size", host.set_size, manifold.set_size, 1, kMostWalks);
+    way.choice("glint method", host.glint_method, integrator.glints.method, SPC_GLINT_METHOD_YAN);
+    way.number("first_sample", host.first_sample, core.first_sample, 0, kMost);
+    way.number("samples", host.samples, core.samples, 1, kMost);
+    way.number("time_limit", host.time_limit, core.time_limit, 0.0f, kLongest);
+    way.number("seed", host.seed, core.seed, 0, kMost);
+    way.number("threads", host.threads, core.threads, 0, kMostThreads);
+    way.number("max_bounces", host.max_bounces, limits.total, 0, kMost);
+    way.number("max_diffuse_bounces", host.max_diffuse_bounces, limits.diffuse, 0, kMost);
+    way.number("max_glossy_bounces", host.max_glossy_bounces, limits.glossy, 0, kMost);
+    way.number("max_transmission_bounces", host.max_transmission_bounces, limits.transmission, 0,
+               kMost);
+    way.number("max_transparent_bounces", host.max_transparent_bounces, limits.transparent, 0,
+               kMost);
+    way.flag(host.caustics_reflective, manifold.reflections);
+    way.flag(host.caustics_refractive, manifold.refractions);
+    way.choice("pixel filter", host.pixel_filter, core.filter, SPC_FILTER_BLACKMAN_HARRIS);
+    if (host.pixel_filter != SPC_FILTER_BOX)
+        way.number("filter_width", host.filter_width, core.filter_width, kNarrowestFilter,
+                   kWidestFilter);
+    way.flag(host.transparent_film, integrator.transparent_film);
 }
 
 ChainFinder finder_of(uint32_t method) {
@@ -67,36 +109,28 @@ std::vector<spc::Interaction> to_family(const char* letters) {
     return family;
 }
 
-RenderSettings to_settings(const spc_render_settings& s) {
-    check_settings(s);
-    RenderSettings settings;
-    IntegratorSettings& integrator = settings.integrator;
-    integrator.limits = {s.max_bounces, s.max_diffuse_bounces, s.max_glossy_bounces,
-                         s.max_transmission_bounces, s.max_transparent_bounces};
-    integrator.transparent_film = s.transparent_film != 0;
-    ManifoldSettings& manifold = integrator.manifold;
+// What several of the core's settings follow from.
+void choose_method(const spc_render_settings& s, RenderSettings& settings) {
+    checked_enum<spc_method>(s.method, SPC_METHOD_AUTO, "settings", "method");
+    checked_enum<spc_light_tracing>(s.light_tracing, SPC_LIGHT_TRACING_OFF, "settings",
+                                    "light tracing");
+    ManifoldSettings& manifold = settings.integrator.manifold;
     manifold.enabled = s.method != SPC_METHOD_PT && s.method != SPC_METHOD_LT;
     manifold.finder = finder_of(s.method);
     manifold.biased = s.method == SPC_METHOD_SMS_BIASED || s.method == SPC_METHOD_MNEE_BIASED;
-    manifold.set_size = s.set_size;
     const std::vector<spc::Interaction> family = to_family(s.chain_family);
     if (manifold.finder == ChainFinder::walks) manifold.family = family;
-    manifold.constraint = static_cast<Constraint>(s.constraint);
-    manifold.two_stage = s.two_stage != 0;
-    manifold.reflections = s.caustics_reflective != 0;
-    manifold.refractions = s.caustics_refractive != 0;
-    integrator.glints.method = static_cast<GlintMethod>(s.glint_method);
-    integrator.glints.set_size = s.set_size;
+    settings.integrator.glints.set_size = manifold.set_size;
     settings.light_tracing =
         s.method == SPC_METHOD_LT || (manifold.enabled && s.light_tracing != SPC_LIGHT_TRACING_OFF);
     settings.chooses = s.method == SPC_METHOD_AUTO;
-    settings.first_sample = s.first_sample;
-    settings.samples = s.samples;
-    settings.time_limit = s.time_limit;
-    settings.seed = s.seed;
-    settings.threads = s.threads;
-    settings.filter = static_cast<FilterKind>(s.pixel_filter);
-    settings.filter_width = s.filter_width;
+}
+
+RenderSettings to_settings(const spc_render_settings& s) {
+    RenderSettings settings;
+    exchange(Take{}, s, settings);
+    require(s.samples <= 0xffffffffu - s.first_sample, "first_sample + samples is out of range");
+    choose_method(s, settings);
     return settings;
 }
 
@@ -128,22 +162,10 @@ const char* spc_last_error(void) { return last_error().c_str(); }
 void spc_render_settings_init(spc_render_settings* settings) {
     if (settings == nullptr) return;
     const spc::RenderSettings defaults;
-    const spc::BounceLimits& limits = defaults.integrator.limits;
     *settings = {};
     settings->struct_size = sizeof(*settings);
-    settings->method = SPC_METHOD_SMS_UNBIASED;
-    settings->constraint = SPC_CONSTRAINT_ANGLE_DIFFERENCE;
-    settings->two_stage = 1;
-    settings->set_size = defaults.integrator.manifold.set_size;
-    settings->samples = defaults.samples;
-    settings->max_bounces = limits.total;
-    settings->max_diffuse_bounces = limits.diffuse;
-    settings->max_glossy_bounces = limits.glossy;
-    settings->max_transmission_bounces = limits.transmission;
-    settings->max_transparent_bounces = limits.transparent;
-    settings->caustics_reflective = settings->caustics_refractive = 1;
-    settings->pixel_filter = SPC_FILTER_BLACKMAN_HARRIS;
-    settings->filter_width = defaults.filter_width;
+    settings->method = SPC_METHOD_AUTO;
+    exchange(Give{}, *settings, defaults);
 }
 
 spc_status spc_render_start(const spc_scene* scene, const spc_render_settings* settings,
@@ -157,7 +179,7 @@ spc_status spc_render_start(const spc_scene* scene, const spc_render_settings* s
         const auto& crop = scene->world->scene->camera.crop;
         out = spc::with_memory_for(
             fmt::format("the film of {} x {} pixels, or the threads", crop[2], crop[3]),
-            [&] { return new spc_session{spc::Session(*scene->world, checked_settings)}; });
+            [&] { return new spc_session(*scene, checked_settings); });
     });
 }
 
@@ -203,7 +225,7 @@ spc_status spc_render_get_stats(spc_session* session, spc_render_stats* stats) {
                   s.nan_samples + s.light.nan_splats,
                   s.light.paths,
                   s.light.splats,
-                  m.leads,
+                  m.chain_seeds,
                   m.roots,
                   m.missed,
                   m.missed_energy,

@@ -48,6 +48,11 @@ Transform transform_of(const float (&rows)[12], const std::string& owner) {
     return Transform::from_rows(rows);
 }
 
+void check_visibility(uint32_t visibility, const std::string& owner) {
+    require((visibility & ~static_cast<uint32_t>(SPC_VISIBLE_ALL)) == 0,
+            owner + ": unknown visibility bits");
+}
+
 Image to_image(const spc_image_desc& desc) {
     const std::string name = name_or(desc.name, "image"), owner = named("image", name);
     const auto space =
@@ -169,8 +174,7 @@ Instance to_instance(const spc_instance_desc& desc) {
     instance.mesh = desc.mesh;
     instance.object_to_world = transform_of(desc.transform, owner);
     instance.materials = copied<uint32_t>(desc.materials, desc.material_count, owner, "materials");
-    require((desc.visibility & ~static_cast<uint32_t>(SPC_VISIBLE_ALL)) == 0,
-            owner + ": unknown visibility bits");
+    check_visibility(desc.visibility, owner);
     instance.visibility = desc.visibility;
     instance.role =
         checked_enum<CausticsRole>(desc.caustics_role, SPC_CAUSTICS_BOTH, owner, "caustics role");
@@ -193,8 +197,7 @@ LightDesc to_light(const spc_light_desc& desc) {
     light.shape = checked_enum<AreaShape>(desc.shape, SPC_AREA_ELLIPSE, owner, "shape");
     light.size = Vec2(desc.size[0], desc.size[1]);
     light.spread = desc.spread;
-    require((desc.visibility & ~static_cast<uint32_t>(SPC_VISIBLE_ALL)) == 0,
-            owner + ": unknown visibility bits");
+    check_visibility(desc.visibility, owner);
     light.visibility = desc.visibility;
     light.feeds_caustics = desc.feeds_caustics != 0;
     return light;
@@ -217,6 +220,29 @@ Camera to_camera(const spc_camera_desc& desc) {
     camera.aperture_rotation = desc.aperture_rotation;
     camera.aperture_ratio = desc.aperture_ratio;
     return camera;
+}
+
+spc_caustics_search search_for(const CausticsPart& part) {
+    if (!part.casts()) return SPC_SEARCH_NONE;
+    if (part.caster || part.chains_turn) return SPC_SEARCH_MANIFOLD;
+    return part.chains_may_turn ? SPC_SEARCH_MANIFOLD_IF_COARSE : SPC_SEARCH_LIGHT_PATHS;
+}
+
+// The texts stay with the scene. Of several materials with glints the first stands for all.
+void fill_forecast(spc_scene& scene, std::span<const Material* const> materials,
+                   spc_forecast& forecast) {
+    scene.glints.clear();
+    scene.no_glints.clear();
+    for (const Material* material : materials) {
+        if (scene.glints.empty() && material->may_glint()) scene.glints = material->slopes.why;
+        if (scene.no_glints.empty()) scene.no_glints = material->slopes.why_not;
+    }
+    const CausticsPart& part = scene.part;
+    const std::string& reason = part.caster         ? part.why
+                                : part.rough_caster ? part.why_rough
+                                                    : part.why_not;
+    forecast = {sizeof(forecast), part.receiver ? 1u : 0u, search_for(part),
+                reason.c_str(),   scene.glints.c_str(),    scene.no_glints.c_str()};
 }
 
 void fill_stats(const spc_scene& handle, spc_scene_stats& stats) {
@@ -283,14 +309,34 @@ spc_status spc_scene_add_material(spc_scene* scene, const spc_material_desc* des
     });
 }
 
-spc_status spc_scene_material_needs(const spc_scene* scene, uint32_t material_index,
+spc_status spc_scene_material_needs(spc_scene* scene, uint32_t material_index,
                                     spc_material_needs* needs) {
     return gate("spc_scene_material_needs", [&] {
-        const spc::SceneBuilder& builder = builder_of(const_cast<spc_scene*>(scene));
+        const spc::SceneBuilder& builder = builder_of(scene);
         checked(needs, "needs");
-        const spc::Material& material = builder.material(material_index);
-        needs->uv = (material.reads & (spc::kReadsUv | spc::kReadsTangent)) != 0 ? 1 : 0;
-        needs->tangents = (material.reads & spc::kReadsTangent) != 0 ? 1 : 0;
+        scene->needs = spc::uv_needs(builder.material(material_index));
+        scene->needed_layers.clear();
+        for (const auto& [layer, tangents] : scene->needs)
+            scene->needed_layers.push_back({layer.c_str(), tangents ? 1u : 0u});
+        needs->uv_layers = scene->needed_layers.data();
+        needs->uv_layer_count = static_cast<uint32_t>(scene->needed_layers.size());
+    });
+}
+
+spc_status spc_scene_forecast(spc_scene* scene, const uint32_t* materials, uint32_t material_count,
+                              uint32_t visibility, uint32_t caustics_role, spc_forecast* forecast) {
+    return gate("spc_scene_forecast", [&] {
+        const spc::SceneBuilder& builder = builder_of(scene);
+        checked(forecast, "forecast");
+        require(materials != nullptr && material_count > 0, "forecast: there are no materials");
+        check_visibility(visibility, "forecast");
+        const auto role = checked_enum<spc::CausticsRole>(caustics_role, SPC_CAUSTICS_BOTH,
+                                                          "forecast", "caustics role");
+        std::vector<const spc::Material*> slots;
+        for (uint32_t i = 0; i < material_count; ++i)
+            slots.push_back(&builder.material(materials[i]));
+        scene->part = spc::caustics_part(slots, role, visibility);
+        fill_forecast(*scene, slots, *forecast);
     });
 }
 
@@ -328,16 +374,27 @@ spc_status spc_scene_add_light(spc_scene* scene, const spc_light_desc* desc, uin
 }
 
 spc_status spc_scene_set_camera(spc_scene* scene, const spc_camera_desc* desc) {
-    return gate("spc_scene_set_camera",
-                [&] { builder_of(scene).set_camera(to_camera(checked(desc, "desc"))); });
+    return gate("spc_scene_set_camera", [&] {
+        require(scene != nullptr, "scene is null");
+        const spc::Camera camera = to_camera(checked(desc, "desc"));
+        if (!scene->world) {
+            builder_of(scene).set_camera(camera);
+            return;
+        }
+        const spc::Camera moved = spc::checked_camera(camera);
+        const std::lock_guard lock(scene->renders_mutex);
+        if (scene->renders > 0)
+            throw spc::Error(spc::ErrorKind::wrong_state,
+                             "the scene is being rendered: its camera is fixed");
+        scene->world->scene->move_camera(moved);
+    });
 }
 
 spc_status spc_scene_set_environment(spc_scene* scene, const spc_environment_desc* desc) {
     return gate("spc_scene_set_environment", [&] {
         spc::SceneBuilder& builder = builder_of(scene);
         const spc_environment_desc& d = checked(desc, "desc");
-        require((d.visibility & ~static_cast<uint32_t>(SPC_VISIBLE_ALL)) == 0,
-                "world: unknown visibility bits");
+        check_visibility(d.visibility, "world");
         builder.set_environment({d.material, d.visibility, d.feeds_caustics != 0});
     });
 }
@@ -345,7 +402,7 @@ spc_status spc_scene_set_environment(spc_scene* scene, const spc_environment_des
 spc_status spc_scene_commit(spc_scene* scene, uint32_t threads) {
     return gate("spc_scene_commit", [&] {
         spc::SceneBuilder& builder = builder_of(scene);
-        require_thread_count(threads);
+        require(threads <= kMostThreads, fmt::format("threads must be at most {}", kMostThreads));
         const auto start = std::chrono::steady_clock::now();
         builder.require_complete();
         // From here on only a lack of memory can stop it; then the scene is lost, and says so to

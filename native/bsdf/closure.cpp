@@ -14,7 +14,7 @@ namespace {
 // unit vectors (1e-7) is a tenth of it.
 constexpr float kMatchedWidth = 1e-6f;
 // Least share of its weight with which a closure is sampled: tables are approximate, a closure that
-// scatters must not have a vanishing chance.
+// scatters must not have a vanishing probability.
 constexpr float kMinSampledAlbedo = 1e-3f;
 
 bool is_delta_kind(const Lambert&) { return false; }
@@ -114,7 +114,7 @@ struct LobeSample {
     Vec3 wi;
     BounceKind kind;
     bool delta = false;
-    // Of a delta lobe alone: its throughput and its probability within the closure.
+    // For a delta lobe alone: its throughput, and its probability within the closure.
     Spectrum throughput{0.0f};
     float probability = 1.0f;
 };
@@ -180,13 +180,13 @@ float total_sample_weight(const ClosureList& list) {
     return total;
 }
 
-// What rays scatter as that a closure sends to one side of the geometry.
+// The kind of bounce by which a closure scatters to one side of the geometry.
 BounceKind kind_of(const Closure& closure, bool crosses) {
     if (std::holds_alternative<Lambert>(closure.kind)) return BounceKind::diffuse;
     return crosses ? BounceKind::transmission : BounceKind::glossy;
 }
 
-// The set of closures that one ray stands for.
+// The bit of the closures that are sampled together: a kind_bit(), or kGlintsBit.
 uint32_t group_of(const ClosureList& list, const Closure& closure, bool crosses) {
     return list.glints_apart && closure.glints ? kGlintsBit : kind_bit(kind_of(closure, crosses));
 }
@@ -250,8 +250,8 @@ void ClosureList::clear() {
 
 Fresnel coat_fresnel(float ior) { return {Fresnel::Kind::dielectric, ior}; }
 
-// As if light came in by the way it goes out: that is longer than the normal one by 1 / cos of the
-// refracted wo, and the tint is raised to that power.
+// Light is assumed to enter along the path by which it leaves. That is longer than the coat's thickness by
+// 1 / cos of the refracted wo, and the tint is raised to that power.
 Spectrum coat_transmittance(const Coat& coat, const Vec3& n, const Vec3& wo) {
     const MicrofacetReflection lobe{n, coat.alpha, MicrofacetModel::ggx, coat_fresnel(coat.ior)};
     const Spectrum passed(clamp01(1.0f - coat.share * albedo(lobe, wo).x));

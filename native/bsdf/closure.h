@@ -80,7 +80,7 @@ using ClosureKind = std::variant<Lambert, MicrofacetReflection, MicrofacetDielec
 
 struct Closure {
     Spectrum weight;
-    float sample_weight;  // >= 0, relative chance to be sampled; set by ClosureList::add
+    float sample_weight;  // >= 0, relative probability to be sampled; set by ClosureList::add
     // Shares the normal that the manifold walks on (shading/program.h).
     bool on_caster_normal = false;
     bool glints = false;  // also one of ClosureList::glints
@@ -94,7 +94,7 @@ struct Coat {
     float ior;
     Spectrum tint;  // what is left of light that crosses it, in and out, at normal incidence
 };
-// Of its reflection, GGX without compensation; the same from both sides of the surface.
+// Fresnel term of a coat's reflection, which is GGX without compensation, the same from both sides.
 Fresnel coat_fresnel(float ior);
 // Share of their light towards wo that closures below the coat keep.
 Spectrum coat_transmittance(const Coat& coat, const Vec3& n, const Vec3& wo);
@@ -148,7 +148,7 @@ enum class BounceKind : uint8_t { diffuse, glossy, transmission, transparent };
 
 // Sets of kinds of scattering, bits 1 << BounceKind.
 inline constexpr uint32_t kind_bit(BounceKind kind) { return 1u << static_cast<uint32_t>(kind); }
-// Of closures with glints, where they are apart.
+// Bit of closures with glints while ClosureList::glints_apart is set.
 inline constexpr uint32_t kGlintsBit = 16;
 inline constexpr uint32_t kAllKinds = ~0u;
 

@@ -37,7 +37,7 @@ public:
         return must_end() || !(static_cast<double>(work) < work_);
     }
     double work() const { return work_; }
-    // Of the budget, as far as is known by now.
+    // Share of the budget that is used, as far as is known.
     double fraction() const {
         return std::clamp(
             std::max(done_.load(std::memory_order_relaxed) / work_, elapsed() / seconds_), 0.0, 1.0);

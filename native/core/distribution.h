@@ -44,7 +44,7 @@ public:
     // values[y * width + x] finite and >= 0.
     BilinearMap(std::vector<float> values, uint32_t width, uint32_t height);
 
-    // Those between centres over which one density spreads.
+    // The cells between centres of texels, over each of which one density spreads.
     struct Cells {
         DiscreteDistribution marginal;
         std::vector<DiscreteDistribution> rows;  // height + 1 of them

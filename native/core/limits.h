@@ -5,10 +5,10 @@
 
 namespace spc {
 
-// Of coordinates in object and in world space, and of extents; also of the entries of a transform's
-// linear part and of its inverse's, so that a ray in a mesh's own space stays one.
+// Largest coordinate in object and in world space, and largest extent. Also the largest entry of a
+// transform's linear part and of its inverse, so that rays stay valid in a mesh's own space.
 inline constexpr float kFarthest = 1e8f;  // m
-// Of everything else that has no unit of length: colours, strengths, powers, texels, normals.
+// Largest value of everything without a unit of length: colours, strengths, powers, texels, normals.
 inline constexpr float kLargestNumber = 1e15f;
 
 }  // namespace spc

@@ -30,8 +30,8 @@ enum class Domain : uint32_t {
     rough_chain_light,
     rough_chain_seeds,
     rough_chain_activation,
-    highlight_light,
-    highlight_seeds,
+    camera_chain_light,
+    camera_chain_seeds,
     missed_chains,
     folds,
     even_light

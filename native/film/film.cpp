@@ -126,8 +126,8 @@ void Film::add_splats(SplatSource source, std::span<const Splat> splats, const P
     layer.estimates += static_cast<double>(estimates);
     layer.pictures += static_cast<double>(estimates) / per_picture;
     const auto pixels_near = [&](float at, uint32_t size) {
-        const float first = std::ceil(at - filter.reach() - 0.5f);
-        const float last = std::floor(at + filter.reach() - 0.5f);
+        const float first = std::ceil(at - filter.radius() - 0.5f);
+        const float last = std::floor(at + filter.radius() - 0.5f);
         return std::array{static_cast<int64_t>(std::max(first, 0.0f)),
                           static_cast<int64_t>(std::min(last, static_cast<float>(size) - 1.0f))};
     };
@@ -207,8 +207,8 @@ void Film::read(Pass pass, std::span<float> out) const {
     }
     const std::lock_guard lock(splat_mutex_);
     if (pass != Pass::combined && pass != Pass::caustics && pass != Pass::variance) return;
-    for (const SplatSource source :
-         {SplatSource::light_paths, SplatSource::highlights, SplatSource::missed_highlights}) {
+    for (const SplatSource source : {SplatSource::light_paths, SplatSource::camera_chains,
+                                     SplatSource::missed_camera_chains}) {
         if (pass == Pass::caustics && source != SplatSource::light_paths) continue;
         const SplatLayer& layer = splats_[static_cast<size_t>(source)];
         for (size_t at = 0; at < layer.pixels.size(); ++at) {

@@ -68,7 +68,7 @@ struct Splat {
     Spectrum value;
 };
 
-enum class SplatSource : uint8_t { light_paths, highlights, missed_highlights };
+enum class SplatSource : uint8_t { light_paths, camera_chains, missed_camera_chains };
 
 class Film {
 public:
@@ -88,8 +88,8 @@ public:
     std::vector<PixelSums> copy_tile(uint32_t tile) const;
     void store_tile(uint32_t tile, std::span<const PixelSums> pixels);
 
-    // Of each source a picture is the sum over `per_picture` estimates, and the mean over all that
-    // were added. `splats` of `estimates` of them, relative to the film's corner.
+    // Adds the splats of `estimates` estimates; their positions are relative to the film's corner. A picture
+    // is the sum over `per_picture` estimates of a source, averaged over all estimates that were added.
     void add_splats(SplatSource source, std::span<const Splat> splats, const PixelFilter& filter,
                     uint64_t estimates, double per_picture);
 

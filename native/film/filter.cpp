@@ -23,19 +23,19 @@ double density(FilterKind kind, double x, double width) {
 PixelFilter::PixelFilter(FilterKind kind, float width) {
     constexpr int kCells = 1024;
     const double w = static_cast<double>(width);
-    reach_ = kind == FilterKind::box ? 0.5 : kind == FilterKind::gaussian ? 1.5 * w : w;
+    radius_ = kind == FilterKind::box ? 0.5 : kind == FilterKind::gaussian ? 1.5 * w : w;
     cumulative_.assign(1, 0.0);
     for (int i = 0; i < kCells; ++i)
         cumulative_.push_back(cumulative_.back() +
-                              density(kind, reach_ * ((2 * i + 1.0) / kCells - 1.0), w));
+                              density(kind, radius_ * ((2 * i + 1.0) / kCells - 1.0), w));
     const double total = cumulative_.back();
     for (double& c : cumulative_) c /= total;
-    const double cells_per_pixel = kCells / (2.0 * reach_);
+    const double cells_per_pixel = kCells / (2.0 * radius_);
     cells_per_pixel_ = static_cast<float>(cells_per_pixel);
     double variance = 0.0;
     for (size_t i = 0; i < kCells; ++i) {
         const double mass = cumulative_[i + 1] - cumulative_[i];
-        const double at = (static_cast<double>(i) + 0.5) / cells_per_pixel - reach_;
+        const double at = (static_cast<double>(i) + 0.5) / cells_per_pixel - radius_;
         density_.push_back(static_cast<float>(mass * cells_per_pixel));
         variance += mass * at * at;
     }
@@ -54,7 +54,7 @@ float PixelFilter::invert(float u) const {
     while (cell + 1 < density_.size() && cumulative_[cell + 1] <= wanted) ++cell;
     const double from = cumulative_[cell], to = cumulative_[cell + 1];
     const double at = static_cast<double>(cell) + (wanted - from) / (to - from);
-    return static_cast<float>(reach_ * (2.0 * at / static_cast<double>(density_.size()) - 1.0));
+    return static_cast<float>(radius_ * (2.0 * at / static_cast<double>(density_.size()) - 1.0));
 }
 
 }  // namespace spc

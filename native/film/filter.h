@@ -21,17 +21,17 @@ public:
     // Density of those offsets along one axis, 1/pixel: the share of what falls there that a pixel
     // takes.
     float weight(float offset) const {
-        const float at = (offset + reach()) * cells_per_pixel_;
+        const float at = (offset + radius()) * cells_per_pixel_;
         return at >= 0.0f && at < static_cast<float>(density_.size())
                    ? density_[static_cast<size_t>(at)]
                    : 0.0f;
     }
-    float reach() const { return static_cast<float>(reach_); }  // offsets lie within +-reach
+    float radius() const { return static_cast<float>(radius_); }  // offsets lie within +-radius
     float variance() const { return variance_; }  // of offsets along one axis, pixels^2
 
 private:
     float invert(float u) const;
-    double reach_;
+    double radius_;
     std::vector<double> cumulative_;    // of the density, at equal steps
     std::vector<float> density_;        // between those, 1/pixel
     std::vector<uint16_t> first_cell_;  // where u = k / size falls, of each k

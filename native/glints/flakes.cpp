@@ -59,9 +59,9 @@ SlopeJet FlakeField::flake(int x, int y) const {
 
 SlopeBounds FlakeField::bounds(int x, int y) const {
     const SlopeJet f = flake(x, y);
-    constexpr float kReach = kGaussianReach * kFlakeSigma;
+    constexpr float kRadius = kGaussianRadius * kFlakeSigma;
     const Vec2 extent =
-        Vec2(std::hypot(f.by_s.x, f.by_t.x), std::hypot(f.by_s.y, f.by_t.y)) * kReach;
+        Vec2(std::hypot(f.by_s.x, f.by_t.x), std::hypot(f.by_s.y, f.by_t.y)) * kRadius;
     return {f.slope - extent, f.slope + extent};
 }
 

@@ -35,7 +35,7 @@ MapPoint map_point(const SlopeMap& map, const Vec2& size, const UvLayer& layer,
             to_image(layer.uv[first + 2] - layer.uv[first])};
 }
 
-// As map_normal() has it.
+// The frame of a normal map's slopes, as map_normal() uses it.
 SlopeFrame tangent_frame(const Scene& scene, const UvLayer& layer, const Surface& surface) {
     const Instance& instance = scene.instances[surface.hit.instance];
     const Mesh& mesh = scene.meshes[instance.mesh];
@@ -51,8 +51,8 @@ SlopeFrame tangent_frame(const Scene& scene, const UvLayer& layer, const Surface
     return {{to_world(tangent), to_world(cross(normal, tangent) * sign), to_world(normal)}};
 }
 
-// As bump_normal() has it: of the gradient by barycentrics, which the chain rule makes of that by
-// texels. Not finite where the normal lies in the plane of the triangle.
+// The frame of a height map's slopes, as bump_normal() uses it. The chain rule turns the gradient by texels
+// into one by barycentrics. Not finite if the normal lies in the plane of the triangle.
 SlopeFrame raised_frame(const SlopeMap& map, const MapPoint& point, const Vec3& dp_du,
                         const Vec3& dp_dv, const Surface& surface) {
     const float side = surface.backfacing ? -1.0f : 1.0f;
@@ -65,9 +65,10 @@ SlopeFrame raised_frame(const SlopeMap& map, const MapPoint& point, const Vec3& 
 }
 
 ChainVertex delta_vertex(const Scene& scene, const Surface& surface, const ClosureSample& next) {
-    const CasterPatch patch = evaluate_caster(scene, surface.hit, false);
+    const DifferentialGeometry geometry = evaluate_caster(scene, surface.hit, false);
     return {next.refracted ? Interaction::refraction : Interaction::reflection,
-            eta_seen_from(patch.ng, surface.wo, scene.material_of(surface.hit).specular.ior), patch};
+            eta_seen_from(geometry.ng, surface.wo, scene.material_of(surface.hit).specular.ior),
+            geometry};
 }
 
 // A delta at the facet that has turned the path, which leans on the interpolated normal and turns
@@ -77,14 +78,16 @@ ChainVertex facet_vertex(const Scene& scene, const Surface& surface, const Closu
     const float eta = next.refracted ? next.eta : 1.0f;
     const Vec3 half = normalize(surface.wo + next.wi * eta);
     const bool front = (dot(half, surface.wo) > 0.0f) != surface.backfacing;
-    CasterPatch patch = evaluate_caster(scene, surface.hit, true);
-    patch.n = front ? half : half * -1.0f;
-    for (Vec3* change : {&patch.dn_du, &patch.dn_dv}) *change -= patch.n * dot(patch.n, *change);
-    return {next.refracted ? Interaction::refraction : Interaction::reflection, eta, patch};
+    DifferentialGeometry geometry = evaluate_caster(scene, surface.hit, true);
+    geometry.n = front ? half : half * -1.0f;
+    for (Vec3* change : {&geometry.dn_du, &geometry.dn_dv})
+        *change -= geometry.n * dot(geometry.n, *change);
+    return {next.refracted ? Interaction::refraction : Interaction::reflection, eta, geometry};
 }
 
 // The direction stays as the place moves.
-bool pass_diffuse(const Surface& surface, const Vec3& wi, double distance, RayDual& ray) {
+bool propagate_through_diffuse(const Surface& surface, const Vec3& wi, double distance,
+                               RayDual& ray) {
     const Vec3d ng(surface.ng);
     const double dng = dot(ray.d, ng);
     if (!(std::abs(dng) > 1e-9)) return false;
@@ -103,17 +106,18 @@ RayDual diffuse_lobe(const Vec3& wi) {
     return {Vec3d(wi), {Vec3d(0.0), Vec3d(0.0)}, {Vec3d(frame.x) * spread, Vec3d(frame.y) * spread}};
 }
 
-// As if the facet leaned with the place in its plane, and nothing else changed.
+// Differential of a microfacet's reflection: the facet leans with the position in its plane, and nothing
+// else changes.
 std::optional<RayDual> facet_lobe(ChainVertex vertex, const Vec3& wo, float alpha) {
-    CasterPatch& patch = vertex.patch;
-    const Frame frame = Frame::around(patch.n);
-    patch.ng = patch.n;
-    patch.dp_du = frame.x;
-    patch.dp_dv = frame.y;
-    patch.dn_du = frame.x * (alpha * kFacetSpread);
-    patch.dn_dv = frame.y * (alpha * kFacetSpread);
+    DifferentialGeometry& geometry = vertex.geometry;
+    const Frame frame = Frame::around(geometry.n);
+    geometry.ng = geometry.n;
+    geometry.dp_du = frame.x;
+    geometry.dp_dv = frame.y;
+    geometry.dn_du = frame.x * (alpha * kFacetSpread);
+    geometry.dn_dv = frame.y * (alpha * kFacetSpread);
     RayDual ray{Vec3d(wo) * -1.0, {Vec3d(frame.x), Vec3d(frame.y)}, {Vec3d(0.0), Vec3d(0.0)}};
-    if (!pass_vertex(vertex, 0.0, ray)) return std::nullopt;
+    if (!propagate_through_vertex(vertex, 0.0, ray)) return std::nullopt;
     ray.dp = {Vec3d(0.0), Vec3d(0.0)};
     return ray;
 }
@@ -161,7 +165,7 @@ private:
 float lobe_turn(const Scene& scene, const Surface& surface, const RayDual& lobe,
                 const std::array<Vec2, 2>& barycentric) {
     constexpr float kLeastCosine = 0.05f;
-    const CasterPatch patch = evaluate_caster(scene, surface.hit, true);
+    const DifferentialGeometry geometry = evaluate_caster(scene, surface.hit, true);
     const Vec3 n = surface.n;
     const float side = surface.backfacing ? -1.0f : 1.0f;
     const float cos_o = std::max(std::abs(dot(n, surface.wo)), kLeastCosine);
@@ -169,7 +173,8 @@ float lobe_turn(const Scene& scene, const Surface& surface, const RayDual& lobe,
     for (size_t i = 0; i < 2; ++i) {
         const Vec3 dwo = Vec3(lobe.dd[i]) * -1.0f;
         const Vec3 dh = (dwo - n * dot(n, dwo)) * (0.5f / cos_o);
-        const Vec3 dn = (patch.dn_du * barycentric[i].x + patch.dn_dv * barycentric[i].y) * side;
+        const Vec3 dn =
+            (geometry.dn_du * barycentric[i].x + geometry.dn_dv * barycentric[i].y) * side;
         squares += length_squared(dh - dn);
     }
     return std::sqrt(squares);
@@ -185,8 +190,8 @@ PathDifferential camera_differential(const Camera& camera, const PixelKernel& pi
              {Vec3d(change.direction[0]), Vec3d(change.direction[1])}}};
 }
 
-bool pass_bounce(const Scene& scene, const Surface& surface, const ClosureSample& next,
-                 double distance, PathDifferential& path) {
+bool propagate_through_bounce(const Scene& scene, const Surface& surface, const ClosureSample& next,
+                              double distance, PathDifferential& path) {
     if (next.delta && !next.on_caster_normal) return false;
     const bool diffuse = next.kind == BounceKind::diffuse;
     ChainVertex vertex{};
@@ -194,8 +199,8 @@ bool pass_bounce(const Scene& scene, const Surface& surface, const ClosureSample
         vertex =
             next.delta ? delta_vertex(scene, surface, next) : facet_vertex(scene, surface, next);
     const auto pass = [&](RayDual& ray) {
-        return diffuse ? pass_diffuse(surface, next.wi, distance, ray)
-                       : pass_vertex(vertex, distance, ray);
+        return diffuse ? propagate_through_diffuse(surface, next.wi, distance, ray)
+                       : propagate_through_vertex(vertex, distance, ray);
     };
     if (!pass(path.film) || (path.lobe && !pass(*path.lobe))) return false;
     if (next.delta) return true;

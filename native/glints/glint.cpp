@@ -9,14 +9,14 @@ namespace spc {
 
 namespace {
 
-// Of a smaller footprint the samples of a pixel tell as much, for roughness 0.3; of narrower lobes less,
-// but with next to no light.
+// Smallest footprint, texels. The samples of a pixel average smaller ones as well, for roughness 0.3; for
+// narrower lobes less well, but with next to no light.
 constexpr float kLeastTexels = 1.0f / 16;
 // Beyond it, in texels, single precision does not resolve a footprint.
 constexpr float kWidestFootprint = 1e6f;
-// Of the glints' narrowest lobe, by which the half-vector may turn over the directions that stand
-// for a rough bounce: with the variance of Beckmann's slopes, alpha^2 / 2, that blurs places by as
-// much as a lobe would that is 6 % wider.
+// Largest turn of the half-vector over the directions that stand for a rough bounce, as a share of the
+// narrowest lobe's alpha. By the variance of Beckmann's slopes, alpha^2 / 2, this blurs as much as a lobe
+// that is 6 % wider.
 constexpr float kMostTurn = 0.25f;
 // Added to the density of directions, 1/sr.
 constexpr float kLeastPdf = 0.01f;
@@ -104,9 +104,9 @@ std::optional<GlintPoint> GlintPoint::at(const GlintSet& glints, const GlintSett
     // All samples of a pixel share its filter; a lobe's directions stand for those next to them.
     const Vec2 middle = footprint->at - footprint->by_film[0] * pixel.offset.x -
                         footprint->by_film[1] * pixel.offset.y;
-    const Vec2 reach = Vec2(std::abs(dx.x) + std::abs(dy.x), std::abs(dx.y) + std::abs(dy.y)) *
-                       pixel.filter->reach();
-    if (!(std::max(reach.x, reach.y) < kWidestFootprint)) return std::nullopt;
+    const Vec2 extent = Vec2(std::abs(dx.x) + std::abs(dy.x), std::abs(dx.y) + std::abs(dy.y)) *
+                        pixel.filter->radius();
+    if (!(std::max(extent.x, extent.y) < kWidestFootprint)) return std::nullopt;
     GlintSite site{
         index,
         &field,
@@ -118,10 +118,10 @@ std::optional<GlintPoint> GlintPoint::at(const GlintSet& glints, const GlintSett
         surface.wo,
         surface.ng,
         middle,
-        middle - reach,
-        middle + reach,
-        // The filter's mass is nearer to the middle than its reach.
-        footprint->frame.taken(field.moments(middle - reach * 0.5f, middle + reach * 0.5f))};
+        middle - extent,
+        middle + extent,
+        // The filter's mass is nearer to the middle than its extent.
+        footprint->frame.taken(field.moments(middle - extent * 0.5f, middle + extent * 0.5f))};
     return GlintPoint(site, settings);
 }
 

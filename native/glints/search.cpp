@@ -38,8 +38,8 @@ public:
             mean_sum += scales_[k] * s_.mean_density(glint, target);
             most_sum += scales_[k] * normal_density(glint.lobe.model, glint.lobe.alpha, 1.0f, 0.0f);
         }
-        const float reach = s_.pixel.filter->reach();
-        const float cells = s_.texels_per_pixel() * sqr(2.0f * reach);
+        const float radius = s_.pixel.filter->radius();
+        const float cells = s_.texels_per_pixel() * sqr(2.0f * radius);
         const float most_mass = most_sum * sqr(s_.pixel.filter->weight(0.0f)) * cells;
         threshold_ =
             std::max(s_.texels_per_pixel() * std::max(mean_sum / precision.points, precision.faint),
@@ -48,12 +48,12 @@ public:
 
     Spectrum run() {
         if (!(threshold_ > 0.0f)) return Spectrum(0.0f);
-        const auto tile = [](float at, int size) {
+        const auto repeat = [](float at, int size) {
             return static_cast<int>(std::floor(at / static_cast<float>(size)));
         };
         const int w = field_.width(), h = field_.height();
-        search_tiles(tile(s_.lower.x, w), tile(s_.upper.x, w), tile(s_.lower.y, h),
-                     tile(s_.upper.y, h));
+        search_repeats(repeat(s_.lower.x, w), repeat(s_.upper.x, w), repeat(s_.lower.y, h),
+                       repeat(s_.upper.y, h));
         return sum_ * (1.0f / s_.texels_per_pixel());
     }
 
@@ -134,33 +134,33 @@ private:
         }
     }
 
-    // Whole tiles, a range of them.
-    void search_tiles(int x0, int x1, int y0, int y1) {
+    // Whole repeats, a range of them.
+    void search_repeats(int x0, int x1, int y0, int y1) {
         const int w = field_.width(), h = field_.height(), top = pyramid_.levels() - 1;
         const Vec2 size(static_cast<float>(w), static_cast<float>(h));
-        const Vec2 tile(static_cast<float>(x0) * size.x, static_cast<float>(y0) * size.y);
+        const Vec2 repeat(static_cast<float>(x0) * size.x, static_cast<float>(y0) * size.y);
         const Part part = clipped(
-            tile, Vec2(static_cast<float>(x1 + 1) * size.x, static_cast<float>(y1 + 1) * size.y));
+            repeat, Vec2(static_cast<float>(x1 + 1) * size.x, static_cast<float>(y1 + 1) * size.y));
         if (is_empty(part)) return;
         Quad quad;
         set(quad, 0, part, pyramid_.bounds(top, 0, 0));
         search(quad, [&](size_t) {
-            if (x0 == x1 && y0 == y1) return split_node(top, 0, 0, tile);
+            if (x0 == x1 && y0 == y1) return split_node(top, 0, 0, repeat);
             if (x1 - x0 >= y1 - y0) {
                 const int middle = x0 + (x1 - x0) / 2;
-                search_tiles(x0, middle, y0, y1);
-                search_tiles(middle + 1, x1, y0, y1);
+                search_repeats(x0, middle, y0, y1);
+                search_repeats(middle + 1, x1, y0, y1);
             } else {
                 const int middle = y0 + (y1 - y0) / 2;
-                search_tiles(x0, x1, y0, middle);
-                search_tiles(x0, x1, middle + 1, y1);
+                search_repeats(x0, x1, y0, middle);
+                search_repeats(x0, x1, middle + 1, y1);
             }
         });
     }
 
-    void split_node(int level, int x, int y, const Vec2& tile) {
+    void split_node(int level, int x, int y, const Vec2& repeat) {
         if (level == 1) {
-            const auto act = [&](const auto& texels) { split_into_cells(texels, x, y, tile); };
+            const auto act = [&](const auto& texels) { split_into_cells(texels, x, y, repeat); };
             return field_.visit_texels(act);
         }
         const int w = field_.width(), h = field_.height(), size = 1 << (level - 1);
@@ -171,7 +171,7 @@ private:
             const Vec2 lower(static_cast<float>(cx * size), static_cast<float>(cy * size)),
                 upper(static_cast<float>(std::min((cx + 1) * size, w)),
                       static_cast<float>(std::min((cy + 1) * size, h)));
-            const Part part = clipped(tile + lower, tile + upper);
+            const Part part = clipped(repeat + lower, repeat + upper);
             if (is_empty(part)) continue;
             set(quad, k, part, pyramid_.bounds(level - 1, cx, cy));
             ++count;
@@ -179,11 +179,11 @@ private:
         }
         if (count == 1) {  // no smaller than what was split
             const auto [cx, cy] = child(x, y, last);
-            return split_node(level - 1, cx, cy, tile);
+            return split_node(level - 1, cx, cy, repeat);
         }
         search(quad, [&](size_t k) {
             const auto [cx, cy] = child(x, y, k);
-            split_node(level - 1, cx, cy, tile);
+            split_node(level - 1, cx, cy, repeat);
         });
     }
 
@@ -192,13 +192,13 @@ private:
     }
 
     template <class Texels>
-    void split_into_cells(const Texels& texels, int x, int y, const Vec2& tile) {
+    void split_into_cells(const Texels& texels, int x, int y, const Vec2& repeat) {
         std::array<decltype(texels.cell(0, 0)), 4> cells;
         Quad quad;
         for (size_t k = 0; k < 4; ++k) {
             const auto [cx, cy] = child(x, y, k);
             if (cx >= field_.width() || cy >= field_.height()) continue;
-            const Vec2 lower = tile + Vec2(static_cast<float>(cx), static_cast<float>(cy));
+            const Vec2 lower = repeat + Vec2(static_cast<float>(cx), static_cast<float>(cy));
             const Part part = clipped(lower, lower + Vec2(1.0f, 1.0f));
             if (is_empty(part)) continue;
             cells[k] = texels.cell(cx, cy);
@@ -238,15 +238,15 @@ private:
 
     void keep(const Part& part, float c) {
         Pcg pcg = random(part);
-        const float chance = c / threshold_;
-        if (pcg.one() < chance) evaluate(part, pcg, chance);
+        const float probability = c / threshold_;
+        if (pcg.one() < probability) evaluate(part, pcg, probability);
     }
 
-    void evaluate(const Part& part, Pcg pcg, float chance) {
+    void evaluate(const Part& part, Pcg pcg, float probability) {
         ++stats_.points;
         const Vec2 u = pcg.two();
         const Vec2 at = part.lower + (part.upper - part.lower) * u;
-        const float weight = s_.filter_at(at) * part.area() / chance;
+        const float weight = s_.filter_at(at) * part.area() / probability;
         if (weight == 0.0f) return;
         const auto place = [](float s, int n, int& cell) {
             const auto size = static_cast<float>(n);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What every estimator of glints looks at: the lobes of a surface over the footprint of a pixel, and
-// a direction of light as the slopes of the map see it.
+// What every estimator of glints gets: the site, which is a surface's lobes with a footprint; and the
+// target, which is a half-vector in the map's space of slopes.
 #pragma once
 
 #include "glints/footprint.h"
@@ -9,20 +9,20 @@
 
 namespace spc {
 
-// Boxes of slopes (a, b), side by side.
+// Four boxes of slopes (a, b), by lanes.
 struct LaneBounds {
     Lanes a0{}, a1{}, b0{}, b1{};
 };
 
-// For the normal n = W (a, b, 1) and the half-vector h, n.h is linear and |n x h|^2 quadratic in
-// (a, b); the latter vanishes at `slope`.
+// A half-vector h seen from slopes (a, b). For the normal n = W (a, b, 1), n.h is linear and |n x h|^2
+// quadratic in (a, b); the latter vanishes at `slope`.
 struct GlintTarget {
     Vec3 half;             // unit
     Vec3 linear;           // n.h = a x + b y + z
-    Vec2 slope;            // of h itself
-    bool inside;           // it has one: h is on the side of the interpolated normal
-    float aa, ab, bb;      // of |n x h|^2 around `slope`
-    float x_by_y, y_by_x;  // where that is least along a line of constant y, or x
+    Vec2 slope;            // slope of h itself
+    bool inside;           // h has a slope: it lies on the side of the interpolated normal
+    float aa, ab, bb;      // quadratic form of |n x h|^2 around `slope`
+    float x_by_y, y_by_x;  // position of its minimum along a line of constant y, or x
 
     GlintTarget(const SlopeFrame& frame, const Vec3& half);
 
@@ -30,7 +30,7 @@ struct GlintTarget {
     float sine2_at(const Vec2& d) const {
         return aa * d.x * d.x + 2.0f * ab * d.x * d.y + bb * d.y * d.y;
     }
-    // Over four boxes of slopes.
+    // Smallest |n x h|^2 in each of four boxes of slopes.
     Lanes least_sine2(const LaneBounds& box) const;
     float least_sine2(const SlopeBounds& box) const {
         return least_sine2({Lanes{} + box.lower.x, Lanes{} + box.upper.x, Lanes{} + box.lower.y,
@@ -38,7 +38,7 @@ struct GlintTarget {
     }
 };
 
-// Of a convex function the minimum over a box is on a side that faces the free minimum.
+// A convex function has its minimum over a box on a side that faces the free minimum.
 inline Lanes GlintTarget::least_sine2(const LaneBounds& box) const {
     if (!inside) return Lanes{};
     const Lanes a0 = box.a0 - slope.x, a1 = box.a1 - slope.x, b0 = box.b0 - slope.y,
@@ -58,9 +58,9 @@ inline Lanes GlintTarget::least_sine2(const LaneBounds& box) const {
 // How the squared angle between a normal and h grows with the distance d of their slopes, next to h:
 // d^T Q d.
 struct SlopeMetric {
-    float scale;  // Q over the target's quadratic form
+    float scale;  // ratio of Q to the target's quadratic form
     float aa, ab, bb;
-    // Where h has a slope.
+    // Requires target.inside.
     explicit SlopeMetric(const GlintTarget& target);
 
     float det() const { return aa * bb - ab * ab; }
@@ -70,13 +70,13 @@ struct SlopeMetric {
 };
 
 struct GlintSite {
-    uint32_t index;  // of the field among those of the scene
+    uint32_t index;  // of the slope field in GlintSet::fields
     const SlopeField* field;
     const ClosureList* closures;
     PixelKernel pixel;
     SlopeFrame frame;
-    // Of the kernel over the map, which has the shape of the pixel's filter: texels per pixel of
-    // it, as columns, and the inverse, as rows.
+    // The kernel over the map has the shape of the pixel filter. `axes`: texels per pixel, as columns;
+    // `to_film`: the inverse, as rows.
     std::array<Vec2, 2> axes, to_film;
     Vec3 wo, ng;
     Vec2 middle, lower, upper;  // of the kernel and the box around it, texels
@@ -85,7 +85,7 @@ struct GlintSite {
     float texels_per_pixel() const {
         return std::abs(axes[0].x * axes[1].y - axes[0].y * axes[1].x);
     }
-    // From the kernel's middle, pixels.
+    // Offset of a texel from the kernel's middle, in pixels.
     Vec2 film_at(const Vec2& texel) const {
         const Vec2 d = texel - middle;
         return {to_film[0].dot(d), to_film[1].dot(d)};
@@ -97,12 +97,12 @@ struct GlintSite {
     }
 
     const GlintLobe& lobe(int i) const { return closures->glints[static_cast<size_t>(i)]; }
-    // Of a lobe: weight times Fresnel, mean of the channels; its share in what the lobes give.
+    // Weight of lobe i times its Fresnel term, mean of the channels.
     float scale(int i, float cos_wo_h) const;
-    // Mean over the footprint of the density of a Beckmann lobe's normals at h, if slopes were
-    // distributed normally [Olano10].
+    // Density of a Beckmann lobe's normals at h, averaged over the footprint as if slopes had a normal
+    // distribution [Olano10].
     float normal_slopes_density(float alpha, const GlintTarget& target) const;
-    // Of any lobe: that, and a tail that falls no faster than the lobe's own.
+    // The same for any lobe, with a tail that falls no faster than the lobe's own.
     float mean_density(const GlintLobe& glint, const GlintTarget& target) const;
 };
 

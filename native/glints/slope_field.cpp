@@ -9,7 +9,7 @@ namespace {
 
 // Finest level with sums. Below it a region is described by the node around it.
 constexpr int kFirstSums = 3;
-// Of normals that are not normalised; steeper ones than 1 / kLeastHeight are artefacts of a file.
+// Least z of a normal before normalisation. Slopes steeper than 1 / kLeastHeight are artefacts of a file.
 constexpr float kLeastHeight = 0.02f;
 
 int halved(int n) { return (n + 1) / 2; }
@@ -228,7 +228,7 @@ SlopeMoments SlopeField::moments(const Vec2& lower, const Vec2& upper) const {
     if (level.nodes.size() == 1) {
         add(0, 0);
     } else {
-        // Where width or height are not multiples of a node's size, tiles are counted as if they
+        // Where width or height are not multiples of a node's size, repeats are counted as if they
         // were: this serves estimates alone.
         for (int y = first(lower.y); y <= first(upper.y); ++y)
             for (int x = first(lower.x); x <= first(upper.x); ++x)

@@ -13,16 +13,16 @@ struct SlopeMoments {
     float aa = 0.0f, ab = 0.0f, bb = 0.0f;
 };
 
-// Where a field's slopes come from: the texels of an image, which repeats. Rows are read at once.
+// Sources of a field's slopes: the texels of an image that repeats.
 struct NormalTexels {
     const Image* image;
     float strength;
 
     Vec3 normal(int x, int y) const;        // as map_normal() reads it, not normalised
-    NormalPatch cell(int x, int y) const;   // whose lower left texel is (x, y)
-    std::vector<Vec2> slopes(int y) const;  // of a row of texels
-    void bounds(int y, std::span<SlopeBounds> row) const;  // of a row of cells
-    // Of all slopes. Empty where a normal points into the surface, or nearly so.
+    NormalPatch cell(int x, int y) const;   // the cell with the lower left texel (x, y)
+    std::vector<Vec2> slopes(int y) const;  // slopes of a row of texels
+    void bounds(int y, std::span<SlopeBounds> row) const;  // bounds of a row of cells
+    // Bounds of all slopes. Empty if a normal points into the surface, or nearly so.
     std::optional<SlopeBounds> extent(uint32_t threads) const;
 };
 struct HeightTexels {
@@ -32,20 +32,20 @@ struct HeightTexels {
     HeightPatch cell(int x, int y) const;
     std::vector<Vec2> slopes(int y) const;
     void bounds(int y, std::span<SlopeBounds> row) const;
-    SlopeBounds extent(uint32_t threads) const;  // holds all slopes
+    SlopeBounds extent(uint32_t threads) const;  // bounds of all slopes
 
 private:
-    // Of a row, with one texel more before it and two after it.
+    // Heights of a row, with one texel more before it and two after it.
     std::vector<float> heights(int y) const;
 };
 
 // Slopes (a, b) of a map: its normal is W (a, b, 1) for columns W that depend on the surface
 // (SlopeFrame). Coordinates are texels between their centres: (0, 0) is the centre of the first texel,
-// (width, height) the same one tile farther.
+// (width, height) the same one repeat farther.
 //
-// Of a normal map in tangent space, red, green and blue are interpolated between texels, and the slope
-// is a quotient. Of a height map the slope is the gradient of the luminance, by texels, filtered as
-// heights of a Bump node are, by cubic B-splines.
+// In a normal map in tangent space the normal is interpolated between texels, and the slope is a quotient.
+// In a height map the slope is the gradient of the luminance, per texel, filtered by cubic B-splines as the
+// heights of a Bump node are.
 class SlopeField {
 public:
     // The image must outlive the field. `threads` 0 = all. Empty where a normal of the map points
@@ -56,19 +56,19 @@ public:
 
     int width() const { return width_; }
     int height() const { return height_; }
-    // act(texels), of either kind.
+    // Returns act(texels), where `texels` is of either kind.
     template <class Act>
     auto visit_texels(const Act& act) const {
         return std::visit(act, texels_);
     }
-    // Of one cell, in any tile.
+    // The slopes of one cell, which may lie in any repeat.
     SlopePatch cell(int x, int y) const {
         return visit_texels([&](const auto& texels) { return SlopePatch(texels.cell(x, y)); });
     }
 
-    // Of the cells.
+    // Bounds of slopes over blocks of cells.
     const SlopePyramid& pyramid() const { return pyramid_; }
-    // Of a rectangle, in the same coordinates; from whole nodes of a size below its own.
+    // Moments over a rectangle, approximated by whole nodes that are smaller than it.
     SlopeMoments moments(const Vec2& lower, const Vec2& upper) const;
 
     size_t memory_bytes() const;

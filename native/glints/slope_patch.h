@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Slopes on a rectangle within a cell of a map, between four texels: exact at every point, bounded,
-// and quartered.
+// Slopes on a rectangle within a cell of a map, between four texels. A patch can be evaluated at every
+// point, bounded, and split into quarters.
 #pragma once
 
 #include "glints/slope_pyramid.h"
@@ -9,15 +9,15 @@
 
 namespace spc {
 
-// A slope and how it varies with the coordinates.
+// A slope and its derivatives by the coordinates.
 struct SlopeJet {
     Vec2 slope, by_s, by_t;
 };
 
 inline Vec2 slope_of(const Vec3& n) { return Vec2(n.x, n.y) * (1.0f / n.z); }
 
-// Of a normal map: the normals at the corners, not normalised. In between they are bilinear, and the
-// slope is a quotient, which lies in the hull of those at the corners.
+// A patch of a normal map: bilinear between the normals at the corners, which are not normalised. The slope
+// is a quotient and lies in the hull of the corners' slopes.
 struct NormalPatch {
     std::array<Vec3, 4> corner;  // lower left and right, upper left and right
 
@@ -26,10 +26,10 @@ struct NormalPatch {
     NormalPatch quarter(int i) const;  // in the order of the corners
 };
 
-// Of a height map that is filtered by cubic B-splines: its gradient, a bicubic Bezier patch. It lies
-// in the hull of the patch's control points.
+// A patch of a height map that is filtered by cubic B-splines: its gradient as a bicubic Bezier patch, which
+// lies in the hull of its control points.
 struct HeightPatch {
-    // Bezier points, across, of what four texels one above the other give between the middle ones.
+    // Bezier points of height and slope between the middle two of four texels in a column.
     struct Column {
         std::array<float, 4> height, slope;
         explicit Column(const std::array<float, 4>& texels);
@@ -37,7 +37,7 @@ struct HeightPatch {
     using Row = std::array<Vec2, 4>;
     std::array<Row, 4> control;  // rows along s, from the lower one
 
-    // The cell is between the middle ones.
+    // The patch between the middle two of four columns.
     static HeightPatch of_columns(const Column& a, const Column& b, const Column& c,
                                   const Column& d);
 

@@ -22,15 +22,15 @@ struct SlopeBounds {
     }
 };
 
-// Nodes of level l > 0 have 2^l x 2^l leaves, fewer at the upper ends. Level 0 are the leaves
-// themselves, which are not stored.
+// A node of level l > 0 covers 2^l x 2^l leaves, fewer at the upper ends. The leaves, level 0, are not
+// stored.
 class SlopePyramid {
 public:
     SlopePyramid() = default;
-    // Bounds of the leaves (0, y) to (width - 1, y).
+    // Writes the bounds of the leaves (0, y) to (width - 1, y).
     using LeafRow = std::function<void(int y, std::span<SlopeBounds> row)>;
-    // `all` holds the slopes of every leaf of width x height. `leaves` is called for each row, on so
-    // many threads; 0 = all.
+    // `all` bounds the slopes of all width x height leaves. `leaves` is called for each row, on `threads`
+    // threads; 0 = all.
     SlopePyramid(int width, int height, const SlopeBounds& all, const LeafRow& leaves,
                  uint32_t threads);
 
@@ -39,7 +39,7 @@ public:
     size_t memory_bytes() const;
 
 private:
-    // Steps of a common grid, rounded outwards.
+    // In steps of a common grid, rounded outwards.
     struct Node {
         uint16_t lower[2], upper[2];
         void extend(const Node& other);

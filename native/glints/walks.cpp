@@ -35,8 +35,8 @@ public:
         const float cos_o_h = std::max(dot(s_.wo, target.half), 0.0f);
         float narrowest = kInfinity;
         for (int i = 0; i < s_.closures->glint_count; ++i) {
-            chance_[static_cast<size_t>(i)] = s_.scale(i, cos_o_h);
-            total_ += chance_[static_cast<size_t>(i)];
+            probability_[static_cast<size_t>(i)] = s_.scale(i, cos_o_h);
+            total_ += probability_[static_cast<size_t>(i)];
             narrowest = std::min(narrowest, s_.lobe(i).lobe.alpha);
         }
         least_det_ = kFlat * kPi * sqr(narrowest) / s_.frame.angle_per_slope();
@@ -139,12 +139,12 @@ private:
         return !is_black(value_) && is_finite(value_);
     }
 
-    // Of the angle between half-vector and normal, in the plane that touches the sphere at the former.
+    // Draws the angle between half-vector and normal, in the plane that touches the sphere at the half-vector.
     Vec2 draw_tangent() {
         float u = pcg_.one() * total_;
         int i = 0;
-        while (i + 1 < s_.closures->glint_count && u >= chance_[static_cast<size_t>(i)])
-            u -= chance_[static_cast<size_t>(i++)];
+        while (i + 1 < s_.closures->glint_count && u >= probability_[static_cast<size_t>(i)])
+            u -= probability_[static_cast<size_t>(i++)];
         const MicrofacetReflection& lobe = s_.lobe(i).lobe;
         const Vec2 v = pcg_.two();
         const float r2 = lobe.model == MicrofacetModel::ggx ? v.x / (1.0f - v.x) : -std::log1p(-v.x);
@@ -157,7 +157,7 @@ private:
             const float alpha2 = sqr(lobe.alpha), x = tangent.dot(tangent) / alpha2;
             const float shape =
                 lobe.model == MicrofacetModel::ggx ? 1.0f / sqr(1.0f + x) : std::exp(-x);
-            density += chance_[static_cast<size_t>(i)] * shape * kInvPi / alpha2;
+            density += probability_[static_cast<size_t>(i)] * shape * kInvPi / alpha2;
         }
         return density / total_;
     }
@@ -188,7 +188,7 @@ private:
     const Vec3& wi_;
     Pcg pcg_;
     GlintStats& stats_;
-    std::array<float, kMaxGlints> chance_{};  // of lobes, times `total_`
+    std::array<float, kMaxGlints> probability_{};  // of lobes, times `total_`
     float total_ = 0.0f, least_det_;
     int base_x_, base_y_;
     Vec2 middle_;  // of the pixel

@@ -8,7 +8,7 @@ namespace spc {
 
 namespace {
 
-constexpr float kMostExponent = 0.5f * kGaussianReach * kGaussianReach;
+constexpr float kMostExponent = 0.5f * kGaussianRadius * kGaussianRadius;
 // A footprint of more flakes is one Gaussian of slopes, by its moments: it glitters no more, and to
 // look at all of its flakes would take forever.
 constexpr float kMostFlakes = 65536.0f;
@@ -48,10 +48,11 @@ public:
         constexpr float kFlakeVariance = kFlakeSigma * kFlakeSigma;
         for (int i = 0; i < 2; ++i) {
             const Vec2& row = s_.to_film[static_cast<size_t>(i)];
-            film_reach_[i] =
-                kGaussianReach * std::sqrt(film_variance_ + kFlakeVariance * row.dot(row));
-            texel_reach_[i] = kGaussianReach *
-                              std::sqrt(film_variance_ * (sqr(dx[i]) + sqr(dy[i])) + kFlakeVariance);
+            film_radius_[i] =
+                kGaussianRadius * std::sqrt(film_variance_ + kFlakeVariance * row.dot(row));
+            texel_radius_[i] =
+                kGaussianRadius *
+                std::sqrt(film_variance_ * (sqr(dx[i]) + sqr(dy[i])) + kFlakeVariance);
         }
         const float inv = 1.0f / film_variance_;
         paa_ = (to_x.x * to_x.x + to_y.x * to_y.x) * inv;
@@ -60,7 +61,7 @@ public:
         add_terms();
     }
 
-    // Of each lobe, and the slope at which the facets that make it up lie on average.
+    // Density of a lobe's normals, and the mean slope of the facets that contribute to it.
     struct Density {
         float density = 0.0f;
         Vec2 slope{0, 0};  // times the density
@@ -68,10 +69,10 @@ public:
     using Densities = std::array<Density, kMaxGlints>;
 
     const Densities& run() {
-        if (4.0f * texel_reach_.x * texel_reach_.y > kMostFlakes)
+        if (4.0f * texel_radius_.x * texel_radius_.y > kMostFlakes)
             use_moments();
         else
-            query_tiles();
+            query_repeats();
         return densities_;
     }
 
@@ -109,26 +110,26 @@ private:
         }
     }
 
-    void query_tiles() {
-        const Vec2 lower = s_.middle - texel_reach_, upper = s_.middle + texel_reach_;
+    void query_repeats() {
+        const Vec2 lower = s_.middle - texel_radius_, upper = s_.middle + texel_radius_;
         const int w = flakes_.width(), h = flakes_.height();
-        const auto tile = [](float at, int size) {
+        const auto repeat = [](float at, int size) {
             return static_cast<int>(std::floor(at / static_cast<float>(size)));
         };
-        // A flake is in the middle of its cell: the last one of a tile is not beyond its end.
-        for (int y = tile(lower.y, h); y <= tile(upper.y, h); ++y)
-            for (int x = tile(lower.x, w); x <= tile(upper.x, w); ++x)
+        // A flake is in the middle of its cell: the last one of a repeat is not beyond its end.
+        for (int y = repeat(lower.y, h); y <= repeat(upper.y, h); ++y)
+            for (int x = repeat(lower.x, w); x <= repeat(upper.x, w); ++x)
                 query(flakes_.pyramid().levels() - 1, 0, 0,
                       Vec2(static_cast<float>(x * w), static_cast<float>(y * h)));
     }
 
-    void query(int level, int x, int y, const Vec2& tile) {
+    void query(int level, int x, int y, const Vec2& repeat) {
         ++stats_.nodes;
         const int w = flakes_.width(), h = flakes_.height(), size = 1 << level;
-        const Vec2 first = tile + Vec2(static_cast<float>(x * size) + 0.5f,
-                                       static_cast<float>(y * size) + 0.5f),
-                   last = tile + Vec2(static_cast<float>(std::min((x + 1) * size, w)) - 0.5f,
-                                      static_cast<float>(std::min((y + 1) * size, h)) - 0.5f);
+        const Vec2 first = repeat + Vec2(static_cast<float>(x * size) + 0.5f,
+                                         static_cast<float>(y * size) + 0.5f),
+                   last = repeat + Vec2(static_cast<float>(std::min((x + 1) * size, w)) - 0.5f,
+                                        static_cast<float>(std::min((y + 1) * size, h)) - 0.5f);
         if (!reaches((first + last) * 0.5f, (last - first) * 0.5f)) return;
         const SlopeFrame& frame = s_.frame;
         if (level == 0) return add(frame.taken(flakes_.flake(x, y)), s_.middle - first);
@@ -138,7 +139,7 @@ private:
         const int half = size / 2;
         for (int k = 0; k < 4; ++k) {
             const int cx = 2 * x + (k & 1), cy = 2 * y + (k >> 1);
-            if (cx * half < w && cy * half < h) query(level - 1, cx, cy, tile);
+            if (cx * half < w && cy * half < h) query(level - 1, cx, cy, repeat);
         }
     }
 
@@ -148,8 +149,8 @@ private:
         for (int i = 0; i < 2; ++i) {
             const Vec2& row = s_.to_film[static_cast<size_t>(i)];
             const float spread = std::abs(row.x) * half.x + std::abs(row.y) * half.y;
-            if (std::abs(film[i]) - spread > film_reach_[i] ||
-                std::abs(texel[i]) - half[i] > texel_reach_[i])
+            if (std::abs(film[i]) - spread > film_radius_[i] ||
+                std::abs(texel[i]) - half[i] > texel_radius_[i])
                 return false;
         }
         return true;
@@ -195,7 +196,7 @@ private:
     const SlopeMetric metric_;
     const float film_variance_;  // of the pixel's Gaussian
     GlintStats& stats_;
-    Vec2 film_reach_, texel_reach_;
+    Vec2 film_radius_, texel_radius_;
     float paa_, pab_, pbb_;  // inverse of the pixel's covariance, texels
     std::array<Term, kMaxGlints * kGgx.size()> terms_{};
     int term_count_ = 0;

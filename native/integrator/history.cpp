@@ -3,20 +3,20 @@
 
 namespace spc {
 
-CameraApproach PathHistory::approach_to(const Scene& scene, const BounceLimits& limits,
-                                        const Surface& next) const {
-    if (!has_scattered() || caustic.film_per_area == 0.0f ||
-        caustic.approach.scatterings >= most_scatterings(limits))
+CameraSubpath PathHistory::camera_subpath_to(const Scene& scene, const BounceLimits& limits,
+                                             const Surface& next) const {
+    if (!has_scattered() || caustic.film_density == 0.0f ||
+        caustic.camera_subpath.scatterings >= most_scatterings(limits))
         return {};
-    CameraApproach result{0.0f, caustic.approach};
+    CameraSubpath result{0.0f, caustic.camera_subpath};
     ++result.bounces.scatterings;
     Vec3 first = next.p, last = caustic.x;
     float density = 1.0f;
     if (caustic.count > 0) {
         CausticPath between = caustic;
-        const std::optional<Turns> turns = turns_between(scene, between, next.p);
-        if (!turns) return {};
-        density = turns->density;
+        const std::optional<SpecularTransfer> transfer = specular_transfer(scene, between, next.p);
+        if (!transfer) return {};
+        density = transfer->density;
         for (uint32_t i = 0; i < caustic.count; ++i)
             result.bounces.add_turn(caustic.vertices[i].interaction);
         first = surface_position(scene, caustic.vertices[0].hit);
@@ -24,8 +24,8 @@ CameraApproach PathHistory::approach_to(const Scene& scene, const BounceLimits& 
     }
     const float cos_next = dot(next.ng, normalize(next.p - last)),
                 cos_x = dot(caustic.sides.ng, normalize(first - caustic.x));
-    result.film_per_area =
-        caustic.film_per_area * caustic.pdf_omega * density * std::abs(cos_next / cos_x);
+    result.film_density =
+        caustic.film_density * caustic.pdf_omega * density * std::abs(cos_next / cos_x);
     return result;
 }
 
@@ -34,8 +34,8 @@ bool LightHistory::append_delta(const Surface& surface, const ClosureSample& sam
     if (!sample.on_caster_normal || casters.of_instance[surface.hit.instance] == kNone ||
         count == kLongestChain)
         return false;
-    through_caster = through_caster || (count > 0 && passed_caster);
-    passed_caster = false;
+    through_caster = through_caster || (count > 0 && crossed_caster);
+    crossed_caster = false;
     const float probability =
         delta_lobe(surface.closures, surface.ng, surface.wo, sample.wi, sample.refracted).probability;
     vertices[count++] = {
@@ -66,32 +66,32 @@ std::optional<LightHistory::Arrival> LightHistory::arrive(const Scene& scene, co
     if (has_scattered()) {
         if (!(at.pdf_omega > 0.0f)) return std::nullopt;
         Arrival arrival{path, throughput * at.f_cos * (1.0f / at.pdf_omega)};
-        arrival.path.film_per_area *= at.pdf_omega / std::abs(dot(surface.ng, wi));
+        arrival.path.film_density *= at.pdf_omega / std::abs(dot(surface.ng, wi));
         if (count == 0) return arrival;
-        const std::optional<Turns> turns = turns_between(scene, back, last);
-        if (!turns) return std::nullopt;
-        arrival.path.film_per_area *= turns->density;
-        arrival.throughput *= turns->weight;
+        const std::optional<SpecularTransfer> transfer = specular_transfer(scene, back, last);
+        if (!transfer) return std::nullopt;
+        arrival.path.film_density *= transfer->density;
+        arrival.throughput *= transfer->weight;
         for (uint32_t i = 0; i < count; ++i)
-            arrival.path.approach.add_turn(vertices[i].vertex.interaction);
+            arrival.path.camera_subpath.add_turn(vertices[i].vertex.interaction);
         return arrival;
     }
     back.sides = {surface.ng, has_smooth_transmission(surface.closures)};
     back.pdf_omega = at.pdf_omega;
     back.receiver = true;
     back.rough_caster = scene.instances[surface.hit.instance].rough_caster;
-    back.through_caster = through_caster || passed_caster;
-    back.film_per_area = 1.0f;
-    if (scene.material_of(surface.hit).may_glint()) back.leave_of_glints = 1.0f;
+    back.through_caster = through_caster || crossed_caster;
+    back.film_density = 1.0f;
+    if (scene.material_of(surface.hit).may_glint()) back.glint_exit_pdf = 1.0f;
     const Spectrum along = chain_throughput(scene, back, end);
     return Arrival{back, at.f_cos * along};
 }
 
 void LightHistory::append_smooth(const Surface& surface, const Arrival& arrival, float pdf) {
     path = arrival.path;
-    ++path.approach.scatterings;
-    if (path.approach.scatterings == 1) path.leave_of_glints *= pdf;
-    path.film_per_area *= std::abs(dot(surface.ng, surface.wo)) / pdf;
+    ++path.camera_subpath.scatterings;
+    if (path.camera_subpath.scatterings == 1) path.glint_exit_pdf *= pdf;
+    path.film_density *= std::abs(dot(surface.ng, surface.wo)) / pdf;
     throughput = arrival.throughput;
     last = surface.p;
     count = 0;

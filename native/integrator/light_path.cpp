@@ -9,13 +9,13 @@ namespace spc {
 
 namespace {
 
-// What light paths carry by chains that the manifold looks for, and that times the trials to come to
-// one: LightTracing::effort.
-struct Effort {
+// Light of light paths whose chains the manifold looks for, and the same times the trials that a search
+// takes to find the chain: for LightTracing::mean_search_trials.
+struct SearchTrials {
     double light = 0.0, trials = 0.0;
     ManifoldStats searches{};  // of the render's they are no part
 
-    void add(const Effort& other) {
+    void add(const SearchTrials& other) {
         light += other.light;
         trials += other.trials;
         searches.add(other.searches);
@@ -36,9 +36,9 @@ public:
           stats_(stats) {}
 
     // Beside what it adds to the picture the path tells how well sheets lead to its chain.
-    void ask(const LightSheets& sheets, Effort& effort) {
+    void ask(const LightSheets& sheets, SearchTrials& search_trials) {
         sheets_ = &sheets;
-        effort_ = &effort;
+        search_trials_ = &search_trials;
     }
 
     // Where in its light's square the path begins; empty if nothing left the light.
@@ -58,7 +58,7 @@ public:
         end_.pdf_emitted = emitted.pdf;
         radiance_ = radiance_at(world_.lights, scene_, y_, away_);
         if (is_black(radiance_)) return std::nullopt;
-        ray_ = {leave_light(scene_, y_, emitted.origin, away_), away_, 0.0f, kInfinity};
+        ray_ = {offset_from_light(scene_, y_, emitted.origin, away_), away_, 0.0f, kInfinity};
         media_ = media_at(scene_, ray_.origin, stats_.rays);
         if (y_.distant) passed_ = media_.transmittance(kInfinity);
         while (advance()) {}
@@ -84,7 +84,7 @@ private:
         const bool may_throw_on = history_.chain_length() == 0 && instance.rough_caster;
         const bool may_scatter =
             (may_end || may_throw_on) && !ends_at_receiver() &&
-            history_.path.approach.scatterings < most_scatterings(settings_.limits);
+            history_.path.camera_subpath.scatterings < most_scatterings(settings_.limits);
         if (!may_scatter && !instance.caster && !scene_.any_transparency) return false;
 
         Surface surface;
@@ -170,7 +170,7 @@ private:
             history_.arrive(scene_, end_.end, visibility_, surface);
         if (!arrival) return;
         CausticPath& path = arrival->path;
-        path.film_per_area *= view->film_per_area * std::abs(dot(surface.ng, surface.wo));
+        path.film_density *= view->film_density * std::abs(dot(surface.ng, surface.wo));
         Spectrum value = arrival->throughput * passed_ * radiance_ * (1.0f / survival_);
         const Techniques techniques = techniques_of(world_, settings_);
         if (is_black(value) || !light_tracing_owns(techniques, path)) return;
@@ -184,8 +184,9 @@ private:
         }
         const double carried =
             static_cast<double>(luminance(value)) * densities->sum() / densities->light_tracing;
-        if (effort_ != nullptr && densities->manifold > 0.0) weigh_effort(path, carried);
-        if (path.leave_of_glints > 0.0f) weigh_glints(path, *densities, carried);
+        if (search_trials_ != nullptr && densities->manifold > 0.0)
+            count_search_trials(path, carried);
+        if (path.glint_exit_pdf > 0.0f) weigh_glints(path, *densities, carried);
         stats_.carried += carried;
         stats_.carried_for_manifold += carried * densities->manifold / densities->sum();
         ++stats_.splats;
@@ -200,22 +201,22 @@ private:
         if (!(densities.direct > 0.0)) return;
         stats_.carried_by_glints += carried;
         stats_.beside_glints += carried * densities.light_tracing *
-                                static_cast<double>(path.film_per_area) /
+                                static_cast<double>(path.film_density) /
                                 (densities.direct * settings_.light_tracing.paths);
     }
 
-    void weigh_effort(const CausticPath& path, double carried) {
+    void count_search_trials(const CausticPath& path, double carried) {
         constexpr uint32_t kMostTrials = 1024;
         Pcg pcg(sampler_[Domain::manifold_seeds].stream_seed());
-        effort_->light += carried;
+        search_trials_->light += carried;
         const Techniques techniques = techniques_of(world_, settings_);
-        const uint32_t trials =
-            trials_if_missed(techniques, *sheets_, path, end_, kMostTrials, pcg, effort_->searches);
+        const uint32_t trials = trials_if_missed(techniques, *sheets_, path, end_, kMostTrials, pcg,
+                                                 search_trials_->searches);
         const uint32_t first = techniques.casters.of_instance[path.vertices[0].hit.instance];
-        const auto chance = static_cast<double>(
+        const auto probability = static_cast<double>(
             caster_probability(techniques.casters, first, path.x, path.sides, end_.end));
-        effort_->trials +=
-            carried * (trials > 0 ? trials / std::max(chance, 1.0 / kMostTrials) : 1.0);
+        search_trials_->trials +=
+            carried * (trials > 0 ? trials / std::max(probability, 1.0 / kMostTrials) : 1.0);
     }
 
     // Fraction of the light that passes from the surface to the camera.
@@ -236,7 +237,7 @@ private:
     std::vector<Splat>& splats_;
     LightPathStats& stats_;
     const LightSheets* sheets_ = nullptr;
-    Effort* effort_ = nullptr;
+    SearchTrials* search_trials_ = nullptr;
 
     LightPoint y_{};
     uint32_t visibility_ = 0;  // of its light
@@ -250,7 +251,7 @@ private:
     uint32_t segment_ = 0;
     LightHistory history_{};
     Spectrum throughput_{1.0f};  // since the receiver, as light paths have it: for the roulette
-    float survival_ = 1.0f;      // chance that it did not end the path
+    float survival_ = 1.0f;      // probability that it did not end the path
     uint64_t rays_before_ = 0;   // counted until the path scattered at its receiver
 };
 
@@ -261,8 +262,8 @@ Sampler light_sampler(uint32_t seed, uint64_t index) {
 // Shares of the pilot's paths on each of several guides, each of which learns from the one before.
 constexpr std::array<double, 4> kGenerations{0.125, 0.125, 0.25, 0.5};
 constexpr uint32_t kPilotChunk = 1u << 11;
-// Of all of the pilot's paths so many tell how well sheets lead to their chains: each searches for its
-// own, which is slow. Those of a chunk stop where that has taken as much work as the chunk's paths may.
+// So many of the pilot's paths are asked how hard sheets find their chains: each searches for its own, which
+// is slow. A chunk stops asking when that has taken kWorkOfAsked.
 constexpr uint32_t kAsked = 1u << 11;
 constexpr uint64_t kWorkOfAsked = 16 * kPilotChunk;
 // Chunks between two looks at what is left of the budget.
@@ -283,15 +284,15 @@ struct PilotRecord {
     std::vector<EmissionSample> found;
     LightPathStats counted;
     CoarsePicture moments;
-    Effort effort;
+    SearchTrials search_trials;
 
     void add(const PilotRecord& other) {
         found.insert(found.end(), other.found.begin(), other.found.end());
         counted.add(other.counted);
         moments.add(other.moments);
-        effort.add(other.effort);
+        search_trials.add(other.search_trials);
     }
-    uint64_t work() const { return counted.rays + effort.searches.work(); }
+    uint64_t work() const { return counted.rays + search_trials.searches.work(); }
 };
 
 // Paths numbered from `first` on, up to a chunk of them.
@@ -305,8 +306,9 @@ void trace_chunk(const RenderScene& world, const IntegratorSettings& settings,
         splats.clear();
         const Sampler sampler = light_sampler(~seed, first + i);
         LightTracer path(world, settings, margin, sampler, splats, record.counted);
-        if (i % ask_every == 0 && !sheets.all.empty() && record.effort.searches.work() < kWorkOfAsked)
-            path.ask(sheets, record.effort);
+        if (i % ask_every == 0 && !sheets.all.empty() &&
+            record.search_trials.searches.work() < kWorkOfAsked)
+            path.ask(sheets, record.search_trials);
         std::optional<EmissionSample> sample = path.trace();
         if (!sample) continue;
         for (const Splat& splat : splats) {
@@ -346,8 +348,8 @@ void limit_weights(std::vector<EmissionSample>& samples) {
         sample.place.weight = std::min(sample.place.weight, largest);
 }
 
-// Of paths that went on with chance c. With chance b they have the variance V + V' / b and cost
-// C + b C'; what is counted is V' / c and c C'.
+// Evaluates paths that went on with probability c. With probability b they would have the variance V + V' / b
+// and the cost C + b C'; what is counted is V' / c and c C'.
 void measure(const LightPathStats& counted, const CoarsePicture& moments, LightPilot& result) {
     constexpr double kLeastGoingOn = 1.0 / 16;  // what was not met must not come too rarely
     const auto behind = static_cast<double>(counted.rays_behind),
@@ -387,7 +389,7 @@ std::unique_ptr<const LightPilot> learn_emission(const RenderScene& world,
         CoarsePicture(world.scene->camera.crop), 0.0, 0.0, 1.0, 1.0,
         std::numeric_limits<double>::infinity());
     Generation generation{0, 0, std::max(1u, paths / kAsked)};
-    Effort effort;
+    SearchTrials search_trials;
     uint64_t work = 0;
     for (size_t i = 0; i < kGenerations.size(); ++i) {
         if (i > 1 && result->come_through < kFewComeThrough) break;
@@ -396,7 +398,7 @@ std::unique_ptr<const LightPilot> learn_emission(const RenderScene& world,
         settings.light_tracing = {.guide = &result->guide,
                                   .paths = static_cast<double>(generation.count()),
                                   .goes_on = result->goes_on,
-                                  .effort = result->effort,
+                                  .mean_search_trials = result->mean_search_trials,
                                   .beside_glints = result->beside_glints};
         PilotRecord record =
             pilot(world, settings, sheets, margin, generation, seed, threads, budget, work);
@@ -405,7 +407,7 @@ std::unique_ptr<const LightPilot> learn_emission(const RenderScene& world,
         std::vector<EmissionSample>& learned = record.found;
         const LightPathStats& counted = record.counted;
         stats.add(counted);
-        effort.add(record.effort);
+        search_trials.add(record.search_trials);
         if (budget.is_cancelled()) return nullptr;
         if (learned.empty()) {
             if (i == 0) return nullptr;
@@ -414,7 +416,8 @@ std::unique_ptr<const LightPilot> learn_emission(const RenderScene& world,
         result->come_through =
             static_cast<double>(learned.size()) / static_cast<double>(counted.paths);
         measure(counted, record.moments, *result);
-        if (effort.light > 0.0) result->effort = effort.trials / effort.light;
+        if (search_trials.light > 0.0)
+            result->mean_search_trials = search_trials.trials / search_trials.light;
         limit_weights(learned);
         result->guide =
             aim_at_casters(*world.scene, world.lights, world.casters, Squares::of_beams, learned);

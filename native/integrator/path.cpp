@@ -25,35 +25,35 @@ std::optional<Hit> PathTracer::go_to_surface(Surface& surface, Spectrum& radianc
     }
 }
 
-CameraApproach PathTracer::approach_to(const Surface& surface) const {
+CameraSubpath PathTracer::camera_subpath_to(const Surface& surface) const {
     if (settings.light_tracing.guide == nullptr) return {};
-    if (bounces.total > 0) return history.approach_to(scene(), settings.limits, surface);
+    if (bounces.total > 0) return history.camera_subpath_to(scene(), settings.limits, surface);
     const std::optional<CameraView> view = scene().camera.view(surface.p, lens);
     if (!view) return {};
-    return {view->film_per_area * std::abs(dot(surface.ng, surface.wo))};
+    return {view->film_density * std::abs(dot(surface.ng, surface.wo))};
 }
 
 bool PathTracer::scatter(const Hit& hit, const Surface& surface, const ClosureSample& next,
-                         bool receives, const CameraApproach& approach, const Sampler& sampler) {
+                         bool receives, const CameraSubpath& camera_subpath, const Sampler& sampler) {
     throughput *= next.weight;
     if (!survive_roulette(sampler)) return false;
     if (next.kind == BounceKind::transparent) return look_through(hit);
     const BounceCounts before = bounces;
     bounces.add(next.kind);
-    if (differential &&
-        !pass_bounce(scene(), surface, next, static_cast<double>(hit.t), *differential))
+    if (differential && !propagate_through_bounce(scene(), surface, next,
+                                                  static_cast<double>(hit.t), *differential))
         differential.reset();
     if (!next.delta) {
         history.append_rough(rough_vertex_at(surface, next));
-        history.append_smooth(scene(), surface, next, receives, approach, before);
-        if (shares()) history.keep(surface, approach);
+        history.append_smooth(scene(), surface, next, receives, camera_subpath, before);
+        if (shares()) history.keep(surface, camera_subpath);
         if (next.glints) history.set_glints(glints->density(next.wi));
         std::swap(folds_at_x, folds_here);
         if (!folds_at_x.empty()) history.caustic.folds = &folds_at_x;
     } else {
         history.append_delta(surface.hit, next, world.casters);
     }
-    leave(surface, next);
+    spawn_ray(surface, next);
     return true;
 }
 
@@ -89,7 +89,7 @@ bool PathTracer::look_through(const Hit& hit) {
     return true;
 }
 
-void PathTracer::leave(const Surface& surface, const ClosureSample& next) {
+void PathTracer::spawn_ray(const Surface& surface, const ClosureSample& next) {
     ray_kind = ray_kind_after(next.kind);
     from = surface.p;
     if (dot(surface.ng, next.wi) < 0.0f) media.cross(scene(), surface.hit, next.wi);
@@ -138,16 +138,16 @@ RenderScene prepare(std::unique_ptr<Scene> scene, uint32_t threads) {
 // owned by one estimator or shared by several with weights that sum to one: manifold/ownership.h
 // says which.
 PathSample path_radiance(const RenderScene& world, const IntegratorSettings& settings,
-                         const PassState& pass, const Ray& camera_ray, const Vec2& lens,
+                         const RoundState& round, const Ray& camera_ray, const Vec2& lens,
                          const Sampler& sampler, PathStats& stats, const PixelKernel* pixel) {
     const Vec3 start = camera_ray.origin + camera_ray.direction * camera_ray.t_near;
     Pcg pcg(sampler[Domain::missed_chains].stream_seed());
-    PathTracer path{world, settings, pass,       stats,
+    PathTracer path{world, settings, round,      stats,
                     pcg,   lens,     camera_ray, media_at(*world.scene, start, stats.rays)};
     if (pixel != nullptr && !world.glints.fields.empty())
         path.differential =
             camera_differential(world.scene->camera, *pixel, lens, camera_ray.direction);
-    if (settings.highlights != nullptr)
+    if (settings.camera_chains != nullptr)
         path.history.begin_at_camera(world.scene->camera, camera_ray);
     PathSample out;
     Surface surface;
@@ -165,14 +165,14 @@ PathSample path_radiance(const RenderScene& world, const IntegratorSettings& set
         }
 
         const Sampler here = sampler.vertex(vertex);
-        const CameraApproach approach = path.approach_to(surface);
+        const CameraSubpath camera_subpath = path.camera_subpath_to(surface);
         const bool receives = path.may_receive(surface);
-        path.look_for_glints(*hit, surface, approach, pixel);
-        path.look_for_folds(surface, approach, receives && settings.manifold.enabled);
-        out.radiance += path.throughput * path.direct_radiance(surface, approach, here);
+        path.look_for_glints(*hit, surface, camera_subpath, pixel);
+        path.look_for_folds(surface, camera_subpath, receives && settings.manifold.enabled);
+        out.radiance += path.throughput * path.direct_radiance(surface, camera_subpath, here);
         if (path.glints) out.radiance += path.glint_radiance(surface, here);
         if (receives && settings.manifold.enabled) {
-            const Spectrum caustic = path.caustic_radiance(surface, approach, here);
+            const Spectrum caustic = path.caustic_radiance(surface, camera_subpath, here);
             out.radiance += caustic;
             out.caustics += caustic;
         }
@@ -184,7 +184,7 @@ PathSample path_radiance(const RenderScene& world, const IntegratorSettings& set
             out.position = surface.p;
             out.normal = surface.n;
         }
-        if (!next || !path.scatter(*hit, surface, *next, receives, approach, here)) break;
+        if (!next || !path.scatter(*hit, surface, *next, receives, camera_subpath, here)) break;
     }
     return out;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One camera path: unidirectional path tracing with next event estimation, and the manifold at
+// The radiance of one camera path: path tracing with next event estimation, and manifold estimates at
 // receivers.
 #pragma once
 
@@ -8,7 +8,7 @@
 
 namespace spc {
 
-// Everything that is frozen before rendering.
+// The scene and all that is built from it before rendering. Immutable from then on.
 struct RenderScene {
     std::unique_ptr<Scene> scene;
     LightSet lights;
@@ -23,8 +23,8 @@ struct IntegratorSettings {
     bool transparent_film = false;
     ManifoldSettings manifold;
     LightTracing light_tracing;
-    const Highlights* highlights = nullptr;  // null: path tracing alone finds them
-    // Where the manifold looks for chains; null: on all casters of the scene.
+    const CameraChains* camera_chains = nullptr;  // null: path tracing alone finds them
+    // The casters on which the manifold looks for chains; null: all of the scene.
     const CasterSet* searched = nullptr;
     GlintSettings glints;
 
@@ -40,41 +40,42 @@ inline Techniques techniques_of(const RenderScene& world, const IntegratorSettin
             world.rough_chain_casters,
             settings.manifold,
             settings.light_tracing,
-            settings.highlights,
+            settings.camera_chains,
             settings.limits};
 }
 
-// Receivers by how often the path has scattered before: 0, 1, 2 or more times.
+// Receivers are counted by how often the path has scattered before: 0, 1, or 2 and more times.
 inline constexpr size_t kReceiverDepths = 3;
 inline size_t receiver_depth(uint32_t bounces) {
     return std::min<size_t>(bounces, kReceiverDepths - 1);
 }
 
-// Chances of manifold estimates at a receiver of each depth, of sheets' but for the chains that leads
-// come to: first of chains of deltas, then of chains with rough vertices. 0: there are none at all.
+// Probability of a manifold estimate, by receiver depth: first of chains of deltas, then of chains with
+// rough vertices. With light sheets it is that of the random search; chain seeds have probabilities of
+// their own. 0 switches both off.
 inline constexpr size_t kEstimates = 2 * kReceiverDepths;
 using Activation = std::array<float, kEstimates>;
 inline constexpr Activation kAlways{1, 1, 1, 1, 1, 1};
 
-// How closely a sample looks at glints.
-struct GlintEffort {
-    uint32_t estimates = 1;  // of the light that they throw to a pixel
-    // Of radiance: what is less need not be told from noise.
-    float faint = 0.0f;
+// How much work a sample spends on glints.
+struct GlintSampling {
+    uint32_t estimates = 1;  // number of estimates of the light that glints throw to the pixel
+    float faint = 0.0f;      // radiance below which an estimate may be lost in noise
 };
 
-// What a sample of the picture knows.
-struct PassState {
+// What is the same for all samples of a tile in one round.
+struct RoundState {
     Activation activation = kAlways;
-    LightSheets sheets{};  // where ManifoldSettings::finder asks for them
-    GlintEffort glints{};
+    LightSheets sheets{};  // empty unless ManifoldSettings::finder asks for them
+    GlintSampling glints{};
 };
 
-// What manifold estimates of one kind gave and cost by what is left to chance, as if each receiver had
-// had it.
+// What the random part of manifold estimates of one kind brought and cost, scaled as if every receiver
+// had made it.
 struct ActivationEvidence {
-    double second_moment = 0.0;  // of what they add to their pixels, mean of the channels
-    double cost = 0.0;           // Newton iterations and rays
+    double second_moment =
+        0.0;            // sum of squares of what they add to their pixels, mean of the channels
+    double cost = 0.0;  // Newton iterations plus rays
     void add(const ActivationEvidence& other) {
         second_moment += other.second_moment;
         cost += other.cost;
@@ -86,25 +87,25 @@ struct PathStats {
     ManifoldStats manifold;
     GlintStats glints;
     std::array<ActivationEvidence, kEstimates> evidence;
-    // Newton iterations, and rays, those next to folds among them; not part of the evidence.
-    uint64_t work_of_leads = 0;
+    // Newton iterations plus rays of chain seeds and fold directions; not part of the evidence.
+    uint64_t seed_work = 0;
 };
 
 // What one path contributes to the film.
 struct PathSample {
     Spectrum radiance{0.0f};
-    Spectrum caustics{0.0f};  // the manifold's share of it, and that of directions next to folds
+    Spectrum caustics{0.0f};  // the share of it that the manifold and fold directions found
     float alpha = 1.0f;
-    // Of the first surface that is not looked through.
+    // The first surface that the path does not pass straight through.
     bool hit = false;
     Vec3 position{0.0f};
     Vec3 normal{0.0f};
 };
 
-// `lens`: what the camera's ray was made with; `pixel`: what it stands for, null for a ray alone,
-// which finds no glints.
+// `lens` is the argument of Camera::ray() that made the camera's ray. `pixel` is the pixel that the ray
+// stands for; without one, glints are not averaged.
 PathSample path_radiance(const RenderScene& world, const IntegratorSettings& settings,
-                         const PassState& pass, const Ray& camera_ray, const Vec2& lens,
+                         const RoundState& round, const Ray& camera_ray, const Vec2& lens,
                          const Sampler& sampler, PathStats& stats,
                          const PixelKernel* pixel = nullptr);
 

@@ -11,55 +11,57 @@ bool PathTracer::may_receive(const Surface& surface) const {
            bounces.leaves_room_for_chain(settings.limits);
 }
 
-void PathTracer::look_for_folds(const Surface& surface, const CameraApproach& approach,
+void PathTracer::look_for_folds(const Surface& surface, const CameraSubpath& camera_subpath,
                                 bool receives) {
-    const bool draws = receives && !(approach.film_per_area > 0.0f) && !rough_visit(surface).before;
-    folds_here = draws ? FoldDirections(pass.sheets, surface.p) : FoldDirections();
+    const bool draws =
+        receives && !(camera_subpath.film_density > 0.0f) && !rough_visit(surface).before;
+    folds_here = draws ? FoldDirections(round.sheets, surface.p) : FoldDirections();
 }
 
 template <class Estimate>
-Spectrum PathTracer::estimate(const Surface& surface, const CameraApproach& approach, size_t i,
+Spectrum PathTracer::estimate(const Surface& surface, const CameraSubpath& camera_subpath, size_t i,
                               float u, const Estimate& radiance) {
-    if (settings.light_tracing.alone && approach.film_per_area > 0.0f) return Spectrum(0.0f);
-    const float activation = pass.activation[i];
-    const float chance = activation * static_cast<float>(chance_of_walks(
-                                          techniques_of(world, settings), approach.film_per_area));
-    const bool draws = u < chance;
-    const bool is_led = chance > 0.0f && i < kReceiverDepths && !pass.sheets.all.empty();
-    if (!draws && !is_led) return Spectrum(0.0f);
+    if (settings.light_tracing.alone && camera_subpath.film_density > 0.0f) return Spectrum(0.0f);
+    const float activation = round.activation[i];
+    const float probability =
+        activation * static_cast<float>(walk_probability(techniques_of(world, settings),
+                                                         camera_subpath.film_density));
+    const bool draws = u < probability;
+    const bool is_seeded = probability > 0.0f && i < kReceiverDepths && !round.sheets.all.empty();
+    if (!draws && !is_seeded) return Spectrum(0.0f);
     ManifoldStats& counts = stats.manifold;
     const ManifoldStats before = counts;
-    Receiver receiver = receiver_at(surface, approach);
+    Receiver receiver = receiver_at(surface, camera_subpath);
     receiver.importance = max_component(throughput) * smooth_albedo(surface.closures) *
-                          share_beside_light_paths(approach) / kPi;
+                          share_beside_light_paths(camera_subpath) / kPi;
     const ManifoldRadiance found = radiance(receiver, draws);
-    const Spectrum drawn = throughput * found.drawn * (1.0f / chance);
+    const Spectrum drawn = throughput * found.drawn * (1.0f / probability);
     const double squares = static_cast<double>(dot(drawn, drawn) * (1.0f / 3.0f));
-    const auto work = static_cast<double>(counts.work() - before.work() - found.work_of_leads);
+    const auto work = static_cast<double>(counts.work() - before.work() - found.seed_work);
     stats.evidence[i].add(
         {squares * static_cast<double>(activation), work / static_cast<double>(activation)});
-    stats.work_of_leads += found.work_of_leads;
+    stats.seed_work += found.seed_work;
     if (counts.capped > before.capped)
         counts.capped_energy += static_cast<double>(luminance(drawn));
-    return throughput * found.led + drawn;
+    return throughput * found.seeded + drawn;
 }
 
-Spectrum PathTracer::caustic_radiance(const Surface& surface, const CameraApproach& approach,
+Spectrum PathTracer::caustic_radiance(const Surface& surface, const CameraSubpath& camera_subpath,
                                       const Sampler& sampler) {
     Spectrum sum(0.0f);
     const size_t depth = receiver_depth(bounces.total);
     const Techniques techniques = techniques_of(world, settings);
     if (!techniques.casters.empty())
-        sum += estimate(surface, approach, depth, sampler[Domain::manifold_activation].one(),
+        sum += estimate(surface, camera_subpath, depth, sampler[Domain::manifold_activation].one(),
                         [&](const Receiver& receiver, bool draws) {
                             ManifoldRadiance result = manifold_radiance(
-                                techniques, receiver, pass.sheets, draws, sampler, stats.manifold);
+                                techniques, receiver, round.sheets, draws, sampler, stats.manifold);
                             add_folds(surface, sampler[Domain::folds], result);
                             return result;
                         });
-    if (may_begin_rough_chain(surface, approach))
+    if (may_begin_rough_chain(surface, camera_subpath))
         sum += estimate(
-            surface, approach, kReceiverDepths + depth,
+            surface, camera_subpath, kReceiverDepths + depth,
             sampler[Domain::rough_chain_activation].one(), [&](const Receiver& receiver, bool) {
                 return ManifoldRadiance{
                     Spectrum(0.0f),
@@ -68,7 +70,7 @@ Spectrum PathTracer::caustic_radiance(const Surface& surface, const CameraApproa
     return sum;
 }
 
-Receiver PathTracer::receiver_at(const Surface& surface, const CameraApproach& approach) const {
+Receiver PathTracer::receiver_at(const Surface& surface, const CameraSubpath& camera_subpath) const {
     return {surface.p,
             surface.p_error,
             surface.ng,
@@ -77,22 +79,23 @@ Receiver PathTracer::receiver_at(const Surface& surface, const CameraApproach& a
             bounces.transparent_left(settings.limits),
             &media,
             surface.hit,
-            approach,
+            camera_subpath,
             bounces,
             0.0f,
             rough_visit(surface).before,
             folds_here.empty() ? nullptr : &folds_here};
 }
 
-bool PathTracer::may_begin_rough_chain(const Surface& surface, const CameraApproach& approach) const {
-    return !world.rough_chain_casters.empty() && !(approach.film_per_area > 0.0f) &&
+bool PathTracer::may_begin_rough_chain(const Surface& surface,
+                                       const CameraSubpath& camera_subpath) const {
+    return !world.rough_chain_casters.empty() && !(camera_subpath.film_density > 0.0f) &&
            settings.manifold.finder != ChainFinder::mnee &&
            !(history.has_scattered() && scene().instances[surface.hit.instance].rough_caster);
 }
 
-float PathTracer::share_beside_light_paths(const CameraApproach& approach) const {
+float PathTracer::share_beside_light_paths(const CameraSubpath& camera_subpath) const {
     constexpr double kLeast = 1.0 / 16;
-    return approach.film_per_area > 0.0f
+    return camera_subpath.film_density > 0.0f
                ? static_cast<float>(std::max(settings.light_tracing.manifold_share, kLeast))
                : 1.0f;
 }
@@ -105,7 +108,7 @@ void PathTracer::add_folds(const Surface& surface, const Sampler& sampler,
     if (!(pdf > 0.0f)) return;
     const ClosureEval f = eval(surface.closures, surface.ng, surface.wo, *w);
     if (is_black(f.f_cos)) return;
-    PathTracer path{world, settings, pass, stats, pcg, lens, ray, media};
+    PathTracer path{world, settings, round, stats, pcg, lens, ray, media};
     path.throughput = f.f_cos * (1.0f / pdf);
     path.bounces = bounces;
     path.from_folds = true;
@@ -116,12 +119,12 @@ void PathTracer::add_folds(const Surface& surface, const Sampler& sampler,
     path.history.append_smooth(scene(), surface, next, true, {}, bounces);
     path.history.keep(surface, {});
     path.history.caustic.folds = &folds_here;
-    path.leave(surface, next);
+    path.spawn_ray(surface, next);
     const uint64_t rays_before = stats.rays;
-    to.led += path.light_behind_deltas(sampler);
+    to.seeded += path.light_behind_deltas(sampler);
     const uint64_t rays = std::exchange(stats.rays, rays_before) - rays_before;
     stats.manifold.rays += rays;
-    to.work_of_leads += rays;
+    to.seed_work += rays;
 }
 
 Spectrum PathTracer::light_behind_deltas(const Sampler& sampler) {
@@ -143,7 +146,7 @@ Spectrum PathTracer::light_behind_deltas(const Sampler& sampler) {
         bounces.add(next->kind);
         history.append_delta(surface.hit, *next, world.casters);
         if (history.stage != PathHistory::Stage::chain) return sum;
-        leave(surface, *next);
+        spawn_ray(surface, *next);
     }
 }
 

@@ -3,21 +3,21 @@
 
 namespace spc {
 
-Spectrum PathTracer::direct_radiance(const Surface& surface, const CameraApproach& approach,
+Spectrum PathTracer::direct_radiance(const Surface& surface, const CameraSubpath& camera_subpath,
                                      const Sampler& sampler) {
     if (!has_smooth_closure(surface.closures)) return Spectrum(0.0f);
     const LitPoint at = lit_point(surface);
     const std::optional<DirectSample> first =
         sample_direct_first(world.lights, scene(), at, sampler[Domain::light].three());
-    Spectrum sum = first ? direct_radiance(surface, approach, *first) : Spectrum(0.0f);
+    Spectrum sum = first ? direct_radiance(surface, camera_subpath, *first) : Spectrum(0.0f);
     if (!world.lights.tree.has_second()) return sum;
     const std::optional<DirectSample> second =
         sample_direct_second(world.lights, scene(), at, sampler[Domain::even_light].three());
-    if (second) sum += direct_radiance(surface, approach, *second);
+    if (second) sum += direct_radiance(surface, camera_subpath, *second);
     return sum;
 }
 
-Spectrum PathTracer::direct_radiance(const Surface& surface, const CameraApproach& approach,
+Spectrum PathTracer::direct_radiance(const Surface& surface, const CameraSubpath& camera_subpath,
                                      const DirectSample& light) {
     if (is_black(light.radiance)) return Spectrum(0.0f);
     const uint32_t visibility = light_visibility(world.lights, light.light);
@@ -28,7 +28,7 @@ Spectrum PathTracer::direct_radiance(const Surface& surface, const CameraApproac
     const Spectrum alone = left_of_direct(surface, light, f, kinds_seeing(visibility)) *
                            light.radiance * (light.weight / light.density);
     if ((visibility & kVisibleShadow) == 0) return alone;
-    return alone * weight_of_direct(surface, approach, light, f) * unblocked(surface, light);
+    return alone * weight_of_direct(surface, camera_subpath, light, f) * unblocked(surface, light);
 }
 
 Spectrum PathTracer::left_of_direct(const Surface& surface, const DirectSample& light,
@@ -39,16 +39,16 @@ Spectrum PathTracer::left_of_direct(const Surface& surface, const DirectSample& 
                                 end_of_direct(surface, light));
 }
 
-float PathTracer::weight_of_direct(const Surface& surface, const CameraApproach& approach,
+float PathTracer::weight_of_direct(const Surface& surface, const CameraSubpath& camera_subpath,
                                    const DirectSample& light, const ClosureEval& f) const {
-    if (throws_on(surface, approach)) {
+    if (throws_on(surface, camera_subpath)) {
         const LightEnd end = end_of_direct(surface, light);
-        CausticPath path = caustic_path(scene(), receiver_at(surface, approach), f, light.wi);
+        CausticPath path = caustic_path(scene(), receiver_at(surface, camera_subpath), f, light.wi);
         path.rough_caster = true;
         if (const std::optional<CausticDensities> p = shared_with_light_paths(path, end))
             return static_cast<float>(p->direct / p->sum());
     }
-    return light.delta ? 1.0f : shared(light.density, f.pdf_omega);
+    return light.delta ? 1.0f : power_heuristic(light.density, f.pdf_omega);
 }
 
 LightEnd PathTracer::end_of_direct(const Surface& surface, const DirectSample& light) const {
@@ -58,13 +58,13 @@ LightEnd PathTracer::end_of_direct(const Surface& surface, const DirectSample& l
     return end;
 }
 
-bool PathTracer::throws_on(const Surface& surface, const CameraApproach& approach) const {
+bool PathTracer::throws_on(const Surface& surface, const CameraSubpath& camera_subpath) const {
     if (!scene().instances[surface.hit.instance].rough_caster) return false;
     CausticPath path;
     path.rough_caster = true;
-    path.approach = approach.bounces;
-    path.film_per_area = approach.film_per_area;
-    if (scene().material_of(surface.hit).may_glint()) path.leave_of_glints = 1.0f;
+    path.camera_subpath = camera_subpath.bounces;
+    path.film_density = camera_subpath.film_density;
+    if (scene().material_of(surface.hit).may_glint()) path.glint_exit_pdf = 1.0f;
     return light_tracing_owns(techniques_of(world, settings), path);
 }
 

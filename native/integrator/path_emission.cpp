@@ -90,7 +90,7 @@ float PathTracer::weight_since_x(const LightEnd& end) const {
             const std::optional<CausticDensities> p = shared_with_light_paths(history.caustic, end);
             if (p) return static_cast<float>(p->path_tracing / p->sum());
             return history.glints ? 1.0f - shared_by_glints(end.pdf_direct, *history.glints)
-                                  : shared(history.pdf_direct, end.pdf_direct);
+                                  : power_heuristic(history.pdf_direct, end.pdf_direct);
         }
         case PathHistory::Stage::chain: return weight_of_chain(end);
     }
@@ -104,7 +104,7 @@ float PathTracer::weight_of_chain(const LightEnd& end) const {
     if (!(end.pdf > 0.0f) ||
         !(manifold_owns(techniques, so_far) || light_tracing_owns(techniques, so_far)))
         return unshared;
-    if (so_far.from_camera && !settings.highlights->has(end.light)) return unshared;
+    if (so_far.from_camera && !settings.camera_chains->has(end.light)) return unshared;
     CausticPath path = so_far;
     if (is_black(chain_throughput(scene(), path, end.end))) return unshared;
     const std::optional<CausticDensities> p = caustic_densities(techniques, path, end);
@@ -113,7 +113,7 @@ float PathTracer::weight_of_chain(const LightEnd& end) const {
     if (own == 0.0) return 0.0f;
     const uint32_t trials =
         p->missed_are_apart()
-            ? trials_if_missed(techniques, pass.sheets, path, end,
+            ? trials_if_missed(techniques, round.sheets, path, end,
                                p->telling_trials(settings.manifold.trial_cap), pcg, stats.manifold)
             : 0;
     return static_cast<float>(

@@ -5,11 +5,11 @@ namespace spc {
 
 // Not where its direct light is shared with light paths or rough chains, by densities for the normal
 // of one point: those find narrow lobes better.
-void PathTracer::look_for_glints(const Hit& hit, Surface& surface, const CameraApproach& approach,
-                                 const PixelKernel* pixel) {
+void PathTracer::look_for_glints(const Hit& hit, Surface& surface,
+                                 const CameraSubpath& camera_subpath, const PixelKernel* pixel) {
     glints.reset();
     if (!differential || surface.closures.glint_count == 0) return;
-    if (throws_on(surface, approach) || turns_rough_chain(surface)) return;
+    if (throws_on(surface, camera_subpath) || turns_rough_chain(surface)) return;
     glints = GlintPoint::at(world.glints, settings.glints, scene(), surface, *differential,
                             static_cast<double>(hit.t), *pixel);
     surface.closures.glints_apart = glints.has_value();
@@ -17,7 +17,7 @@ void PathTracer::look_for_glints(const Hit& hit, Surface& surface, const CameraA
 
 Spectrum PathTracer::glint_radiance(const Surface& surface, const Sampler& sampler) {
     // After a rough bounce the noise is the path's, which no further estimates take away.
-    const uint32_t estimates = differential->lobe ? 1 : pass.glints.estimates;
+    const uint32_t estimates = differential->lobe ? 1 : round.glints.estimates;
     Spectrum sum(0.0f);
     for (uint32_t i = 0; i < estimates; ++i) sum += glint_estimate(surface, sampler, i);
     return sum * (1.0f / static_cast<float>(estimates));
@@ -74,7 +74,7 @@ Spectrum PathTracer::glint_estimate(const Surface& surface, const Sampler& sampl
     if (is_black(arriving)) return arriving;
     // The mean of several may be as noisy as one.
     const float faint =
-        static_cast<float>(pass.glints.estimates) * pass.glints.faint / max_component(arriving);
+        static_cast<float>(round.glints.estimates) * round.glints.faint / max_component(arriving);
     return arriving * glints->f_cos(light.wi, {kPoints * chosen->share, faint},
                                     sampler[Domain::glints].stream_seed() + estimate, stats.glints);
 }

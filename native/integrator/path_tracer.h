@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One camera path under way, and the steps that path_radiance() takes with it. Private to the
-// integrator's path*.cpp, each of which has one group of steps.
+// A camera path under way and the steps that path_radiance() takes with it. Private to the
+// integrator's path*.cpp; each of them implements one group of steps.
 #pragma once
 
 #include "integrator/history.h"
@@ -8,14 +8,14 @@
 
 namespace spc {
 
-// The share of an estimate of density `own` in light that another one finds with `other`: by the
-// power heuristic [Veach97], since the one with the larger density is better than that, stratified.
-inline float shared(float own, float other) { return 1.0f / (1.0f + sqr(other / own)); }
+// Weight of an estimate of density `own` beside one of density `other` [Veach97]. Not the balance
+// heuristic: the denser technique is stratified, so it is better than its density says.
+inline float power_heuristic(float own, float other) { return 1.0f / (1.0f + sqr(other / own)); }
 
-// Directions to lights of which closures with glints take one.
+// Closures with glints draw so many directions to lights and keep one.
 inline constexpr uint32_t kGlintCandidates = 12;
-// The share of kGlintCandidates directions of density `direct` in light that closures with glints
-// find with `closure`.
+// Weight of next event estimation by closures with glints, of density `direct` for each candidate,
+// beside closure sampling of density `closure`.
 inline float shared_by_glints(float direct, const GlintDensity& closure) {
     return closure.share_of_direct(static_cast<float>(kGlintCandidates), direct);
 }
@@ -23,30 +23,29 @@ inline float shared_by_glints(float direct, const GlintDensity& closure) {
 struct PathTracer {
     const RenderScene& world;
     const IntegratorSettings& settings;
-    const PassState& pass;
+    const RoundState& round;
     PathStats& stats;
-    Pcg& pcg;  // of searches for chains that sheets miss
+    Pcg& pcg;  // for searches for chains that sheets miss
     Vec2 lens;
     Ray ray;
-    Media media;             // that the ray is in
-    Vec3 from = ray.origin;  // the path's last vertex, beside which the ray starts
+    Media media;             // media that the ray is in
+    Vec3 from = ray.origin;  // the path's last vertex; the ray's origin is offset from it
     Spectrum throughput{1.0f};
     PathHistory history{};
     BounceCounts bounces{};
     uint32_t ray_kind = kVisibleCamera;
-    // Where there may be glints: how the path moves with what it was drawn from, and what its last
-    // surface makes of that.
+    // Set while the path may meet glints: its differential, and the footprint on its last surface.
     std::optional<PathDifferential> differential{};
     std::optional<GlintPoint> glints{};
-    // At the surface where the path is, and at history.caustic.x.
+    // Fold directions at the current surface, and at history.caustic.x.
     FoldDirections folds_here{}, folds_at_x{};
-    bool from_folds = false;  // whether one of folds_at_x has been drawn there
+    bool from_folds = false;  // the path left x along one of folds_at_x
 
     const Scene& scene() const { return *world.scene; }
     bool has_chain_casters() const {
         return !(world.casters.empty() && world.rough_chain_casters.empty());
     }
-    // Whether somebody else may find what path tracing does.
+    // Whether another technique than path tracing may find the path's light.
     bool shares() const {
         return (settings.manifold.enabled && has_chain_casters()) ||
                settings.light_tracing.guide != nullptr;
@@ -54,13 +53,13 @@ struct PathTracer {
 
     // ---- path.cpp: from surface to surface
 
-    // Along the ray to a surface, which the path then evaluates: adds the light that it runs into on
-    // the way and there. Empty where it leaves the scene.
+    // Follows the ray to the next surface and evaluates it. Adds the emission that the ray meets on the
+    // way and at the surface. Empty if the ray leaves the scene.
     std::optional<Hit> go_to_surface(Surface& surface, Spectrum& radiance);
-    CameraApproach approach_to(const Surface& surface) const;
-    // Both tell whether the path goes on.
+    CameraSubpath camera_subpath_to(const Surface& surface) const;
+    // Both return whether the path continues.
     bool scatter(const Hit& hit, const Surface& surface, const ClosureSample& next, bool receives,
-                 const CameraApproach& approach, const Sampler& sampler);
+                 const CameraSubpath& camera_subpath, const Sampler& sampler);
     bool look_for_lights_behind(const Hit& hit, const Surface& surface);
 
     std::optional<Hit> intersect();
@@ -72,15 +71,15 @@ struct PathTracer {
         if (shares()) history.set_next(scene(), p);
     }
     bool look_through(const Hit& hit);
-    void leave(const Surface& surface, const ClosureSample& next);
+    void spawn_ray(const Surface& surface, const ClosureSample& next);
     bool survive_roulette(const Sampler& sampler);
     std::optional<CausticVertex> rough_vertex_at(const Surface& surface,
                                                  const ClosureSample& next) const;
-    // The chain that comes to the surface and may go on there.
+    // The rough chain that arrives at the surface and may continue there.
     RoughVisit rough_visit(const Surface& surface) const;
 
-    // ---- path_emission.cpp: light that the path runs into, weighed against the estimators that could
-    // have connected to it. Without throughput.
+    // ---- path_emission.cpp: emission that the path meets, weighed against the techniques that could
+    // have connected to it. The path's throughput is not included.
 
     // The world and every sun with a disc, in the direction of a ray that leaves the scene.
     Spectrum emission_from_afar() const;
@@ -88,72 +87,72 @@ struct PathTracer {
     Spectrum emission_of_surface(const Hit& hit, const Surface& surface) const;
 
     Spectrum emission_of_world() const;
-    // `end.pdf`: 0 where light points are never drawn there; `end.pdf_direct`: likewise.
+    // Weight of path tracing. `end.pdf` and `end.pdf_direct` are 0 if that technique never draws `end`.
     float weight_of(const LightEnd& end) const;
-    // Next event estimation looks through everything for a lamp without shadow: rays, which do not,
-    // leave the lamp to it.
+    // Next event estimation passes through everything if a lamp casts no shadow. Rays do not, so they
+    // leave such a lamp to it.
     float weight_of_lamp(const LightEnd& end) const;
     float weight_since_x(const LightEnd& end) const;
     float weight_of_chain(const LightEnd& end) const;
-    // Whether weight_of() asks for the density of light points.
+    // Whether weight_of() reads `end.pdf`.
     bool light_points_count() const;
     LightEnd end_afar(uint32_t light, float pdf, float pdf_direct) const;
-    // Of light that a rough caster at path.x throws on; empty where light paths do not find it.
+    // Densities of a path that a rough caster at path.x reflects; empty if light tracing cannot find it.
     std::optional<CausticDensities> shared_with_light_paths(const CausticPath& path,
                                                             const LightEnd& end) const;
 
     // ---- path_direct.cpp: next event estimation over all lights
 
-    // Without throughput.
-    Spectrum direct_radiance(const Surface& surface, const CameraApproach& approach,
+    // The path's throughput is not included.
+    Spectrum direct_radiance(const Surface& surface, const CameraSubpath& camera_subpath,
                              const Sampler& sampler);
-    Spectrum direct_radiance(const Surface& surface, const CameraApproach& approach,
+    Spectrum direct_radiance(const Surface& surface, const CameraSubpath& camera_subpath,
                              const DirectSample& light);
 
-    // f |cos|, less what rough chains find.
+    // f |cos| without the share that rough chains take.
     Spectrum left_of_direct(const Surface& surface, const DirectSample& light, const ClosureEval& f,
                             uint32_t kinds) const;
-    float weight_of_direct(const Surface& surface, const CameraApproach& approach,
+    float weight_of_direct(const Surface& surface, const CameraSubpath& camera_subpath,
                            const DirectSample& light, const ClosureEval& f) const;
     LightEnd end_of_direct(const Surface& surface, const DirectSample& light) const;
-    // Whether light paths may find light that comes to the surface, as a rough caster throws it on.
-    bool throws_on(const Surface& surface, const CameraApproach& approach) const;
+    // Whether the surface is a rough caster whose reflected light light tracing may find.
+    bool throws_on(const Surface& surface, const CameraSubpath& camera_subpath) const;
     Spectrum unblocked(const Surface& surface, const DirectSample& light);
 
     // ---- path_glints.cpp: next event estimation by closures with glints, averaged over the pixel
 
-    // Whether the surface is looked at through the path's footprint, in `glints`.
-    void look_for_glints(const Hit& hit, Surface& surface, const CameraApproach& approach,
+    // Sets `glints` if the surface's glints are averaged over the path's footprint.
+    void look_for_glints(const Hit& hit, Surface& surface, const CameraSubpath& camera_subpath,
                          const PixelKernel* pixel);
-    // Throughput included.
+    // The path's throughput is included.
     Spectrum glint_radiance(const Surface& surface, const Sampler& sampler);
 
-    // Whether rough chains may find light that comes to the surface and is reflected.
+    // Whether rough chains may find light that the surface reflects.
     bool turns_rough_chain(const Surface& surface) const;
     Spectrum glint_estimate(const Surface& surface, const Sampler& sampler, uint32_t estimate);
 
     // ---- path_caustics.cpp: light that chains bring to receivers
 
     bool may_receive(const Surface& surface) const;
-    // Before caustic_radiance().
-    void look_for_folds(const Surface& surface, const CameraApproach& approach, bool receives);
-    // Of chains of deltas, and of those with rough vertices. Throughput included.
-    Spectrum caustic_radiance(const Surface& surface, const CameraApproach& approach,
+    // Call before caustic_radiance().
+    void look_for_folds(const Surface& surface, const CameraSubpath& camera_subpath, bool receives);
+    // Radiance of chains of deltas and of rough chains. The path's throughput is included.
+    Spectrum caustic_radiance(const Surface& surface, const CameraSubpath& camera_subpath,
                               const Sampler& sampler);
 
-    Receiver receiver_at(const Surface& surface, const CameraApproach& approach) const;
-    // See CausticPath::begins_rough. Where the camera comes as light paths do, they find them.
-    bool may_begin_rough_chain(const Surface& surface, const CameraApproach& approach) const;
-    // Of what chains bring, that the manifold counts; those that light paths rarely meet bring all.
-    float share_beside_light_paths(const CameraApproach& approach) const;
-    // Of kind `i` of Activation, by radiance(receiver, whether it has what is left to chance);
-    // `u` decides that. Throughput included.
+    Receiver receiver_at(const Surface& surface, const CameraSubpath& camera_subpath) const;
+    // See CausticPath::begins_rough. Not where light tracing finds rough chains.
+    bool may_begin_rough_chain(const Surface& surface, const CameraSubpath& camera_subpath) const;
+    // Expected share of a chain's light that the manifold counts: 1 where light paths rarely arrive.
+    float share_beside_light_paths(const CameraSubpath& camera_subpath) const;
+    // Estimate of kind `i` of Activation by `radiance(receiver, draws)`; the uniform number `u` decides
+    // whether it draws, that is, makes its random search. The path's throughput is included.
     template <class Estimate>
-    Spectrum estimate(const Surface& surface, const CameraApproach& approach, size_t i, float u,
-                      const Estimate& radiance);
-    // Of chains of deltas, by a direction next to folds.
+    Spectrum estimate(const Surface& surface, const CameraSubpath& camera_subpath, size_t i,
+                      float u, const Estimate& radiance);
+    // Adds light of chains of deltas that a fold direction finds.
     void add_folds(const Surface& surface, const Sampler& sampler, ManifoldRadiance& to) const;
-    // Of a path that such a direction has begun. Throughput included.
+    // Light of a path that a fold direction has begun. The path's throughput is included.
     Spectrum light_behind_deltas(const Sampler& sampler);
 };
 

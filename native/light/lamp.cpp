@@ -164,7 +164,7 @@ std::optional<SphericalRectangle> near_rectangle(const AreaLamp& lamp, const Vec
 
 // Radius of the circle around the foot of the perpendicular from which light gets to a receiver at
 // this height, if that is a smaller part of the lamp's plane than the lamp: it is sampled instead.
-std::optional<float> radius_of_reach(const AreaLamp& lamp, float height) {
+std::optional<float> lit_radius(const AreaLamp& lamp, float height) {
     const float radius = height * lamp.spread.tan_half;
     if (lamp.spread.uniform || !(kPi * sqr(radius) < lamp.area)) return std::nullopt;
     return radius;
@@ -182,7 +182,7 @@ struct SeenPoint {
 };
 std::optional<SeenPoint> sample_seen(const AreaLamp& lamp, const Vec3& to_center, float height,
                                      const Vec2& u) {
-    if (const auto radius = radius_of_reach(lamp, height)) {
+    if (const auto radius = lit_radius(lamp, height)) {
         const Vec2 q = concentric_disk(u) * *radius;
         const Vec3 to_q =
             lamp.axis_x * q.x + cross(lamp.normal, lamp.axis_x) * q.y - lamp.normal * height;
@@ -232,7 +232,7 @@ float pdf_one(const AreaLamp& lamp, const Vec3& p, const Vec3& wi, float distanc
     const float height = -dot(to_center, lamp.normal);
     if (!(height > 0.0f && lamp.spread.towards(lamp.normal, wi * -1.0f) > 0.0f)) return 0.0f;
     const float by_area = distance * distance * distance / height;
-    if (const auto radius = radius_of_reach(lamp, height)) return by_area * (kInvPi / sqr(*radius));
+    if (const auto radius = lit_radius(lamp, height)) return by_area * (kInvPi / sqr(*radius));
     if (const auto rectangle = near_rectangle(lamp, to_center, height))
         return 1.0f / rectangle->solid_angle;
     return by_area / lamp.area;

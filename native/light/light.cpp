@@ -11,7 +11,8 @@ namespace {
 // Share of the choice for casters that goes to all lights alike: power says nothing of where a light
 // stands.
 constexpr double kEvenShare = 0.2;
-// Of emissive meshes, as leaves of the tree: all, and of one. More take long to build.
+// Most parts of emissive meshes that are leaves of the tree: of all meshes, and of one. More take long to
+// build.
 constexpr uint32_t kMostParts = 1u << 16, kMostPartsOfOne = 1u << 10;
 
 DiscreteDistribution select_by_power(const std::vector<double>& power) {
@@ -28,25 +29,25 @@ DiscreteDistribution select_by_power(const std::vector<double>& power) {
     return DiscreteDistribution(weights);
 }
 
-float chance(const DiscreteDistribution& selection, uint32_t light) {
+float probability_of(const DiscreteDistribution& selection, uint32_t light) {
     return selection.empty() ? 0.0f : selection.probability(light);
 }
 
-LightReach reach_of(const LightDesc& desc, const Lamp& lamp, double flux) {
+LightBounds bounds_of(const LightDesc& desc, const Lamp& lamp, double flux) {
     if (is_sun(lamp))
         return {
             .distant = true, .strength = static_cast<float>(flux), .center = desc.axis() * -1.0f};
-    LightReach reach{.center = desc.position(), .beam = lamp_beam(lamp)};
+    LightBounds bounds{.center = desc.position(), .beam = lamp_beam(lamp)};
     if (const auto* area = std::get_if<AreaLamp>(&lamp)) {
-        reach.strength =
+        bounds.strength =
             static_cast<float>(flux) * kInvPi * area->spread.towards(area->normal, area->normal);
-        reach.radius = std::sqrt(sqr(area->length_x) + sqr(area->length_y));
-        reach.cosine = true;
+        bounds.radius = std::sqrt(sqr(area->length_x) + sqr(area->length_y));
+        bounds.cosine = true;
     } else {
-        reach.strength = luminance(desc.power) * 0.25f * kInvPi;
-        reach.radius = desc.radius;
+        bounds.strength = luminance(desc.power) * 0.25f * kInvPi;
+        bounds.radius = desc.radius;
     }
-    return reach;
+    return bounds;
 }
 
 std::optional<DirectSample> sample_part_from(const LightSet& lights, const Scene& scene,
@@ -70,7 +71,7 @@ std::optional<DirectSample> sample_part_from(const LightSet& lights, const Scene
 
 LightSet build_lights(const Scene& scene, uint32_t threads) {
     LightSet lights;
-    std::vector<LightReach> reaches;
+    std::vector<LightBounds> light_bounds;
     std::vector<double> caustic_power;
     // Suns and world pour through the disc that the scene's bounding sphere shows them.
     const double radius = scene.bounds_radius > 0.0f ? scene.bounds_radius : 1.0;
@@ -84,7 +85,7 @@ LightSet build_lights(const Scene& scene, uint32_t threads) {
         const bool seen = (desc.visibility & kVisibleScattered) != 0;
         const double flux = lamp_flux(desc, lamp);
         lights.leaves.push_back({static_cast<uint32_t>(lights.lamps.size() - 1), 0});
-        reaches.push_back(seen && flux > 0.0 ? reach_of(desc, lamp, flux) : LightReach{});
+        light_bounds.push_back(seen && flux > 0.0 ? bounds_of(desc, lamp, flux) : LightBounds{});
         const bool feeds = seen && desc.feeds_caustics;
         caustic_power.push_back(feeds ? flux * (is_sun(lamp) ? disc : 1.0) : 0.0);
     }
@@ -101,13 +102,13 @@ LightSet build_lights(const Scene& scene, uint32_t threads) {
             build_emitter(scene, i, std::clamp(kMostParts / shining, 1u, kMostPartsOfOne));
         if (!built) continue;
         lights.emissive_of_instance[i] = static_cast<uint32_t>(lights.emissive.size());
-        built->emitter.first_leaf = static_cast<uint32_t>(reaches.size());
-        for (LightReach& reach : built->reaches) {
-            reach.even = 1.0f / static_cast<float>(built->reaches.size());
+        built->emitter.first_leaf = static_cast<uint32_t>(light_bounds.size());
+        for (LightBounds& bounds : built->light_bounds) {
+            bounds.even = 1.0f / static_cast<float>(built->light_bounds.size());
             lights.leaves.push_back(
                 {lights.of_emitter(lights.emissive_of_instance[i]),
-                 static_cast<uint32_t>(reaches.size()) - built->emitter.first_leaf});
-            reaches.push_back(reach);
+                 static_cast<uint32_t>(light_bounds.size()) - built->emitter.first_leaf});
+            light_bounds.push_back(bounds);
         }
         lights.emissive.push_back(std::move(built->emitter));
         lights.visibility.push_back(instance.visibility | kVisibleShadow);
@@ -117,15 +118,15 @@ LightSet build_lights(const Scene& scene, uint32_t threads) {
     if (lights.has_world) {
         lights.visibility.push_back(scene.environment.visibility | kVisibleShadow);
         const bool seen = (scene.environment.visibility & kVisibleScattered) != 0;
-        LightReach reach{.distant = true};
+        LightBounds bounds{.distant = true};
         // Irradiance, on average over all orientations of what it falls on.
-        if (seen) reach.strength = static_cast<float>(0.25 * world_excess(lights));
+        if (seen) bounds.strength = static_cast<float>(0.25 * world_excess(lights));
         lights.leaves.push_back({lights.of_world(), 0});
-        reaches.push_back(reach);
+        light_bounds.push_back(bounds);
         const bool feeds = seen && scene.environment.feeds_caustics;
         caustic_power.push_back(feeds ? world_excess_of_peaks(lights) * disc : 0.0);
     }
-    lights.tree = LightTree(reaches);
+    lights.tree = LightTree(light_bounds);
     lights.caustic_selection = select_by_power(caustic_power);
     return lights;
 }
@@ -282,24 +283,25 @@ Vec3 light_begins(const LightSet& lights, const LightPoint& y, const Vec3& p) {
 }
 
 float pdf_light_point_lamp(const LightSet& lights, const Hit& hit) {
-    return chance(lights.caustic_selection, hit.light) * lamp_point_pdf(lights.lamps[hit.light]);
+    return probability_of(lights.caustic_selection, hit.light) *
+           lamp_point_pdf(lights.lamps[hit.light]);
 }
 
 float pdf_light_point_surface(const LightSet& lights, const SurfaceHit& hit) {
     const uint32_t emitter = lights.emissive_of_instance[hit.instance];
     if (emitter == kNone) return 0.0f;
-    return chance(lights.caustic_selection, lights.of_emitter(emitter)) *
+    return probability_of(lights.caustic_selection, lights.of_emitter(emitter)) *
            emitter_pdf_area(lights.emissive[emitter], hit.triangle);
 }
 
 float pdf_light_point_world(const LightSet& lights, const Vec3& wi) {
     if (!lights.has_world) return 0.0f;
-    const float probability = chance(lights.caustic_selection, lights.of_world());
+    const float probability = probability_of(lights.caustic_selection, lights.of_world());
     return probability > 0.0f ? probability * world_peaks_pdf(lights, wi) : 0.0f;
 }
 
 float pdf_light_point_sun(const LightSet& lights, uint32_t light, const Vec3& wi) {
-    return chance(lights.caustic_selection, light) * lamp_point_pdf(lights.lamps[light]) *
+    return probability_of(lights.caustic_selection, light) * lamp_point_pdf(lights.lamps[light]) *
            (in_disc(std::get<DiscSun>(lights.lamps[light]), wi) ? 1.0f : 0.0f);
 }
 
@@ -329,7 +331,7 @@ LightPoint light_point_of(const LightSet& lights, const Scene& scene, const Vec3
         y.n = front_normal(scene, y.surface.instance, y.surface.triangle);
         y.pdf = pdf_light_point_surface(lights, y.surface);
     } else if (sample.delta) {
-        y.pdf = chance(lights.caustic_selection, y.light);
+        y.pdf = probability_of(lights.caustic_selection, y.light);
     } else if (distant) {
         y.pdf = pdf_light_point_sun(lights, y.light, sample.wi);
     } else {

@@ -20,13 +20,13 @@ struct EmissiveInstance {
     // Triangles that lie together: a leaf of the light tree.
     struct Part {
         std::vector<uint32_t> triangles;
-        DiscreteDistribution choice;  // among them, by area times mean radiance
+        DiscreteDistribution choice;  // of a triangle, by area times mean radiance
     };
     struct Place {
         uint32_t part = kNone, index = 0;  // of Part::triangles
     };
     uint32_t instance;
-    DiscreteDistribution triangles;  // all, by area times mean radiance
+    DiscreteDistribution triangles;  // of all triangles, by area times mean radiance
     std::vector<float> inv_area;     // 1/m^2 per triangle, world space; 0 where it does not emit
     std::vector<Part> parts;
     std::vector<Place> places;  // of each triangle
@@ -34,15 +34,15 @@ struct EmissiveInstance {
 };
 
 struct LightSet {
-    // From a receiver; without a world that is nearly even. Its leaves are the lamps, then parts of
+    // Chooses a light for a receiver; never a world that is nearly even. Its leaves are the lamps, then parts of
     // emissive instances, then the world.
     LightTree tree;
     struct Leaf {
         uint32_t light, part;
     };
     std::vector<Leaf> leaves;
-    // For casters, over the lights that feed them: by power, with an equal share for every light that
-    // shines mixed in, so that no light starves.
+    // Chooses a light for casters, among those that feed them: by power, mixed with an even choice, so that no
+    // light starves.
     DiscreteDistribution caustic_selection;
     std::vector<Lamp> lamps;           // as Scene::lights
     std::vector<uint32_t> disc_suns;   // lamps that are suns of some extent
@@ -52,9 +52,9 @@ struct LightSet {
     bool has_world = false;
     // The world's radiance above its mean in latitude-longitude, solid angle accounted for.
     BilinearMap world_map;
-    BilinearMap::Cells world_cells;  // all of them; empty if closures find its light as well
-    // Its narrow bright parts alone: they feed casters, what is left of the world is so smooth that
-    // path tracing finds it easily.
+    BilinearMap::Cells world_cells;  // all cells; empty if closure sampling finds the light as well
+    // The world's narrow bright parts, which feed casters. The rest is so smooth that path tracing finds it
+    // easily.
     BilinearMap::Cells world_peaks;
     Spectrum world_constant{0.0f};  // valid if world_is_constant
     bool world_is_constant = false;
@@ -73,40 +73,39 @@ struct LightSet {
 // `threads` 0 = all.
 LightSet build_lights(const Scene& scene, uint32_t threads = 0);
 
-// Bits of Visibility: which rays see a light. kVisibleShadow: objects block it; only a lamp can be
-// without.
+// Bits of Visibility: the rays that see a light. kVisibleShadow: objects cast shadows of it; only lamps can
+// lack it.
 uint32_t light_visibility(const LightSet& lights, uint32_t light);
 
 // ---- from a receiver
 
-// One that transmits light is lit from both sides.
+// The point of a surface for the choice of a light. A surface that transmits light is lit from both sides.
 LitPoint lit_point(const Surface& surface);
 
 struct DirectSample {
     Vec3 wi;         // unit, towards the light
     float distance;  // kInfinity for a distant light
-    // Arriving along wi if nothing is in between; of a delta light, radiance times solid angle:
-    // intensity / distance^2, or irradiance.
+    // Radiance that arrives along wi if unblocked. For a delta light radiance times solid angle: intensity /
+    // distance^2, or irradiance.
     Spectrum radiance;
-    float density;  // 1/sr; of a delta light the probability of its selection
+    float density;  // 1/sr; for a delta light the probability of its selection
     bool delta;
     uint32_t light;
-    SurfaceHit surface{kNone, 0, 0, 0};  // of a mesh
-    float weight = 1.0f;                 // beside the other one of two, see LightTree
+    SurfaceHit surface{kNone, 0, 0, 0};  // for emissive meshes
+    float weight = 1.0f;                 // LightTree::Sample::weight
 };
 std::optional<DirectSample> sample_direct(const LightSet& lights, const Scene& scene,
                                           const LitPoint& at, const Vec3& u);
-// In the place of one sample two, in which the choice of the light makes less noise: the sum of
-// weight radiance / density has the same mean. The second, where lights.tree.has_second(), is mostly
-// empty.
+// Two samples instead of one, with less noise from the choice of the light. The sum of weight radiance /
+// density has the same mean. The second exists if lights.tree.has_second(), and is mostly empty.
 std::optional<DirectSample> sample_direct_first(const LightSet& lights, const Scene& scene,
                                                 const LitPoint& at, const Vec3& u);
 std::optional<DirectSample> sample_direct_second(const LightSet& lights, const Scene& scene,
                                                  const LitPoint& at, const Vec3& u);
 
-// Density with which sample_direct from there takes the direction `wi` to the point that a ray hit. A
-// ray that leaves the scene meets the world and every one of LightSet::disc_suns that it points at,
-// each with its own density.
+// Density (1/sr) with which sample_direct() at `at` takes the direction `wi` to the point that a ray has hit.
+// A ray that leaves the scene meets the world and each of LightSet::disc_suns that it points at, each with a
+// density of its own.
 float pdf_direct_lamp(const LightSet& lights, const LitPoint& at, const Vec3& wi, const Hit& hit);
 float pdf_direct_surface(const LightSet& lights, const Scene& scene, const LitPoint& at,
                          const Vec3& wi, const Hit& hit);
@@ -131,10 +130,10 @@ struct LightPoint {
     // of its selection.
     float pdf;
 };
-// On one light; `pdf` without the choice of the light.
+// Draws a point of one light; its `pdf` is without the choice of the light.
 std::optional<LightPoint> sample_point_of_light(const LightSet& lights, const Scene& scene,
                                                 uint32_t light, const Vec2& u);
-// Among the lights that feed casters. u[0] selects, u[1], u[2] place.
+// Draws a point of the lights that feed casters: u[0] selects the light, u[1] and u[2] the point.
 std::optional<LightPoint> sample_light_point(const LightSet& lights, const Scene& scene,
                                              const Vec3& u);
 
@@ -144,8 +143,8 @@ std::optional<LightPoint> sample_light_point(const LightSet& lights, const Scene
 Spectrum radiance_at(const LightSet& lights, const Scene& scene, const LightPoint& y,
                      const Vec3& away);
 
-// Whether p sees the light of y, as it does but of some lamps, and from where on the way there must be
-// free. For points of lights that are not distant.
+// Whether p sees the light of y, which only some lamps can hide, and the point between which and p there must
+// be no occluder. For lights that are not distant.
 bool shows_itself(const LightSet& lights, const LightPoint& y, const Vec3& p);
 Vec3 light_begins(const LightSet& lights, const LightPoint& y, const Vec3& p);
 
@@ -156,14 +155,13 @@ float pdf_light_point_surface(const LightSet& lights, const SurfaceHit& hit);
 float pdf_light_point_world(const LightSet& lights, const Vec3& wi);
 float pdf_light_point_sun(const LightSet& lights, uint32_t light, const Vec3& wi);
 
-// Density with which sample_direct from there finds y, as DirectSample has it; y.pdf is not read.
+// DirectSample::density with which sample_direct() at `at` finds y; y.pdf is not read.
 float pdf_direct(const LightSet& lights, const Scene& scene, const LitPoint& at,
                  const LightPoint& y);
-// Where a direct sample from p arrives from, with the density by which sample_light_point finds it.
+// The light point of a direct sample from p, with the density of sample_light_point().
 LightPoint light_point_of(const LightSet& lights, const Scene& scene, const Vec3& p,
                           const DirectSample& sample);
-// Where a ray from p ends that looks for what lies before the light: the light itself, or what it lies
-// in, does not hide it.
+// Where a shadow ray from p ends. The light itself, or a surface that it lies in, does not block it.
 RayEnd ray_end(const LightSet& lights, const Scene& scene, const Vec3& p,
                const DirectSample& sample);
 RayEnd ray_end(const Scene& scene, const LightPoint& y);

@@ -24,10 +24,10 @@ float nearest_cosine(const Vec3& axis, const Vec3& along, float distance_squared
 
 // What brings the largest strength near 1, without rounding: then importances are finite, and none
 // is lost to denormals that is worth a choice.
-float unit_of_strength(std::span<const LightReach> lights) {
+float unit_of_strength(std::span<const LightBounds> lights) {
     constexpr int kMostDoublings = 100;
     float largest = 0.0f;
-    for (const LightReach& light : lights) largest = std::max(largest, light.strength);
+    for (const LightBounds& light : lights) largest = std::max(largest, light.strength);
     if (!(largest > 0.0f)) return 1.0f;
     return std::ldexp(1.0f, std::clamp(-std::ilogb(largest), -kMostDoublings, kMostDoublings));
 }
@@ -53,17 +53,17 @@ LampBeam joined(const LampBeam& a, const LampBeam& b) {
     return {normalize(axis), 1.0f - std::cos(half)};
 }
 
-Bounds box_around(const LightReach& light) {
+Bounds box_around(const LightBounds& light) {
     Bounds box;
     box.extend(light.center - Vec3(light.radius));
     box.extend(light.center + Vec3(light.radius));
     return box;
 }
 
-LightReach joined(const LightReach& a, const LightReach& b) {
+LightBounds joined(const LightBounds& a, const LightBounds& b) {
     Bounds box = box_around(a);
     box.extend(box_around(b));
-    LightReach sum;
+    LightBounds sum;
     sum.strength = a.strength + b.strength;
     sum.center = (box.lower + box.upper) * 0.5f;
     sum.radius = std::max(length(sum.center - a.center) + a.radius,
@@ -73,8 +73,8 @@ LightReach joined(const LightReach& a, const LightReach& b) {
 }
 
 // What a node is to be avoided for: strength times the size of its sphere and of its beam.
-float cost(const LightReach& reach) {
-    return reach.strength * sqr(reach.radius) * reach.beam.one_minus_cos;
+float cost(const LightBounds& bounds) {
+    return bounds.strength * sqr(bounds.radius) * bounds.beam.one_minus_cos;
 }
 
 // u in parts of [begin, end).
@@ -87,32 +87,33 @@ float remapped(float u, float begin, float end) {
 float LightTree::Node::importance(const LitPoint& at) const {
     constexpr float kLeast =
         1e-24f;  // m^2: smaller than any scene, so that every one has its choice
-    const Vec3 to_p = at.p - reach.center;
+    const Vec3 to_p = at.p - bounds.center;
     const float d2 = length_squared(to_p);
-    float result = reach.strength / std::max({d2, sqr(reach.radius), kLeast});
+    float result = bounds.strength / std::max({d2, sqr(bounds.radius), kLeast});
     if (at.n != Vec3(0.0f))
-        result *= std::max(nearest_cosine(at.n, to_p * -1.0f, d2, reach.radius), 0.0f);
-    if (reach.beam.one_minus_cos >= 2.0f) return result;
-    const float cos = nearest_cosine(reach.beam.axis, to_p, d2, reach.radius);
-    if (1.0f - cos > reach.beam.one_minus_cos) return 0.0f;
-    return reach.cosine ? result * std::max(cos, 0.0f) : result;
+        result *= std::max(nearest_cosine(at.n, to_p * -1.0f, d2, bounds.radius), 0.0f);
+    if (bounds.beam.one_minus_cos >= 2.0f) return result;
+    const float cos = nearest_cosine(bounds.beam.axis, to_p, d2, bounds.radius);
+    if (1.0f - cos > bounds.beam.one_minus_cos) return 0.0f;
+    return bounds.cosine ? result * std::max(cos, 0.0f) : result;
 }
 
 float LightTree::Distant::importance(const LitPoint& at) const {
-    const bool from_one_side = at.n != Vec3(0.0f) && reach.center != Vec3(0.0f);
-    return from_one_side ? reach.strength * std::max(dot(at.n, reach.center), 0.0f) : reach.strength;
+    const bool from_one_side = at.n != Vec3(0.0f) && bounds.center != Vec3(0.0f);
+    return from_one_side ? bounds.strength * std::max(dot(at.n, bounds.center), 0.0f)
+                         : bounds.strength;
 }
 
 // Two children to a node; the root last.
 struct LightTree::Binary {
-    LightReach reach;
+    LightBounds bounds;
     uint32_t left = kNone, right = kNone;
     uint32_t light = kNone;  // of a leaf
 
     static uint32_t build(std::span<Binary> leaves, std::vector<Binary>& nodes);
 };
 
-LightTree::LightTree(std::span<const LightReach> lights)
+LightTree::LightTree(std::span<const LightBounds> lights)
     : leaf_of_(lights.size(), kNone), distant_of_(lights.size(), kNone) {
     std::vector<Binary> leaves;
     std::vector<float> even(lights.size(), 0.0f);
@@ -120,13 +121,13 @@ LightTree::LightTree(std::span<const LightReach> lights)
     for (uint32_t i = 0; i < lights.size(); ++i) {
         if (!(lights[i].strength > 0.0f)) continue;
         even[i] = lights[i].even;
-        LightReach reach = lights[i];
-        reach.strength = std::max(reach.strength * unit, kLeastStrength);
-        if (reach.distant) {
+        LightBounds bounds = lights[i];
+        bounds.strength = std::max(bounds.strength * unit, kLeastStrength);
+        if (bounds.distant) {
             distant_of_[i] = static_cast<uint32_t>(distant_.size());
-            distant_.push_back({reach, i});
+            distant_.push_back({bounds, i});
         } else {
-            leaves.push_back({.reach = reach, .light = i});
+            leaves.push_back({.bounds = bounds, .light = i});
         }
     }
     evenly_ = DiscreteDistribution(even);
@@ -153,18 +154,18 @@ uint32_t LightTree::Binary::build(std::span<Binary> leaves, std::vector<Binary>&
     size_t best_split = leaves.size() / 2;
     const auto sort_along = [&](int axis) {
         std::sort(leaves.begin(), leaves.end(), [&](const Binary& a, const Binary& b) {
-            const float x = a.reach.center[axis], y = b.reach.center[axis];
+            const float x = a.bounds.center[axis], y = b.bounds.center[axis];
             return x != y ? x < y : a.light < b.light;
         });
     };
     for (int axis = 0; axis < 3; ++axis) {
         sort_along(axis);
         const size_t count = leaves.size(), step = std::max<size_t>(count / kSplits, 1);
-        std::vector<LightReach> until(count), from(count);
-        until[0] = leaves[0].reach;
-        for (size_t i = 1; i < count; ++i) until[i] = joined(until[i - 1], leaves[i].reach);
-        from[count - 1] = leaves[count - 1].reach;
-        for (size_t i = count - 1; i-- > 0;) from[i] = joined(leaves[i].reach, from[i + 1]);
+        std::vector<LightBounds> until(count), from(count);
+        until[0] = leaves[0].bounds;
+        for (size_t i = 1; i < count; ++i) until[i] = joined(until[i - 1], leaves[i].bounds);
+        from[count - 1] = leaves[count - 1].bounds;
+        for (size_t i = count - 1; i-- > 0;) from[i] = joined(leaves[i].bounds, from[i + 1]);
         for (size_t split = step; split < count; split += step) {
             const float sum = cost(until[split - 1]) + cost(from[split]);
             if (sum < least) {
@@ -178,14 +179,14 @@ uint32_t LightTree::Binary::build(std::span<Binary> leaves, std::vector<Binary>&
     Binary node;
     node.left = build(leaves.first(best_split), nodes);
     node.right = build(leaves.subspan(best_split), nodes);
-    node.reach = joined(nodes[node.left].reach, nodes[node.right].reach);
+    node.bounds = joined(nodes[node.left].bounds, nodes[node.right].bounds);
     return append(node);
 }
 
 // What nodes bound is the looser the more they hold, so that a choice among their parts is better than
 // several between two: those parts become children that are to be avoided most as a whole.
 void LightTree::adopt(const std::vector<Binary>& tree, uint32_t from, uint32_t to) {
-    nodes_[to].reach = tree[from].reach;
+    nodes_[to].bounds = tree[from].bounds;
     nodes_[to].light = tree[from].light;
     if (tree[from].light != kNone) {
         leaf_of_[tree[from].light] = to;
@@ -196,7 +197,7 @@ void LightTree::adopt(const std::vector<Binary>& tree, uint32_t from, uint32_t t
         const auto worst =
             std::max_element(children.begin(), children.end(), [&](uint32_t a, uint32_t b) {
                 const auto badness = [&](uint32_t i) {
-                    return tree[i].light == kNone ? cost(tree[i].reach) : -1.0f;
+                    return tree[i].light == kNone ? cost(tree[i].bounds) : -1.0f;
                 };
                 return badness(a) < badness(b);
             });
@@ -310,7 +311,8 @@ LightTree::Sample LightTree::sample(const LitPoint& at, float u) const {
 
 namespace {
 
-// Of a sample of density `own` beside another, over what LightTree::mixed makes of both.
+// Power heuristic for a sample of density `own` beside one of density `other`, for a probability that
+// LightTree::mixed has blended from both.
 float weight_of(float own, float other) {
     return (1.0f - LightTree::kEvenShare) * (own + other) * own / (sqr(own) + sqr(other));
 }

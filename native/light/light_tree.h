@@ -14,47 +14,49 @@
 
 namespace spc {
 
-// A point to be lit. `n` is unit, on the side that light may come to; zero: both are.
+// A point to be lit. `n`: unit normal on the side that receives light; zero if both sides do.
 struct LitPoint {
     Vec3 p, n;
 
     LitPoint(const Vec3& point, const Vec3& normal = Vec3(0.0f)) : p(point), n(normal) {}
 };
 
-// Of one light, or a part of it, as the choice sees it.
-struct LightReach {
+// Bounds of a light, of a part of it, or of several lights: where they stand and how they shine.
+struct LightBounds {
     bool distant = false;
-    // Luminance: W/sr where it shines brightest; distant: W/m^2. 0: never chosen.
+    // Luminance in the brightest direction, W/sr; distant: W/m^2. 0: never chosen.
     float strength = 0.0f;
-    // Of a sphere around it; distant: unit, towards it, or zero for what is all around.
+    // Centre and radius of a sphere around it. Distant: `center` is a unit vector towards it, or zero for
+    // light from all around.
     Vec3 center{0.0f};
     float radius = 0.0f;
     LampBeam beam{Vec3(0, 0, 1), 2.0f};
     bool cosine = false;  // falls with the cosine of the angle to the beam's axis
-    float even = 1.0f;    // of the even choice: a light's share of it, over its parts
+    float even =
+        1.0f;  // relative probability in the even choice: 1 for a light, shared by its parts
 };
 
 class LightTree {
 public:
-    // Share of the choice that goes to all lights alike: next to a lamp in a closet the sun outside
-    // does not matter, and the other way round.
+    // Share of the choice that is even over all lights. Importance alone may be wrong: beside a lamp in a
+    // closet the sun outside does not matter, and the other way round.
     static constexpr float kEvenShare = 0.1f;
 
     LightTree() = default;
-    explicit LightTree(std::span<const LightReach> lights);
+    explicit LightTree(std::span<const LightBounds> lights);
 
     bool empty() const { return evenly_.empty(); }
     struct Sample {
         uint32_t light;
-        float probability;    // as below
-        float weight = 1.0f;  // beside the other of two samples
+        float probability;    // LightTree::probability()
+        float weight = 1.0f;  // MIS weight beside the other of two samples
     };
-    // Not of an empty tree. By importance, or evenly in a tenth of all cases.
+    // Chooses a light by importance or, with probability kEvenShare, evenly. The tree must not be empty.
     Sample sample(const LitPoint& at, float u) const;
     float probability(uint32_t light, const LitPoint& at) const;
-    // The same in two samples, the second of which has the chance kSecond: weighted by the power
-    // heuristic [Veach97], so that the second takes next to nothing where importance is right. The sum
-    // of weight / probability has the same mean.
+    // The same choice as two samples, the second of which is made with probability kSecond. The power
+    // heuristic [Veach97] weighs them, so that the second takes next to nothing where importance is right.
+    // The sum of weight / probability has the same mean.
     static constexpr float kSecond = kEvenShare / (1.0f - kEvenShare);
     Sample first_of_two(const LitPoint& at, float u) const;
     Sample second_of_two(const LitPoint& at, float u) const;
@@ -62,7 +64,7 @@ public:
 
 private:
     struct Node {
-        LightReach reach;  // of all lights below
+        LightBounds bounds;  // around all lights below
         uint32_t parent = kNone;
         uint32_t first = 0, count = 0;  // its children; none: a leaf
         uint32_t light = kNone;         // of a leaf
@@ -70,7 +72,7 @@ private:
         float importance(const LitPoint& at) const;
     };
     struct Distant {
-        LightReach reach;
+        LightBounds bounds;
         uint32_t light;
 
         float importance(const LitPoint& at) const;
@@ -78,7 +80,7 @@ private:
     struct Binary;
     static constexpr uint32_t kWidth = 8;  // children of a node, at most
     void adopt(const std::vector<Binary>& tree, uint32_t from, uint32_t to);
-    // Of a node's children, or of a leaf.
+    // Importances of a node's children, or of a leaf.
     struct Parts {
         std::array<float, kWidth> of{};
         uint32_t count = 0;
@@ -87,7 +89,7 @@ private:
         float share(uint32_t child) const;
     };
     Parts parts(const Node& node, const LitPoint& at) const;
-    // Of the sum of the root's parts.
+    // A node's share of the importance, as a part of the sum over the root's children.
     float part(uint32_t node, const LitPoint& at) const;
     float distant_importance(const LitPoint& at) const;
     struct Sums {
@@ -95,7 +97,7 @@ private:
         float afar, all;
     };
     Sums sums(const LitPoint& at) const;
-    // By importance alone.
+    // A choice by importance alone.
     struct Choice {
         uint32_t light;
         float share;
@@ -108,7 +110,7 @@ private:
     uint32_t only_ = kNone;  // the light, if there is one alone
     std::vector<Distant> distant_;
     std::vector<Node> nodes_;  // the root first; children side by side
-    // Of every light: its node, or its place among the distant ones; kNone elsewhere.
+    // By light: its node, or its place among the distant lights; else kNone.
     std::vector<uint32_t> leaf_of_, distant_of_;
 };
 

@@ -56,7 +56,7 @@ private:
         part.choice = DiscreteDistribution(flux);
         built_.emitter.parts.push_back(std::move(part));
         const Vec3 center = (bounds.lower + bounds.upper) * 0.5f;
-        built_.reaches.push_back(
+        built_.light_bounds.push_back(
             {.strength = static_cast<float>(std::min(sum, kBrightestPart)) * 0.25f * kInvPi,
              .center = center,
              .radius = length(bounds.upper - center)});

@@ -9,8 +9,8 @@ namespace spc {
 
 struct BuiltEmitter {
     EmissiveInstance emitter;
-    double flux = 0.0;                // W, of luminance
-    std::vector<LightReach> reaches;  // of its parts
+    double flux = 0.0;                      // W, of luminance
+    std::vector<LightBounds> light_bounds;  // of its parts
 };
 // In so many parts at most. Empty if no triangle of the instance shines.
 std::optional<BuiltEmitter> build_emitter(const Scene& scene, uint32_t instance,
@@ -26,7 +26,7 @@ struct EmitterPoint {
 };
 EmitterPoint sample_emitter(const EmissiveInstance& emitter, const Scene& scene, const Vec2& u);
 float emitter_pdf_area(const EmissiveInstance& emitter, uint32_t triangle);
-// The same of one of its parts, and of that in which the triangle lies.
+// The same for one part of the emitter, and for the part that the triangle belongs to.
 EmitterPoint sample_emitter_part(const EmissiveInstance& emitter, uint32_t part, const Scene& scene,
                                  const Vec2& u);
 float emitter_part_pdf_area(const EmissiveInstance& emitter, uint32_t triangle);

@@ -9,8 +9,8 @@ namespace spc {
 
 namespace {
 
-constexpr uint32_t kCells = 16;  // of a tile, along each side
-constexpr uint32_t kCorners = kCells + 1;
+constexpr uint32_t kGridCells = 16;  // cells of the grid of rays along a side of an emission cell
+constexpr uint32_t kCorners = kGridCells + 1;
 constexpr uint32_t kFinestLevel = 16;
 
 // Where one ray ends on a receiver.
@@ -38,7 +38,7 @@ public:
 
     void follow(const Vec2& place) {
         Ray ray = ray_at(world_.guide, y_, place);
-        ray.origin = leave_light(scene_, y_, ray.origin, ray.direction);
+        ray.origin = offset_from_light(scene_, y_, ray.origin, ray.direction);
         const Frame frame = Frame::around(y_.distant ? y_.direction : ray.direction);
         across_ = {frame.x, frame.y};
         const RayDual dual{.d = Vec3d(ray.direction), .dp = {}, .dd = {}};
@@ -73,11 +73,11 @@ private:
     }
 
     bool is_lit_from_around(const SurfaceHit& hit) {
-        const CasterPatch patch = evaluate_caster(scene_, hit, false);
+        const DifferentialGeometry geometry = evaluate_caster(scene_, hit, false);
         return std::any_of(around_.begin(), around_.end(), [&](const LightPoint& y) {
             uint32_t transparent_left = kMostReceivers;
             Media media{};
-            return !is_black(transmittance(scene_, {patch.p, patch.ng, patch.p_error},
+            return !is_black(transmittance(scene_, {geometry.p, geometry.ng, geometry.p_error},
                                            ray_end(scene_, y), kVisibleShadow, transparent_left,
                                            media, rays_, Opaque::casters_too));
         });
@@ -112,11 +112,11 @@ private:
         const SpecularInterface& specular = scene_.material_of(hit).specular;
         Surface surface;
         evaluate_surface(scene_, hit, ray.direction * -1.0f, surface);
-        const CasterPatch patch = evaluate_caster(scene_, hit, false);
+        const DifferentialGeometry geometry = evaluate_caster(scene_, hit, false);
         RayDual arriving = before;
         double distance = static_cast<double>(at.t);
         if (kind.count == 0) {
-            emitted_ = emitted_to(patch.p, ray.direction);
+            emitted_ = emitted_to(geometry.p, ray.direction);
             if (!(emitted_ > 0.0f)) return;
             // From points of the light next to y to this very point of the caster: its normal, which
             // may vary fast, stays.
@@ -129,9 +129,9 @@ private:
         for (const Interaction interaction : {Interaction::reflection, Interaction::refraction}) {
             if (!has_interaction(specular, interaction)) continue;
             if (kind.count == 0 && !light_takes(interaction)) continue;
-            const float eta = eta_seen_from(patch.ng, ray.direction * -1.0f, specular.ior);
+            const float eta = eta_seen_from(geometry.ng, ray.direction * -1.0f, specular.ior);
             RayDual dual = arriving;
-            if (!pass_vertex({interaction, eta, patch}, distance, dual)) continue;
+            if (!propagate_through_vertex({interaction, eta, geometry}, distance, dual)) continue;
             const Vec3 out(dual.d);
             const bool refracts = interaction == Interaction::refraction;
             if ((dot(out, surface.ng) < 0.0f) != refracts) continue;
@@ -146,7 +146,8 @@ private:
         }
     }
 
-    // As Landing::light. A point of a lamp that this one does not light, one of its neighbours may.
+    // See Landing::light. For a lamp it is the largest over the lamp's points: where this light point does not
+    // shine, a neighbour may.
     float emitted_to(const Vec3& p, const Vec3& direction) const {
         const bool lamp = y_.light < world_.lights.lamps.size();
         const float cosine = dot(y_.n, direction);
@@ -196,8 +197,8 @@ struct Mark {
         expected += other.expected;
     }
 };
-// A ray on a tile's border, which neighbouring tiles have as well: its place, in cells of the finest
-// tiles, and how it came to where it ends.
+// A ray on an emission cell's border, which neighbouring emission cells have as well. Its key is its place on
+// the finest grid, its chain kind, and Landing::ordinal.
 struct BorderRay {
     std::array<uint32_t, 4> key;  // place, kind, Landing::ordinal
     uint32_t edge;
@@ -207,43 +208,43 @@ struct MarkedBeams {
     std::vector<Mark> marks;  // of the set's edges
     std::vector<BorderRay> border;
 };
-struct TracedTile {
+struct TracedCell {
     Square square;
-    // How much of the tile's light comes by cells that are no smooth part of a sheet: by area of the
-    // unit square.
+    // Area of the unit square that falls to grid cells which are no smooth part of a sheet.
     float irregular = 0.0f;
     MarkedBeams beams;
 };
 
 // A square's grid of rays, made into beams.
-class Tile {
+class EmissionCell {
 public:
-    Tile(const SheetWorld& world, const LightPoint& y, std::span<const LightPoint> around,
-         const Square& tile) {
-        const float side = std::ldexp(1.0f, -static_cast<int>(tile.level));
+    EmissionCell(const SheetWorld& world, const LightPoint& y, std::span<const LightPoint> around,
+                 const Square& emission_cell) {
+        const float side = std::ldexp(1.0f, -static_cast<int>(emission_cell.level));
         // Solid angle, or area across the direction of a distant light, of a beam.
-        beam_size_ = 0.5f * sqr(side / kCells) / density_of_uniform(world.guide, y);
+        beam_size_ = 0.5f * sqr(side / kGridCells) / density_of_uniform(world.guide, y);
         for (uint32_t j = 0; j < kCorners; ++j)
             for (uint32_t i = 0; i < kCorners; ++i) {
                 const auto at = [&](uint32_t corner, uint32_t k) {
                     const float place = (static_cast<float>(corner) +
-                                         static_cast<float>(k) / static_cast<float>(kCells)) *
+                                         static_cast<float>(k) / static_cast<float>(kGridCells)) *
                                         side;
                     return std::min(place, 1.0f - 0x1p-24f);
                 };
                 begin_[j * kCorners + i] = static_cast<uint32_t>(landings_.size());
                 SheetRay(world, y, around, landings_, traced_.beams.set.rays)
-                    .follow({at(tile.x, i), at(tile.y, j)});
+                    .follow({at(emission_cell.x, i), at(emission_cell.y, j)});
             }
         begin_[kCorners * kCorners] = static_cast<uint32_t>(landings_.size());
         traced_.beams.marks.resize(landings_.size());
-        for (uint32_t j = 0; j < kCells; ++j)
-            for (uint32_t i = 0; i < kCells; ++i) fill_cell(i, j);
-        finish(tile);
-        traced_.square = tile;
-        traced_.irregular = tile.level == kFinestLevel ? 0.0f : irregularity_ * tile.area();
+        for (uint32_t j = 0; j < kGridCells; ++j)
+            for (uint32_t i = 0; i < kGridCells; ++i) fill_cell(i, j);
+        finish(emission_cell);
+        traced_.square = emission_cell;
+        traced_.irregular =
+            emission_cell.level == kFinestLevel ? 0.0f : irregularity_ * emission_cell.area();
     }
-    TracedTile take() { return std::move(traced_); }
+    TracedCell take() { return std::move(traced_); }
 
 private:
     uint32_t corner(uint32_t i, uint32_t j) const { return j * kCorners + i; }
@@ -322,7 +323,7 @@ private:
         return std::max({a.light, b.light, c.light}) * beam_size_ / std::max(area, 1e-20f);
     }
 
-    void finish(const Square& tile) {
+    void finish(const Square& emission_cell) {
         std::map<ChainKind, uint32_t> index;
         for (const Landing& landing : landings_) {
             traced_.beams.set.edges.push_back(landing.edge);
@@ -334,15 +335,16 @@ private:
             beam.kind = index[landings_[beam.edges[0]].kind];
             beam.density = density_of(beam);
         }
-        list_border(tile, index);
+        list_border(emission_cell, index);
     }
 
-    void list_border(const Square& tile, std::map<ChainKind, uint32_t>& kinds) {
-        const uint32_t cell = 1u << (kFinestLevel - tile.level);
+    void list_border(const Square& emission_cell, std::map<ChainKind, uint32_t>& kinds) {
+        const uint32_t cell = 1u << (kFinestLevel - emission_cell.level);
         for (uint32_t j = 0; j < kCorners; ++j)
             for (uint32_t i = 0; i < kCorners; ++i) {
-                if (i % kCells != 0 && j % kCells != 0) continue;
-                const uint32_t x = (tile.x * kCells + i) * cell, y = (tile.y * kCells + j) * cell;
+                if (i % kGridCells != 0 && j % kGridCells != 0) continue;
+                const uint32_t x = (emission_cell.x * kGridCells + i) * cell,
+                               y = (emission_cell.y * kGridCells + j) * cell;
                 const uint32_t at = corner(i, j);
                 for (uint32_t k = begin_[at]; k < begin_[at + 1]; ++k)
                     traced_.beams.border.push_back(
@@ -351,11 +353,11 @@ private:
     }
 
     static constexpr float kFlat = 0.999f, kFlatDepth = 0.05f;
-    // Of a cell in which a sheet ends, where a bent one has 1 at most: there are chains beyond its
-    // beams, which at the silhouette of a rippled caster no beam leads to.
+    // Irregularity of a grid cell in which a sheet ends; a bent one has at most 1. Beyond its beams there are
+    // chains that no beam leads to, as at the silhouette of a rippled caster.
     static constexpr float kEnd = 3.0f;
 
-    TracedTile traced_;
+    TracedCell traced_;
     float beam_size_;
     std::vector<Landing> landings_;
     std::array<uint32_t, kCorners * kCorners + 1> begin_{};
@@ -405,45 +407,48 @@ std::vector<Square> first_squares(std::span<const Vec2> places, size_t most) {
     return squares;
 }
 
-// Splits the least regular tiles, an eighth of them at a time.
-std::vector<TracedTile> trace_tiles(const SheetWorld& world, const LightPoint& y,
+// Traces emission cells, and splits the least regular ones, an eighth of them at a time.
+std::vector<TracedCell> trace_cells(const SheetWorld& world, const LightPoint& y,
                                     std::span<const LightPoint> around, size_t budget) {
-    std::vector<TracedTile> tiles;
+    std::vector<TracedCell> emission_cells;
     double rays = 0.0;
     const auto add = [&](const std::vector<Square>& squares) {
-        std::vector<TracedTile> traced(squares.size());
+        std::vector<TracedCell> traced(squares.size());
         parallel_for(world.threads, static_cast<uint32_t>(squares.size()), [&](uint32_t i) {
             if (world.budget.must_end()) return;
-            traced[i] = Tile(world, y, around, squares[i]).take();
+            traced[i] = EmissionCell(world, y, around, squares[i]).take();
         });
-        for (TracedTile& tile : traced) {
-            rays += static_cast<double>(tile.beams.set.rays);
-            if (!tile.beams.set.edges.empty()) tiles.push_back(std::move(tile));
+        for (TracedCell& emission_cell : traced) {
+            rays += static_cast<double>(emission_cell.beams.set.rays);
+            if (!emission_cell.beams.set.edges.empty())
+                emission_cells.push_back(std::move(emission_cell));
         }
     };
     const std::vector<Vec2> places = places_of_casters(world, y);
     add(first_squares(places, budget / 4));
-    while (!tiles.empty() && tiles.size() < budget && rays < world.most_rays &&
+    while (!emission_cells.empty() && emission_cells.size() < budget && rays < world.most_rays &&
            !world.budget.must_end()) {
-        const auto by_need = [](const TracedTile& a, const TracedTile& b) {
+        const auto by_need = [](const TracedCell& a, const TracedCell& b) {
             return a.irregular < b.irregular;
         };
-        std::stable_sort(tiles.begin(), tiles.end(), by_need);
-        size_t splits = std::min(tiles.size() / 8 + 1, (budget - tiles.size()) / 3 + 1);
+        std::stable_sort(emission_cells.begin(), emission_cells.end(), by_need);
+        size_t splits =
+            std::min(emission_cells.size() / 8 + 1, (budget - emission_cells.size()) / 3 + 1);
         std::vector<Square> finer;
-        for (; splits > 0 && !tiles.empty() && tiles.back().irregular > 0.0f; --splits) {
-            const Square& coarse = tiles.back().square;
+        for (; splits > 0 && !emission_cells.empty() && emission_cells.back().irregular > 0.0f;
+             --splits) {
+            const Square& coarse = emission_cells.back().square;
             for (uint32_t q = 0; q < 4; ++q)
                 finer.push_back({2 * coarse.x + (q & 1), 2 * coarse.y + (q >> 1), coarse.level + 1});
-            tiles.pop_back();
+            emission_cells.pop_back();
         }
         if (finer.empty()) break;
         add(finer);
     }
-    return tiles;
+    return emission_cells;
 }
 
-// Adds the tile's to all that there are; `kinds` are theirs.
+// Appends the beams of an emission cell to those of all. `kinds`: indices of all chain kinds so far.
 void append(const MarkedBeams& part, std::map<ChainKind, uint32_t>& kinds, MarkedBeams& all) {
     const auto offset = static_cast<uint32_t>(all.set.edges.size());
     all.set.edges.insert(all.set.edges.end(), part.set.edges.begin(), part.set.edges.end());
@@ -468,7 +473,7 @@ void append(const MarkedBeams& part, std::map<ChainKind, uint32_t>& kinds, Marke
     all.set.rays += part.set.rays;
 }
 
-// Marks what rays on borders have around them in all of their tiles.
+// Combines what rays on borders have around them in each of their emission cells.
 void join_borders(MarkedBeams& all) {
     std::stable_sort(all.border.begin(), all.border.end(),
                      [](const BorderRay& a, const BorderRay& b) { return a.key < b.key; });
@@ -498,12 +503,12 @@ void set_margins(MarkedBeams& all) {
 
 }  // namespace
 
-BeamSet trace_beams(const SheetWorld& world, const LightPoint& y, uint32_t tiles,
+BeamSet trace_beams(const SheetWorld& world, const LightPoint& y, uint32_t emission_cells,
                     std::span<const LightPoint> around) {
     MarkedBeams all;
     std::map<ChainKind, uint32_t> kinds;
-    for (const TracedTile& tile : trace_tiles(world, y, around, tiles))
-        append(tile.beams, kinds, all);
+    for (const TracedCell& emission_cell : trace_cells(world, y, around, emission_cells))
+        append(emission_cell.beams, kinds, all);
     join_borders(all);
     set_margins(all);
     return std::move(all.set);

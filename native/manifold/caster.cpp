@@ -35,20 +35,20 @@ void tabulate_triangles(const Scene& scene, Caster& caster, const Takes& takes) 
     caster.triangles = DiscreteDistribution(area);
 }
 
-// Of the slopes of the mapped normal over the smooth one, in Frame::around(smooth normal).
+// Statistics of the slopes of the mapped normal in Frame::around(smooth normal).
 struct MapSlopes {
     Vec2 mean{0.0f}, deviation{0.0f};
     double bends = 0.0;  // 1/m^2: mean |det d slope / d p|
 };
-// From so many random points.
+// Random points that they are measured from.
 MapSlopes measure_slopes(const Scene& scene, const Caster& caster, int points) {
     Pcg pcg(caster.instance);
     double sum[2] = {0, 0}, squares[2] = {0, 0}, bends = 0.0;
     int used = 0;
     for (int i = 0; i < points; ++i) {
         const SurfaceHit hit = sample_on(caster, pcg);
-        const CasterPatch smooth = evaluate_caster(scene, hit, true),
-                          mapped = evaluate_caster(scene, hit, false);
+        const DifferentialGeometry smooth = evaluate_caster(scene, hit, true),
+                                   mapped = evaluate_caster(scene, hit, false);
         const Frame frame = Frame::around(smooth.n);
         const Vec3 local = frame.to_local(mapped.n);
         if (!(local.z > 0.05f)) continue;
@@ -123,7 +123,7 @@ Lanes contribution_bounds(const CasterPacket& casters, const Vec3& x, const Rece
 // takes every caster for evenly bright, a focus is up to some ten times brighter.
 constexpr float kEvenShare = 0.1f;
 
-// Of several casters.
+// Sum of the bounds of several casters.
 struct BoundSum {
     float total = 0.0f;
     uint32_t possible = 0;
@@ -160,7 +160,7 @@ BoundSum sum_bounds(const CasterSet& set, const Vec3& x, const ReceiverSides& si
     return sum;
 }
 
-// Of those triangles whose material `takes` says so.
+// The caster of an instance, with the triangles whose material `takes` accepts.
 template <class Takes>
 Caster caster_of(const Scene& scene, uint32_t instance, const Takes& takes) {
     Caster caster{};
@@ -185,12 +185,12 @@ void add_caster(CasterSet& set, Caster caster) {
     set.casters.push_back(std::move(caster));
 }
 
-// Chains are met again by chance: of more it takes too long.
+// With more chains it takes searches too long to find one again.
 constexpr double kMostChainsAtFacets = 3.0;
 
-// Of a mapped rough surface, those that turn at facets of one slope, on average over slopes, where x
-// and y are as far away as the caster is large. The half-vector's slope comes to all values within
-// some area of the surface: that is also the mean number of places there where the map has it [Rice44].
+// Mean number of chains between an x and a y as far away as the caster is large, that turn at facets of one
+// slope on a mapped rough surface. Within some area of the surface the half-vector's slope takes all values,
+// so this is also the mean number of places in it where the map has a slope [Rice44].
 double chains_at_facets(const Scene& scene, const Caster& caster,
                         const SpecularInterface& interface) {
     constexpr int kPoints = 1024;  // tell a fine map from a coarse one

@@ -12,7 +12,7 @@ struct DirectionDual {
 
 // Unit direction from the moving vertex to a fixed point at `distance`; a distant end does not
 // turn.
-DirectionDual direction_to(const Vec3& w, float distance, const CasterPatch& vertex) {
+DirectionDual direction_to(const Vec3& w, float distance, const DifferentialGeometry& vertex) {
     const float inv = std::isinf(distance) ? 0.0f : 1.0f / distance;
     return {w, (w * dot(w, vertex.dp_du) - vertex.dp_du) * inv,
             (w * dot(w, vertex.dp_dv) - vertex.dp_dv) * inv};
@@ -20,7 +20,7 @@ DirectionDual direction_to(const Vec3& w, float distance, const CasterPatch& ver
 
 std::optional<ConstraintValue> half_vector(Interaction interaction, float eta,
                                            const DirectionDual& wi, const DirectionDual& wo,
-                                           const CasterPatch& vertex) {
+                                           const DifferentialGeometry& vertex) {
     // [Walter07 Eq. 16], unnormalised; its sign does not matter to a root.
     const float scale = interaction == Interaction::reflection ? 1.0f : eta;
     const Vec3 sum = wi.w + wo.w * scale;
@@ -43,7 +43,7 @@ std::optional<ConstraintValue> half_vector(Interaction interaction, float eta,
 
 // Direction into which light from wi leaves, with derivatives. Empty at total internal reflection.
 std::optional<DirectionDual> scattered(Interaction interaction, float eta, const DirectionDual& wi,
-                                       const CasterPatch& vertex) {
+                                       const DifferentialGeometry& vertex) {
     const Vec3& n = vertex.n;
     const float cos_i = dot(wi.w, n);
     if (interaction == Interaction::reflection) {
@@ -69,7 +69,7 @@ std::optional<DirectionDual> scattered(Interaction interaction, float eta, const
 
 std::optional<ConstraintValue> angle_difference(Interaction interaction, float eta,
                                                 const DirectionDual& wi, const DirectionDual& wo,
-                                                const CasterPatch& vertex) {
+                                                const DifferentialGeometry& vertex) {
     const std::optional<DirectionDual> s = scattered(interaction, eta, wi, vertex);
     if (!s) return std::nullopt;
     // Stereographic, 2 tan(angle / 2) along the plane across wo: no pole near a solution, nothing to
@@ -96,9 +96,10 @@ bool has_interaction(const SpecularInterface& specular, Interaction interaction)
     return interaction == Interaction::reflection ? specular.reflects : specular.refracts;
 }
 
-bool sides_agree(const CasterPatch& patch, const Vec3& wi, const Vec3& wo, Interaction interaction) {
-    const float geometric = dot(patch.ng, wi) * dot(patch.ng, wo),
-                shading = dot(patch.n, wi) * dot(patch.n, wo);
+bool sides_agree(const DifferentialGeometry& geometry, const Vec3& wi, const Vec3& wo,
+                 Interaction interaction) {
+    const float geometric = dot(geometry.ng, wi) * dot(geometry.ng, wo),
+                shading = dot(geometry.n, wi) * dot(geometry.n, wo);
     return interaction == Interaction::reflection ? geometric > 0.0f && shading > 0.0f
                                                   : geometric < 0.0f && shading < 0.0f;
 }
@@ -116,7 +117,8 @@ Constraint constraint_for(Constraint preferred, Interaction interaction, float e
 
 std::optional<ConstraintValue> evaluate_constraint(Constraint constraint, Interaction interaction,
                                                    float eta, const Vec3& x,
-                                                   const CasterPatch& vertex, const ChainEnd& end) {
+                                                   const DifferentialGeometry& vertex,
+                                                   const ChainEnd& end) {
     const Vec3 to_x = x - vertex.p;
     const float distance_x = length(to_x);
     float distance_y = 0.0f;
@@ -148,13 +150,14 @@ RayDual ray_dual_from(const Vec3& w) {
     return {Vec3d(w), {Vec3d(0.0), Vec3d(0.0)}, {Vec3d(frame.x), Vec3d(frame.y)}};
 }
 
-bool pass_vertex(const ChainVertex& vertex, double distance, RayDual& ray) {
-    const CasterPatch& patch = vertex.patch;
-    const Vec3d pu(patch.dp_du), pv(patch.dp_dv), nu(patch.dn_du), nv(patch.dn_dv), ng(patch.ng);
+bool propagate_through_vertex(const ChainVertex& vertex, double distance, RayDual& ray) {
+    const DifferentialGeometry& geometry = vertex.geometry;
+    const Vec3d pu(geometry.dp_du), pv(geometry.dp_dv), nu(geometry.dn_du), nv(geometry.dn_dv),
+        ng(geometry.ng);
     const Vec3d d = ray.d;
     // The normal on the side that the ray comes from.
-    const double side = dot(Vec3d(patch.n), d) > 0.0 ? -1.0 : 1.0;
-    const Vec3d n = Vec3d(patch.n) * side;
+    const double side = dot(Vec3d(geometry.n), d) > 0.0 ? -1.0 : 1.0;
+    const Vec3d n = Vec3d(geometry.n) * side;
     const double dn = dot(d, n), dng = dot(d, ng);
     if (std::abs(dng) < 1e-9 || std::abs(dn) < 1e-9) return false;
 
@@ -197,13 +200,13 @@ std::optional<ChainDerivative> chain_derivative(const Vec3& x, std::span<const C
     Vec3d from(x);
     float unused;
     RayDual ray =
-        ray_dual_from(chain.empty() ? end.from(x, unused) : normalize(chain.front().patch.p - x));
+        ray_dual_from(chain.empty() ? end.from(x, unused) : normalize(chain.front().geometry.p - x));
     for (const ChainVertex& vertex : chain) {
-        const Vec3d along = Vec3d(vertex.patch.p) - from;
+        const Vec3d along = Vec3d(vertex.geometry.p) - from;
         const double distance = length(along);
         ray.d = along / distance;
-        if (!pass_vertex(vertex, distance, ray)) return std::nullopt;
-        from = Vec3d(vertex.patch.p);
+        if (!propagate_through_vertex(vertex, distance, ray)) return std::nullopt;
+        from = Vec3d(vertex.geometry.p);
     }
     const Frame frame = Frame::around(Vec3(ray.d));
     const Vec3d e1(frame.x), e2(frame.y);

@@ -7,31 +7,31 @@ namespace spc {
 
 namespace {
 
-// The area (m^2) of a caster on which the slope that turns light to one point changes by one in both of
-// its directions: with D between the distances to the receiver and to the light, a mirror's slope changes
-// by 1 / 2 D for each metre. The largest mean of the caster's interactions; 0 where none leads to a
-// surface.
+// The area (m^2) of a caster on which the slope that turns light to one point changes by one in both of its
+// directions. With 1 / D = 1 / (distance to the receiver) + 1 / (distance to the light), a mirror's slope
+// changes by 1 / 2 D per metre. Returns the mean of the interaction with the largest one; 0 if none leads
+// to a surface.
 double area_of_a_slope(const Scene& scene, const LightSet& lights, const Caster& caster, Pcg& pcg) {
     constexpr int kRays = 64;
     constexpr std::array kinds{Interaction::reflection, Interaction::refraction};
     std::array<double, kinds.size()> sum{}, count{};
     for (int i = 0; i < kRays; ++i) {
         const SurfaceHit hit = sample_on(caster, pcg);
-        const CasterPatch patch = evaluate_caster(scene, hit, true);
+        const DifferentialGeometry geometry = evaluate_caster(scene, hit, true);
         const SpecularInterface& specular = scene.material_of(hit).specular;
         const Vec2 u = pcg.two();
         const std::optional<LightPoint> y =
             sample_light_point(lights, scene, Vec3(u.x, u.y, pcg.one()));
         if (!y) continue;
         float to_light = kInfinity;
-        const Vec3 w = ChainEnd{y->distant, y->p, y->direction}.from(patch.p, to_light);
+        const Vec3 w = ChainEnd{y->distant, y->p, y->direction}.from(geometry.p, to_light);
         for (size_t k = 0; k < kinds.size(); ++k) {
             if (!has_interaction(specular, kinds[k])) continue;
             RayDual ray = ray_dual_from(w * -1.0f);
-            const float eta = eta_seen_from(patch.ng, w, specular.ior);
-            if (!pass_vertex({kinds[k], eta, patch}, 0.0, ray)) continue;
+            const float eta = eta_seen_from(geometry.ng, w, specular.ior);
+            if (!propagate_through_vertex({kinds[k], eta, geometry}, 0.0, ray)) continue;
             const Vec3 out(ray.d);
-            const Vec3 origin = offset_origin({patch.p, patch.ng, patch.p_error}, out);
+            const Vec3 origin = offset_origin({geometry.p, geometry.ng, geometry.p_error}, out);
             const std::optional<Hit> next =
                 scene.accel->intersect({origin, out, 0.0f, kInfinity}, kVisibleScattered);
             if (!next || next->light != kNone) continue;
@@ -97,15 +97,16 @@ std::vector<double> chains_by_sheets(const CasterSet& casters, const SheetPool& 
                                      uint32_t seed) {
     constexpr uint32_t kPoints = 256;  // of each sheet
     std::vector<double> sum(casters.casters.size(), 0.0), lit = sum, of_point = sum;
-    std::vector<Lead> leads;
+    std::vector<SheetSeed> chain_seeds;
     for (size_t s = 0; s < sheets.size(); ++s) {
         Pcg pcg(mix_bits(seed + (uint64_t{s} << 32)));
         for (const Vec3& p : sheets[s]->lit_points(kPoints, pcg)) {
-            leads.clear();
-            sheets[s]->find_leads(p, Vec3(0.0f), std::numeric_limits<float>::max(), 0.0f, leads);
+            chain_seeds.clear();
+            sheets[s]->find_seeds(p, Vec3(0.0f), std::numeric_limits<float>::max(), 0.0f,
+                                  chain_seeds);
             std::fill(of_point.begin(), of_point.end(), 0.0);
-            for (const Lead& lead : leads)
-                if (lead.inside) count_casters(casters, *lead.kind, of_point);
+            for (const SheetSeed& chain_seed : chain_seeds)
+                if (chain_seed.inside) count_casters(casters, *chain_seed.kind, of_point);
             for (size_t i = 0; i < sum.size(); ++i) {
                 sum[i] += of_point[i];
                 lit[i] += of_point[i] > 0.0 ? 1.0 : 0.0;

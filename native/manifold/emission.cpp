@@ -208,7 +208,8 @@ Ray ray_at(const EmissionGuide& guide, const LightPoint& y, const Vec2& place) {
     return {y.p, normalize(cone.frame.to_world(to_cone(place, cone.one_minus_cos)))};
 }
 
-Vec3 leave_light(const Scene& scene, const LightPoint& y, const Vec3& origin, const Vec3& direction) {
+Vec3 offset_from_light(const Scene& scene, const LightPoint& y, const Vec3& origin,
+                       const Vec3& direction) {
     if (y.surface.instance == kNone) return origin;
     return offset_origin({y.p, y.n, position_error(scene, y.surface.instance, y.surface.triangle)},
                          direction);

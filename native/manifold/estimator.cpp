@@ -9,8 +9,9 @@ namespace spc {
 
 namespace {
 
-// Chains of less throughput have their trials counted by chance, of no less than that.
-constexpr float kWeak = 1.0f / 4, kLeastChance = 1.0f / 16;
+// Chains of throughput below kWeak have their trials counted only with a proportional probability, at least
+// kLeastProbability.
+constexpr float kWeak = 1.0f / 4, kLeastProbability = 1.0f / 16;
 
 ReceiverSides sides_of(const Receiver& receiver) {
     return {receiver.ng, receiver.camera == nullptr && has_smooth_transmission(*receiver.closures)};
@@ -46,8 +47,8 @@ public:
                }));
     }
 
-    // The same of chains with several vertices, which shots find.
-    Spectrum unbiased_long(Pcg& pcg) { return by_chance({techniques_.casters, 2}, pcg); }
+    // The same for chains with several vertices, which shots find.
+    Spectrum unbiased_long(Pcg& pcg) { return by_random_search({techniques_.casters, 2}, pcg); }
 
     // The sum over the different solutions of a fixed number of walks.
     Spectrum biased(const Caster& caster, Pcg& pcg) {
@@ -63,35 +64,36 @@ public:
                                      [](const ChainSolution& one) { return one.chain; });
     }
 
-    // The sum over the solutions to which a sheet leads, weak ones by chance. What it misses at its
-    // folds and ends is left to walks, as many as it takes to find it again: they have next to
-    // nothing to find.
+    // The sum over the chains that sheet seeds find, weak ones with a probability. What the sheet misses at
+    // its folds and ends is left to a random search with trials, which rarely finds anything.
     ManifoldRadiance by_sheet(const LightSheet* sheet, float sure, bool draws, Pcg& pcg) {
-        const float search_chance = sheet != nullptr ? settings_.search_chance : 1.0f;
-        // Of light that is 1 by area at the receiver.
-        const float worth = sure > 0.0f ? receiver_.importance / (y_.pdf * sure)
-                                        : std::numeric_limits<float>::max();
+        const float search_probability = sheet != nullptr ? settings_.search_probability : 1.0f;
+        // Turns a beam's density, the irradiance at the receiver, into the probability of its seed.
+        const float probability_per_density = sure > 0.0f ? receiver_.importance / (y_.pdf * sure)
+                                                          : std::numeric_limits<float>::max();
         FoundChains found;
         const float u = pcg.one();
         const uint64_t work_before = stats_.work();
         if (sheet != nullptr)
-            shoot_leads(scene_, settings_, *sheet, start(), y_, worth, u, found, stats_);
+            shoot_seeds(scene_, settings_, *sheet, start(), y_, probability_per_density, u, found,
+                        stats_);
         ManifoldRadiance result;
         for (const FoundChain& one : found)
-            result.led += contribution(one.solution.chain) * (1.0f / one.chance);
+            result.seeded += contribution(one.solution.chain) * (1.0f / one.probability);
         stats_.roots += found.size();
-        result.work_of_leads = stats_.work() - work_before;
-        if (!draws || pcg.one() >= search_chance) return result;
+        result.seed_work = stats_.work() - work_before;
+        if (!draws || pcg.one() >= search_probability) return result;
         const Search search{techniques_.casters};
         const CasterChoice caster = choose(search, pcg);
         const std::optional<ChainSolution> missed = random_chain(search, caster, pcg);
         if (!missed || find_chain(settings_, found, *missed) != nullptr) return result;
         if (sheet != nullptr)
-            shoot_leads(scene_, settings_, *sheet, start(), y_, worth, 0.0f, found, stats_);
+            shoot_seeds(scene_, settings_, *sheet, start(), y_, probability_per_density, 0.0f,
+                        found, stats_);
         if (find_chain(settings_, found, *missed) != nullptr) return result;
         result.drawn = of_missed(missed->chain, pcg,
                                  [&] { return comes_again(search, caster, *missed, pcg); }) *
-                       (1.0f / (caster.probability * search_chance));
+                       (1.0f / (caster.probability * search_probability));
         if (is_black(result.drawn)) return result;
         ++stats_.missed;
         stats_.missed_energy += static_cast<double>(luminance(result.drawn));
@@ -101,38 +103,38 @@ public:
     // One chain among facets that are drawn once.
     Spectrum by_facets(Pcg& pcg) {
         const FrozenFacets facets = freeze_facets(pcg);
-        return by_chance({techniques_.rough_chain_casters, 1, &facets}, pcg);
+        return by_random_search({techniques_.rough_chain_casters, 1, &facets}, pcg);
     }
 
-    // Of chains that leads come to.
-    void highlights(std::vector<Highlight>& out) {
+    // Appends the camera chains that chain seeds find.
+    void camera_chains(std::vector<CameraChain>& out) {
         FoundChains found;
-        shoot_leads(techniques_, start(), y_, found, stats_);
+        shoot_seeds(techniques_, start(), y_, found, stats_);
         stats_.roots += found.size();
         for (const FoundChain& one : found) {
             const Spectrum value = contribution(one.solution.chain);
-            if (!is_black(value)) out.push_back({one.solution.chain.vertices[0].patch.p, value});
+            if (!is_black(value)) out.push_back({one.solution.chain.vertices[0].geometry.p, value});
         }
     }
 
-    // Of those that none comes to, by a search of one pixel.
-    std::optional<Highlight> missed_highlight(const Vec2& pixel, Pcg& pcg) {
+    // A camera chain that no chain seed finds, by a search in one pixel.
+    std::optional<CameraChain> missed_camera_chain(const Vec2& pixel, Pcg& pcg) {
         const auto search = [&] {
             return search_pixel(techniques_, start(), pixel, end_of(y_), pcg, stats_);
         };
         const std::optional<ChainSolution> missed = search();
-        if (!missed || is_led_to(techniques_, start(), end_of(y_), y_.light, *missed, stats_))
+        if (!missed || any_seed_finds(techniques_, start(), end_of(y_), y_.light, *missed, stats_))
             return std::nullopt;
         const Spectrum value = of_missed(missed->chain, pcg, [&] {
             const std::optional<ChainSolution> again = search();
             return again && same_solution(settings_, *missed, *again);
         });
         if (is_black(value)) return std::nullopt;
-        return Highlight{missed->chain.vertices[0].patch.p, value};
+        return CameraChain{missed->chain.vertices[0].geometry.p, value};
     }
 
     // From a ray of the camera's and its first `count` turns.
-    std::optional<ChainSolution> highlight_near(const FollowedRay& ray, uint32_t count) {
+    std::optional<ChainSolution> camera_chain_near(const FollowedRay& ray, uint32_t count) {
         std::optional<ChainSolution> found =
             shoot(scene_, settings_, start(), end_of(y_), ray.kind.first(count), ray.w,
                   settings_.max_halvings, stats_);
@@ -140,12 +142,12 @@ public:
         return found;
     }
 
-    // The solution to which the straight line leads, and that from the middle of a caster.
-    Spectrum from_fixed_starts(uint32_t caster) {
+    // The chains of both MNEE seeds: the straight line, and the middle of a caster.
+    Spectrum from_mnee_seeds(uint32_t caster) {
         Spectrum sum(0.0f);
         for (const Interaction first : {Interaction::refraction, Interaction::reflection})
             if (const std::optional<ChainSolution> found =
-                    shoot_from_fixed_start(techniques_, start(), end_of(y_), first, caster, stats_))
+                    shoot_from_mnee_seed(techniques_, start(), end_of(y_), first, caster, stats_))
                 sum += contribution(found->chain);
         return sum;
     }
@@ -155,7 +157,7 @@ private:
         Chain chain;
         chain.count = 1;
         chain.hits[0] = root.hit;
-        chain.vertices[0] = {root.interaction, root.eta, root.patch};
+        chain.vertices[0] = {root.interaction, root.eta, root.geometry};
         return chain;
     }
 
@@ -173,12 +175,12 @@ private:
                              pcg.one());
     }
 
-    // From a random direction towards the caster, with every interaction on the way left to chance:
-    // finds any chain that begins there with some probability.
+    // A shot from a random direction towards the caster, with a random interaction at every vertex. It finds
+    // every chain that begins at the caster with some probability.
     std::optional<ChainSolution> random_chain(const Search& search, const CasterChoice& first,
                                               Pcg& pcg) {
         if (first.index == kNone) return std::nullopt;
-        const std::optional<ChainStart> chain = sample_chain(
+        const std::optional<ChainSeed> chain = sample_chain(
             scene_, settings_, start(), search.casters, first.index, pcg, stats_, search.facets);
         if (!chain || chain->kind.count < search.fewest) return std::nullopt;
         return shoot(scene_, settings_, start(), end_of(y_), chain->kind, chain->w,
@@ -186,7 +188,7 @@ private:
     }
 
     // One solution, weighted by how many more times it takes to find it again.
-    Spectrum by_chance(const Search& search, Pcg& pcg) {
+    Spectrum by_random_search(const Search& search, Pcg& pcg) {
         const CasterChoice first = choose(search, pcg);
         const std::optional<ChainSolution> solution = random_chain(search, first, pcg);
         if (!solution) return Spectrum(0.0f);
@@ -200,14 +202,14 @@ private:
                (1.0f / first.probability);
     }
 
-    // The value over the chance to find its solution, by trials until it comes again. Chains of little
-    // throughput take as many as others, so that only some are counted.
+    // `value` times the number of trials until its solution is found again, which estimates 1 / p_k. Chains of
+    // little throughput take as many trials as others, so only some of them are counted.
     template <class Trial>
     Spectrum counted(const Spectrum& value, float strength, Pcg& pcg, const Trial& comes_again) {
         if (is_black(value)) return value;
-        const float chance = std::clamp(strength / kWeak, kLeastChance, 1.0f);
-        if (pcg.one() >= chance) return Spectrum(0.0f);
-        return value * (static_cast<float>(trials_until(comes_again)) / chance);
+        const float probability = std::clamp(strength / kWeak, kLeastProbability, 1.0f);
+        if (pcg.one() >= probability) return Spectrum(0.0f);
+        return value * (static_cast<float>(trials_until(comes_again)) / probability);
     }
 
     bool comes_again(const Search& search, const CasterChoice& first, const ChainSolution& solution,
@@ -240,12 +242,12 @@ private:
         double scale;  // of its light, where the manifold is sure to find it
         float strength() const { return max_component(throughput); }
     };
-    // Of chains among facets, those alone that have a rough vertex: the others are found without.
+    // With `among_facets` only chains that have a rough vertex count; the others are found without facets.
     std::optional<Connection> connect(const Chain& chain, bool among_facets = false) const {
-        const Vec3 wi = normalize(chain.vertices[0].patch.p - receiver_.p);
+        const Vec3 wi = normalize(chain.vertices[0].geometry.p - receiver_.p);
         const ClosureEval at_x = scattering_at_x(wi);
         if (is_black(at_x.f_cos)) return std::nullopt;
-        const Vec3& last = chain.vertices[chain.count - 1].patch.p;
+        const Vec3& last = chain.vertices[chain.count - 1].geometry.p;
         float distance_y = 0.0f;
         const Vec3 away = end_of(y_).from(last, distance_y) * -1.0f;
         Connection result;
@@ -265,7 +267,7 @@ private:
         LightEnd end = light_end(y_, away);
         if (path.vertices[path.count - 1].rough) {
             const Vec3& before =
-                chain.count > 1 ? chain.vertices[chain.count - 2].patch.p : receiver_.p;
+                chain.count > 1 ? chain.vertices[chain.count - 2].geometry.p : receiver_.p;
             Surface at_last;
             evaluate_surface(scene_, chain.hits[chain.count - 1], normalize(before - last), at_last);
             end.pdf_direct = pdf_direct(lights_, scene_, lit_point(at_last), y_);
@@ -274,7 +276,7 @@ private:
         if (!densities || !(densities->geometry > 0.0) || !(densities->manifold > 0.0))
             return std::nullopt;
         result.densities = *densities;
-        result.scale = manifold_worth(techniques_, path) * densities->scale();
+        result.scale = manifold_confidence(techniques_, path) * densities->scale();
         const bool shared = !among_facets && receiver_.rough_before != nullptr;
         result.f_cos = shared ? left_by_rough_chains(
                                     techniques_,
@@ -297,7 +299,7 @@ private:
         return light_of(*connection, chain) * static_cast<float>(connection->scale);
     }
 
-    // The same of a chain that a definite search misses, without what is shared with others.
+    // The contribution of a chain that seeds miss, with the weight of searches for such chains.
     template <class Trial>
     Spectrum of_missed(const Chain& chain, Pcg& pcg, const Trial& comes_again) {
         const std::optional<Connection> connection = connect(chain);
@@ -322,7 +324,7 @@ private:
     ClosureEval scattering_at_x(const Vec3& wi) const {
         if (receiver_.camera == nullptr)
             return eval(*receiver_.closures, receiver_.ng, receiver_.wo, wi);
-        const float density = receiver_.camera->film_per_solid_angle(wi);
+        const float density = receiver_.camera->film_density_omega(wi);
         return {Spectrum(density), density};
     }
 
@@ -336,7 +338,7 @@ private:
         if ((light_visibility(lights_, y_.light) & kind_at(last)) == 0) return Spectrum(0.0f);
         uint32_t transparent_left = receiver_.transparent_left;
         Media media = *receiver_.media;
-        const Vec3 first = chain.vertices[0].patch.p - receiver_.p;
+        const Vec3 first = chain.vertices[0].geometry.p - receiver_.p;
         if (dot(receiver_.ng, first) < 0.0f) media.cross(scene_, receiver_.hit, first);
         Spectrum through(1.0f);
         RayStart from = start();
@@ -344,14 +346,14 @@ private:
             from.p += first * (receiver_.camera->clip_near / dot(receiver_.ng, first));
         uint32_t kind = receiver_.camera != nullptr ? kVisibleCamera : kVisibleDiffuse;
         for (uint32_t i = 0; i < chain.count; ++i) {
-            const CasterPatch& patch = chain.vertices[i].patch;
+            const DifferentialGeometry& geometry = chain.vertices[i].geometry;
             // Chains that look through a caster are path tracing's: CausticPath::through_caster.
-            through *= transmittance(scene_, from, end_on(scene_, chain.hits[i], patch), kind,
+            through *= transmittance(scene_, from, end_on(scene_, chain.hits[i], geometry), kind,
                                      transparent_left, media, stats_.rays, Opaque::casters_too);
             if (is_black(through)) return through;
             if (chain.vertices[i].interaction == Interaction::refraction)
-                media.cross(scene_, chain.hits[i], patch.p - from.p);
-            from = {patch.p, patch.ng, patch.p_error};
+                media.cross(scene_, chain.hits[i], geometry.p - from.p);
+            from = {geometry.p, geometry.ng, geometry.p_error};
             kind = kind_at(i);
         }
         if (scene_.material_of(chain.hits[last]).interface().is_rough() && !casts_shadow())
@@ -405,8 +407,8 @@ CausticPath caustic_path(const Scene& scene, const Receiver& receiver, const Clo
     path.sides = sides_of(receiver);
     path.pdf_omega = at_x.pdf_omega;
     path.receiver = true;
-    path.approach = receiver.approach.bounces;
-    set_film_per_area(scene, receiver.approach, receiver.hit, receiver.wo, wi, path);
+    path.camera_subpath = receiver.camera_subpath.bounces;
+    set_film_density(scene, receiver.camera_subpath, receiver.hit, receiver.wo, wi, path);
     path.folds = receiver.folds;
     path.before = receiver.before;
     return path;
@@ -433,7 +435,7 @@ ManifoldRadiance manifold_radiance(const Techniques& techniques, const Receiver&
                                               sampler[Domain::manifold_caster].one());
     if (choice.index == kNone) return result;
     const Caster& caster = casters.casters[choice.index];
-    result.drawn += settings.finder == ChainFinder::mnee ? estimate.from_fixed_starts(choice.index)
+    result.drawn += settings.finder == ChainFinder::mnee ? estimate.from_mnee_seeds(choice.index)
                     : settings.biased                    ? estimate.biased(caster, pcg)
                                                          : estimate.unbiased(caster, pcg);
     return result;
@@ -449,37 +451,37 @@ Spectrum rough_chain_radiance(const Techniques& techniques, const Receiver& rece
     return Estimate(techniques, receiver, *y, stats).by_facets(pcg);
 }
 
-void find_highlights(const Techniques& techniques, const Receiver& camera, const Sampler& sampler,
-                     std::vector<Highlight>& found, ManifoldStats& stats) {
+void find_camera_chains(const Techniques& techniques, const Receiver& camera, const Sampler& sampler,
+                        std::vector<CameraChain>& found, ManifoldStats& stats) {
     const std::optional<LightPoint> y = sample_light_point(
-        techniques.lights, techniques.scene, sampler[Domain::highlight_light].three());
-    if (!y || !techniques.highlights->has(y->light)) return;
+        techniques.lights, techniques.scene, sampler[Domain::camera_chain_light].three());
+    if (!y || !techniques.camera_chains->has(y->light)) return;
     ++stats.estimates;
-    Estimate(techniques, camera, *y, stats).highlights(found);
+    Estimate(techniques, camera, *y, stats).camera_chains(found);
 }
 
-std::optional<Highlight> search_highlight(const Techniques& techniques, const Receiver& camera,
-                                          const Vec2& pixel, const Sampler& sampler,
-                                          ManifoldStats& stats) {
+std::optional<CameraChain> search_camera_chain(const Techniques& techniques, const Receiver& camera,
+                                               const Vec2& pixel, const Sampler& sampler,
+                                               ManifoldStats& stats) {
     const std::optional<LightPoint> y = sample_light_point(
-        techniques.lights, techniques.scene, sampler[Domain::highlight_light].three());
-    if (!y || !techniques.highlights->has(y->light)) return std::nullopt;
-    Pcg pcg(sampler[Domain::highlight_seeds].stream_seed());
-    return Estimate(techniques, camera, *y, stats).missed_highlight(pixel, pcg);
+        techniques.lights, techniques.scene, sampler[Domain::camera_chain_light].three());
+    if (!y || !techniques.camera_chains->has(y->light)) return std::nullopt;
+    Pcg pcg(sampler[Domain::camera_chain_seeds].stream_seed());
+    return Estimate(techniques, camera, *y, stats).missed_camera_chain(pixel, pcg);
 }
 
-void add_random_highlights(const Techniques& techniques, const Receiver& camera, const Vec2& film,
-                           float reach, const Sampler& sampler, std::vector<RandomHighlight>& found,
-                           ManifoldStats& stats) {
+void add_random_camera_chains(const Techniques& techniques, const Receiver& camera,
+                              const Vec2& film, float radius, const Sampler& sampler,
+                              std::vector<RandomCameraChain>& found, ManifoldStats& stats) {
     constexpr uint32_t kLights = 16;  // at most, behind each turn
     const ManifoldSettings& settings = techniques.manifold;
-    Pcg pcg(sampler[Domain::highlight_seeds].stream_seed());
+    Pcg pcg(sampler[Domain::camera_chain_seeds].stream_seed());
     const std::optional<FollowedRay> ray =
         follow_camera_ray(techniques.scene, settings, camera.camera->ray_from(camera.p, film),
                           techniques.casters, pcg, stats);
     if (!ray) return;
-    const float most_turn = reach / std::sqrt(camera.camera->film_per_solid_angle(ray->w));
-    const Vec3 u = sampler[Domain::highlight_light].three();
+    const float most_turn = radius / std::sqrt(camera.camera->film_density_omega(ray->w));
+    const Vec3 u = sampler[Domain::camera_chain_light].three();
     uint32_t light = kNone;
     for (uint32_t i = 0; i < kLights; ++i) {
         const float chosen = (static_cast<float>(i) + u.x) / static_cast<float>(kLights);
@@ -490,16 +492,16 @@ void add_random_highlights(const Techniques& techniques, const Receiver& camera,
         for (uint32_t n = ray->fewest; n <= ray->kind.count; ++n) {
             if (!(turn_towards(ray->behind[n - 1], end_of(*y)) < most_turn)) continue;
             const std::optional<ChainSolution> solution =
-                Estimate(techniques, camera, *y, stats).highlight_near(*ray, n);
+                Estimate(techniques, camera, *y, stats).camera_chain_near(*ray, n);
             if (solution) found.push_back({*y, *solution});
         }
     }
 }
 
-bool leads_to(const Techniques& techniques, const Receiver& camera, const HighlightLead& lead,
-              const RandomHighlight& highlight, ManifoldStats& stats) {
-    return leads_to(techniques, start_of(camera), end_of(highlight.y), lead, highlight.solution,
-                    stats);
+bool seed_finds(const Techniques& techniques, const Receiver& camera, const ChainSeed& chain_seed,
+                const RandomCameraChain& camera_chain, ManifoldStats& stats) {
+    return seed_finds(techniques, start_of(camera), end_of(camera_chain.y), chain_seed,
+                      camera_chain.solution, stats);
 }
 
 }  // namespace spc

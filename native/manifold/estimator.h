@@ -3,8 +3,8 @@
 //
 //   L(x, wo) = sum over chains of  int f(x) cos T L(y) |dw/dA_y| dA_y
 //
-// A point y is drawn by power. The chains to it come from random walks on one caster, drawn by its
-// bound, and random shots for those of several interactions, from a light sheet, or from fixed starts.
+// A light point y is drawn by power. The chains to it are found by walks on one caster, which is drawn by
+// its bound, and random shots for several interactions; or by the seeds of a light sheet; or by MNEE seeds.
 #pragma once
 
 #include "bsdf/closure.h"
@@ -14,71 +14,72 @@
 
 namespace spc {
 
-// What a path knows of the vertex where a chain may begin. Where that is the camera, `ng` is its
-// viewing axis, `importance` and `approach` say nothing, and there are no closures.
+// The vertex of a path where a chain may begin. If that is the camera, `ng` is its viewing axis,
+// `importance` and `camera_subpath` are unused, and there are no closures.
 struct Receiver {
     Vec3 p;
     float p_error;  // m, see RayStart
     Vec3 ng;        // on the side of wo
     Vec3 wo;
     const ClosureList* closures;
-    uint32_t transparent_left;  // surfaces that the rest of the path may be looked through
-    const Media* media;         // on the side of wo
+    uint32_t transparent_left;  // transparent surfaces that the rest of the path may pass through
+    const Media* media;         // media on the side of wo
     SurfaceHit hit;
-    CameraApproach approach;
+    CameraSubpath camera_subpath;
     BounceCounts before;  // see CausticPath
-    // What irradiance adds to the pixel's radiance, about; largest channel.
+    // About the radiance that unit irradiance here adds to the pixel, largest channel.
     float importance;
-    const CausticPath* rough_before;        // see RoughVisit; null: there is none
+    const CausticPath* rough_before;        // RoughVisit::before
     const FoldDirections* folds = nullptr;  // see CausticPath
     const Camera* camera = nullptr;
 };
 
-// The path of light that arrives from the direction wi, without its chain and its light: `at_x`
-// evaluates the receiver there.
+// The path whose light arrives at the receiver from wi, still without its chain. `at_x`: the receiver's
+// closures evaluated for wi.
 CausticPath caustic_path(const Scene& scene, const Receiver& receiver, const ClosureEval& at_x,
                          const Vec3& wi);
 
-// Radiance from a receiver towards its wo. What each estimate has, where sheets lead it, and what is
-// left to chance.
+// Radiance from a receiver towards its wo, in two parts: of chains that sheet seeds find, and of those
+// that the random search finds.
 struct ManifoldRadiance {
-    Spectrum led{0.0f}, drawn{0.0f};
-    uint64_t work_of_leads = 0;  // Newton iterations and rays
+    Spectrum seeded{0.0f}, drawn{0.0f};
+    uint64_t seed_work = 0;  // Newton iterations and rays
 };
-// One estimate; without `draws`, which only sheets do without, of what leads come to alone.
+// One estimate. Without `draws` the random search is left out; only sheets allow that.
 ManifoldRadiance manifold_radiance(const Techniques& techniques, const Receiver& receiver,
                                    const LightSheets& sheets, bool draws, const Sampler& sampler,
                                    ManifoldStats& stats);
 
-// The same of chains with rough vertices alone, each at a facet that is drawn anew.
+// One estimate of rough chains alone. Each draws the facets of its vertices anew.
 Spectrum rough_chain_radiance(const Techniques& techniques, const Receiver& receiver,
                               const Sampler& sampler, ManifoldStats& stats);
 
-// What the camera sees of a light in casters.
-struct Highlight {
-    Vec3 p;          // of the chain's first vertex
-    Spectrum value;  // radiance times pixels^2
+// A camera chain as the film sees it.
+struct CameraChain {
+    Vec3 p;          // position of the chain's first vertex
+    Spectrum value;  // radiance times pixels^2 of the film
 };
-// One estimate of those that leads come to: appends them.
-void find_highlights(const Techniques& techniques, const Receiver& camera, const Sampler& sampler,
-                     std::vector<Highlight>& found, ManifoldStats& stats);
-// One search in a pixel, by its corner, for one that no lead comes to.
-std::optional<Highlight> search_highlight(const Techniques& techniques, const Receiver& camera,
-                                          const Vec2& pixel, const Sampler& sampler,
-                                          ManifoldStats& stats);
+// One estimate: appends the camera chains to one light point that chain seeds find.
+void find_camera_chains(const Techniques& techniques, const Receiver& camera, const Sampler& sampler,
+                        std::vector<CameraChain>& found, ManifoldStats& stats);
+// One random search in a pixel, given by its lower left corner, for a chain that no chain seed finds.
+std::optional<CameraChain> search_camera_chain(const Techniques& techniques, const Receiver& camera,
+                                               const Vec2& pixel, const Sampler& sampler,
+                                               ManifoldStats& stats);
 
-// One that a random ray came near, as techniques.highlights would share it if it had leads to it.
-struct RandomHighlight {
+// A camera chain near which a random ray came.
+struct RandomCameraChain {
     LightPoint y;
     ChainSolution solution;
 };
-// Follows a ray from there on the film through casters, and appends what is within `reach` pixels of
-// it, by how the ray leaves each of them.
-void add_random_highlights(const Techniques& techniques, const Receiver& camera, const Vec2& film,
-                           float reach, const Sampler& sampler, std::vector<RandomHighlight>& found,
-                           ManifoldStats& stats);
-// Whether the lead comes to it.
-bool leads_to(const Techniques& techniques, const Receiver& camera, const HighlightLead& lead,
-              const RandomHighlight& highlight, ManifoldStats& stats);
+// Follows a camera ray through the casters and appends the camera chains within `radius` pixels of it
+// that carry light by the weights of techniques.camera_chains. How the ray leaves each caster tells
+// whether a light is near.
+void add_random_camera_chains(const Techniques& techniques, const Receiver& camera,
+                              const Vec2& film, float radius, const Sampler& sampler,
+                              std::vector<RandomCameraChain>& found, ManifoldStats& stats);
+// Whether the chain seed finds this camera chain.
+bool seed_finds(const Techniques& techniques, const Receiver& camera, const ChainSeed& chain_seed,
+                const RandomCameraChain& camera_chain, ManifoldStats& stats);
 
 }  // namespace spc

@@ -13,100 +13,102 @@ FoundChain* find_chain(const ManifoldSettings& settings, FoundChains& found,
 namespace {
 
 FoundChain& add(const ManifoldSettings& settings, FoundChains& found, const ChainSolution& solution,
-                float chance) {
+                float probability) {
     FoundChain* known = find_chain(settings, found, solution);
-    if (known == nullptr) known = &found.emplace_back(FoundChain{solution, chance});
-    known->chance = std::max(known->chance, chance);
+    if (known == nullptr) known = &found.emplace_back(FoundChain{solution, probability});
+    known->probability = std::max(known->probability, probability);
     return *known;
 }
 
 }  // namespace
 
-void shoot_leads(const Scene& scene, const ManifoldSettings& settings, const LightSheet& sheet,
-                 const RayStart& x, const LightPoint& y, float worth, float u, FoundChains& found,
-                 ManifoldStats& stats) {
-    static thread_local std::vector<Lead> leads;
-    leads.clear();
+void shoot_seeds(const Scene& scene, const ManifoldSettings& settings, const LightSheet& sheet,
+                 const RayStart& x, const LightPoint& y, float probability_per_density, float u,
+                 FoundChains& found, ManifoldStats& stats) {
+    static thread_local std::vector<SheetSeed> chain_seeds;
+    chain_seeds.clear();
     const Vec3 shift = shift_between(sheet.light_point(), y);
-    sheet.find_leads(x.p, shift, worth, u, leads);
+    sheet.find_seeds(x.p, shift, probability_per_density, u, chain_seeds);
     constexpr float kLeastStep = 1e-4f, kLargestStep = 0.1f;  // rad
-    std::vector<const Lead*> arrived;
-    for (const Lead& lead : leads) {
-        const auto repeated = [&](const Lead* other) { return repeats(lead, *other); };
+    std::vector<const SheetSeed*> arrived;
+    for (const SheetSeed& chain_seed : chain_seeds) {
+        const auto repeated = [&](const SheetSeed* other) { return repeats(chain_seed, *other); };
         if (std::any_of(arrived.begin(), arrived.end(), repeated)) continue;
-        ++stats.leads;
+        ++stats.chain_seeds;
         const auto shoot_along = [&](const Vec3& w) {
-            return shoot(scene, settings, x, end_of(y), *lead.kind, w,
-                         lead.inside ? settings.max_halvings : settings.lead_halvings, stats);
+            return shoot(scene, settings, x, end_of(y), *chain_seed.kind, w,
+                         chain_seed.inside ? settings.max_halvings : settings.seed_halvings, stats);
         };
-        std::optional<ChainSolution> solution = shoot_along(lead.w);
-        if (!solution && lead.inside)  // there is a chain, if nothing breaks the beam
-            for (const Vec3& w : sheet.directions_around(lead, x.p, shift))
+        std::optional<ChainSolution> solution = shoot_along(chain_seed.w);
+        if (!solution && chain_seed.inside)  // there is a chain, if nothing breaks the beam
+            for (const Vec3& w : sheet.directions_around(chain_seed, x.p, shift))
                 if ((solution = shoot_along(w))) break;
         if (!solution) continue;
-        FoundChain& one = add(settings, found, *solution, lead.chance);
-        if ((solution->determinant > 0.0f) == lead.positive) {
-            arrived.push_back(&lead);
+        FoundChain& one = add(settings, found, *solution, chain_seed.probability);
+        if ((solution->determinant > 0.0f) == chain_seed.positive) {
+            arrived.push_back(&chain_seed);
             continue;
         }
         // The shot has slipped over a fold, to the other of two chains.
-        if (one.crossed >= lead.chance) continue;
-        one.crossed = lead.chance;
-        const float off = std::clamp(length(lead.w - solution->w), kLeastStep, kLargestStep);
+        if (one.crossed >= chain_seed.probability) continue;
+        one.crossed = chain_seed.probability;
+        const float off = std::clamp(length(chain_seed.w - solution->w), kLeastStep, kLargestStep);
         const std::optional<ChainSolution> meant = shoot_across_fold(
-            scene, settings, x, end_of(y), *solution, off, settings.lead_halvings, stats);
-        if (meant) add(settings, found, *meant, lead.chance);
+            scene, settings, x, end_of(y), *solution, off, settings.seed_halvings, stats);
+        if (meant) add(settings, found, *meant, chain_seed.probability);
     }
 }
 
-std::optional<ChainSolution> shoot_from_fixed_start(const Techniques& techniques, const RayStart& x,
-                                                    const ChainEnd& end, Interaction first,
-                                                    uint32_t caster, ManifoldStats& stats) {
+std::optional<ChainSolution> shoot_from_mnee_seed(const Techniques& techniques, const RayStart& x,
+                                                  const ChainEnd& end, Interaction first,
+                                                  uint32_t caster, ManifoldStats& stats) {
     const Scene& scene = techniques.scene;
     const ManifoldSettings& settings = techniques.manifold;
     const CasterSet& casters = techniques.casters;
-    const std::optional<ChainStart> start =
+    const std::optional<ChainSeed> start =
         first == Interaction::refraction ? straight_chain(scene, settings, x, casters, end, stats)
                                          : central_reflection(x, casters.casters[caster]);
     if (!start) return std::nullopt;
     return shoot(scene, settings, x, end, start->kind, start->w, settings.max_halvings, stats);
 }
 
-void shoot_leads(const Techniques& techniques, const RayStart& x, const LightPoint& y,
+void shoot_seeds(const Techniques& techniques, const RayStart& x, const LightPoint& y,
                  FoundChains& found, ManifoldStats& stats) {
     const ManifoldSettings& settings = techniques.manifold;
-    for (const HighlightLead& lead : techniques.highlights->leads[y.light]) {
-        ++stats.leads;
+    for (const ChainSeed& chain_seed : techniques.camera_chains->chain_seeds[y.light]) {
+        ++stats.chain_seeds;
         const std::optional<ChainSolution> solution =
-            shoot(techniques.scene, settings, x, end_of(y), lead.kind, lead.w,
-                  settings.lead_halvings, stats);
+            shoot(techniques.scene, settings, x, end_of(y), chain_seed.kind, chain_seed.w,
+                  settings.seed_halvings, stats);
         if (solution && find_chain(settings, found, *solution) == nullptr)
             found.push_back({*solution, 1.0f});
     }
 }
 
-bool leads_to(const Techniques& techniques, const RayStart& x, const ChainEnd& end,
-              const HighlightLead& lead, const ChainSolution& solution, ManifoldStats& stats) {
-    if (lead.kind != solution.kind) return false;
+bool seed_finds(const Techniques& techniques, const RayStart& x, const ChainEnd& end,
+                const ChainSeed& chain_seed, const ChainSolution& solution, ManifoldStats& stats) {
+    if (chain_seed.kind != solution.kind) return false;
     const ManifoldSettings& settings = techniques.manifold;
     const std::optional<ChainSolution> found =
-        shoot(techniques.scene, settings, x, end, lead.kind, lead.w, settings.lead_halvings, stats);
+        shoot(techniques.scene, settings, x, end, chain_seed.kind, chain_seed.w,
+              settings.seed_halvings, stats);
     return found && same_solution(settings, *found, solution);
 }
 
-bool is_led_to(const Techniques& techniques, const RayStart& x, const ChainEnd& end, uint32_t light,
-               const ChainSolution& solution, ManifoldStats& stats) {
-    const auto leads_to_it = [&](const HighlightLead& lead) {
-        return leads_to(techniques, x, end, lead, solution, stats);
+bool any_seed_finds(const Techniques& techniques, const RayStart& x, const ChainEnd& end,
+                    uint32_t light, const ChainSolution& solution, ManifoldStats& stats) {
+    const auto finds_it = [&](const ChainSeed& chain_seed) {
+        return seed_finds(techniques, x, end, chain_seed, solution, stats);
     };
-    const std::vector<HighlightLead>& leads = techniques.highlights->leads[light];
-    return std::any_of(leads.begin(), leads.end(), leads_to_it);
+    const std::vector<ChainSeed>& chain_seeds = techniques.camera_chains->chain_seeds[light];
+    return std::any_of(chain_seeds.begin(), chain_seeds.end(), finds_it);
 }
 
 namespace {
 
 Vec2 pixel_of(const Camera& camera, const RayStart& x, const ChainSolution& solution) {
-    const Vec2 film = camera.film_towards(x.p, normalize(solution.chain.vertices[0].patch.p - x.p));
+    const Vec2 film =
+        camera.film_towards(x.p, normalize(solution.chain.vertices[0].geometry.p - x.p));
     return {std::floor(film.x), std::floor(film.y)};
 }
 
@@ -120,7 +122,7 @@ bool is_same(const ManifoldSettings& settings, const ChainSolution& one,
 std::optional<ChainSolution> search_pixel(const Techniques& techniques, const RayStart& x,
                                           const Vec2& pixel, const ChainEnd& end, Pcg& pcg,
                                           ManifoldStats& stats) {
-    constexpr float kReach = 4.0f;  // pixels
+    constexpr float kRadius = 4.0f;  // pixels
     const Scene& scene = techniques.scene;
     const ManifoldSettings& settings = techniques.manifold;
     const std::optional<FollowedRay> ray =
@@ -128,10 +130,10 @@ std::optional<ChainSolution> search_pixel(const Techniques& techniques, const Ra
                           techniques.casters, pcg, stats);
     if (!ray) return std::nullopt;
     // Light may wait behind any of the vertices.
-    const float reach = kReach / std::sqrt(scene.camera.film_per_solid_angle(ray->w));
+    const float radius = kRadius / std::sqrt(scene.camera.film_density_omega(ray->w));
     uint32_t near = 0, chosen = 0;
     for (uint32_t n = ray->fewest; n <= ray->kind.count; ++n)
-        if (turn_towards(ray->behind[n - 1], end) < reach &&
+        if (turn_towards(ray->behind[n - 1], end) < radius &&
             pcg.one() * static_cast<float>(++near) < 1.0f)
             chosen = n;
     if (chosen == 0) return std::nullopt;
@@ -145,7 +147,7 @@ namespace {
 
 RayStart start_of(const CausticPath& path) { return {path.x, path.sides.ng, path.p_error}; }
 
-// Of the light: what stands for the end of a path that was found some other way.
+// The light point that corresponds to the end of a path that another technique has found.
 LightPoint light_point(const LightEnd& end) {
     LightPoint y{};
     y.light = end.light;
@@ -173,12 +175,12 @@ bool comes_by_definite_search(const Techniques& techniques, const LightSheets& s
     const LightPoint y = light_point(end);
     FoundChains found;
     if (path.from_camera)
-        return is_led_to(techniques, start_of(path), end.end, end.light, own, stats);
+        return any_seed_finds(techniques, start_of(path), end.end, end.light, own, stats);
     if (settings.finder == ChainFinder::sheets) {
         if (const LightSheet* sheet = nearest_sheet(sheets, y))
-            shoot_leads(techniques.scene, settings, *sheet, start_of(path), y,
+            shoot_seeds(techniques.scene, settings, *sheet, start_of(path), y,
                         std::numeric_limits<float>::max(), 0.0f, found, stats);
-    } else if (const std::optional<ChainSolution> one = shoot_from_fixed_start(
+    } else if (const std::optional<ChainSolution> one = shoot_from_mnee_seed(
                    techniques, start_of(path), end.end, path.vertices[0].interaction,
                    techniques.casters.of_instance[path.vertices[0].hit.instance], stats)) {
         found.push_back({*one, 1.0f});
@@ -205,7 +207,7 @@ uint32_t trials_if_missed(const Techniques& techniques, const LightSheets& sheet
     }
     const uint32_t first = techniques.casters.of_instance[path.vertices[0].hit.instance];
     return count_trials(settings, most, [&] {
-        const std::optional<ChainStart> start =
+        const std::optional<ChainSeed> start =
             sample_chain(techniques.scene, settings, x, techniques.casters, first, pcg, stats);
         return start && is_same(settings, *own,
                                 shoot(techniques.scene, settings, x, end.end, start->kind, start->w,

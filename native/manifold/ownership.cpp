@@ -23,16 +23,16 @@ bool looks_for(const ManifoldSettings& settings, const CausticPath& path) {
     if (!settings.family.empty() && !std::equal(vertices.begin(), vertices.end(),
                                                 settings.family.begin(), settings.family.end(), same))
         return false;
-    // By fixed starts along straight lines through glass, and for single reflections; from the camera by
-    // leads and random searches, whatever is done elsewhere.
+    // MNEE seeds find refractions along straight lines and single reflections. Camera chains have seeds and
+    // searches of their own, whatever the finder.
     return path.from_camera || settings.finder != ChainFinder::mnee || vertices.size() == 1 ||
            std::all_of(vertices.begin(), vertices.end(), [](const CausticVertex& vertex) {
                return vertex.interaction == Interaction::refraction;
            });
 }
 
-// Whether path tracing may follow the path to its light, by whichever closure x scatters, after such
-// bounces.
+// Whether path tracing may follow the path to its light within the limits, whichever closure scatters at x.
+// `before`: bounces before x.
 bool within_limits(const BounceLimits& limits, const BounceCounts& before, const CausticPath& path) {
     const uint32_t at_x = path.from_camera ? 0 : 1;
     uint32_t glossy = before.glossy + at_x, transmission = before.transmission + at_x;
@@ -43,10 +43,9 @@ bool within_limits(const BounceLimits& limits, const BounceCounts& before, const
            transmission <= limits.transmission;
 }
 
-// Whether light paths may find chains with rough vertices, at which they scatter: where the camera
-// comes to x as they do.
+// Whether light paths may find rough chains of the path: they scatter at the rough vertices and at x.
 bool light_paths_may_find(const Techniques& techniques, const CausticPath& path) {
-    return techniques.light_tracing.guide != nullptr && path.film_per_area > 0.0f;
+    return techniques.light_tracing.guide != nullptr && path.film_density > 0.0f;
 }
 
 // Whether the manifold looks for chains on all casters of the path.
@@ -60,7 +59,7 @@ bool searches_all(const Techniques& techniques, const CausticPath& path) {
 
 // Whether light paths are dense enough at x for the manifold to search for nothing there.
 bool left_to_light_paths(const Techniques& techniques, const CausticPath& path) {
-    return techniques.light_tracing.alone && path.film_per_area > 0.0f;
+    return techniques.light_tracing.alone && path.film_density > 0.0f;
 }
 
 // Whether an estimate comes to the path's first caster by choose_caster().
@@ -84,12 +83,12 @@ bool ends_scattered(const CausticPath& path) {
     return path.count == 0 || path.vertices[path.count - 1].rough;
 }
 
-// Lights without size show no highlights.
-bool shows_highlights(const Techniques& techniques, const LightEnd& end) {
-    return techniques.highlights->has(end.light) && !end.delta;
+// Whether camera chains lead to this light. Not to lights without extent.
+bool has_camera_chains(const Techniques& techniques, const LightEnd& end) {
+    return techniques.camera_chains->has(end.light) && !end.delta;
 }
 
-// Product over the vertices of the chance that a path from the light takes the same lobe.
+// Product over the vertices of the probability that a path from the light takes the same lobe.
 double probability_from_light(const Scene& scene, const CausticPath& path,
                               std::span<const ChainVertex> chain, const ChainEnd& end) {
     double product = 1.0;
@@ -99,11 +98,11 @@ double probability_from_light(const Scene& scene, const CausticPath& path,
             product *= static_cast<double>(path.vertices[i].probability_from_light);
             continue;
         }
-        const Vec3 p = chain[i].patch.p;
+        const Vec3 p = chain[i].geometry.p;
         float unused;
         const Vec3 to_light =
-            i + 1 < chain.size() ? normalize(chain[i + 1].patch.p - p) : end.from(p, unused);
-        const Vec3 to_receiver = normalize((i > 0 ? chain[i - 1].patch.p : path.x) - p);
+            i + 1 < chain.size() ? normalize(chain[i + 1].geometry.p - p) : end.from(p, unused);
+        const Vec3 to_receiver = normalize((i > 0 ? chain[i - 1].geometry.p : path.x) - p);
         evaluate_surface(scene, path.vertices[i].hit, to_light, surface);
         product *=
             static_cast<double>(delta_lobe(surface.closures, surface.ng, to_light, to_receiver,
@@ -116,13 +115,13 @@ double probability_from_light(const Scene& scene, const CausticPath& path,
 // Vertex i of a path, as seen from `from`.
 ChainVertex chain_vertex(const Scene& scene, const CausticPath& path, uint32_t i, const Vec3& from) {
     const CausticVertex& vertex = path.vertices[i];
-    const CasterPatch patch = evaluate_caster(scene, vertex.hit, false);
-    const float eta =
-        eta_seen_from(patch.ng, from - patch.p, scene.material_of(vertex.hit).interface().ior);
-    return {vertex.interaction, eta, patch};
+    const DifferentialGeometry geometry = evaluate_caster(scene, vertex.hit, false);
+    const float eta = eta_seen_from(geometry.ng, from - geometry.p,
+                                    scene.material_of(vertex.hit).interface().ior);
+    return {vertex.interaction, eta, geometry};
 }
 
-// What a ray scatters as that turns so.
+// The bit of the bounce by which a closure makes this interaction.
 uint32_t kinds_of(Interaction interaction) {
     return kind_bit(interaction == Interaction::reflection ? BounceKind::glossy
                                                            : BounceKind::transmission);
@@ -131,13 +130,13 @@ uint32_t kinds_of(Interaction interaction) {
 float facet_pdf_at(const Scene& scene, const SurfaceHit& hit, Interaction interaction,
                    const Vec3& wi, const Vec3& wo) {
     const SpecularInterface& interface = scene.material_of(hit).interface();
-    const CasterPatch patch = evaluate_caster(scene, hit, false);
-    return facet_pdf(interface, patch, interaction, eta_seen_from(patch.ng, wi, interface.ior), wi,
-                     wo);
+    const DifferentialGeometry geometry = evaluate_caster(scene, hit, false);
+    return facet_pdf(interface, geometry, interaction,
+                     eta_seen_from(geometry.ng, wi, interface.ior), wi, wo);
 }
 
-// Of next event estimation at x, or at the last vertex, which is at `last`. `before`: chances of the
-// other lobes.
+// Density of next event estimation at x, or at the last vertex, which is at `last`. `before`: product of the
+// probabilities of the lobes before that.
 double direct_density(const CausticPath& path, double before, const Vec3& last, const LightEnd& end,
                       double geometry) {
     const auto pdf = static_cast<double>(end.pdf_direct);
@@ -150,7 +149,7 @@ double direct_density(const CausticPath& path, double before, const Vec3& last, 
 // Whether path tracing, which has the mean over a footprint, comes from the camera to glints at x so
 // densely that light paths, which meet one point of their map at a time, would only add noise.
 bool left_to_glints(const LightTracing& light_tracing, const CausticPath& path) {
-    return path.count == 0 && static_cast<double>(path.film_per_area * path.leave_of_glints) >
+    return path.count == 0 && static_cast<double>(path.film_density * path.glint_exit_pdf) >
                                   light_tracing.beside_glints * light_tracing.paths;
 }
 
@@ -160,7 +159,7 @@ CausticPath camera_path(const Camera& camera, const Vec3& x, const Vec3& w) {
     CausticPath path;
     path.x = x;
     path.sides = {camera.forward(), false};
-    path.pdf_omega = camera.film_per_solid_angle(w);
+    path.pdf_omega = camera.film_density_omega(w);
     path.receiver = path.from_camera = true;
     path.begins_rough = false;
     return path;
@@ -179,16 +178,16 @@ LightEnd light_end(const LightPoint& y, const Vec3& away) {
             y.pdf};
 }
 
-void set_film_per_area(const Scene& scene, const CameraApproach& approach, const SurfaceHit& hit,
-                       const Vec3& wo, const Vec3& wi, CausticPath& path) {
-    path.film_per_area = approach.film_per_area;
-    path.leave_of_glints = 0.0f;
-    if (approach.bounces.scatterings == 0 || approach.film_per_area == 0.0f) return;
+void set_film_density(const Scene& scene, const CameraSubpath& camera_subpath,
+                      const SurfaceHit& hit, const Vec3& wo, const Vec3& wi, CausticPath& path) {
+    path.film_density = camera_subpath.film_density;
+    path.glint_exit_pdf = 0.0f;
+    if (camera_subpath.bounces.scatterings == 0 || camera_subpath.film_density == 0.0f) return;
     Surface from_light;
     evaluate_surface(scene, hit, wi, from_light);
     const float pdf = eval(from_light.closures, from_light.ng, wi, wo).pdf_omega;
-    path.film_per_area = pdf > 0.0f ? approach.film_per_area / pdf : 0.0f;
-    if (scene.material_of(hit).may_glint()) path.leave_of_glints = pdf;
+    path.film_density = pdf > 0.0f ? camera_subpath.film_density / pdf : 0.0f;
+    if (scene.material_of(hit).may_glint()) path.glint_exit_pdf = pdf;
 }
 
 uint32_t most_scatterings(const BounceLimits& limits) {
@@ -204,7 +203,7 @@ bool manifold_owns(const Techniques& techniques, const CausticPath& path) {
            (!path.is_rough() ||
             (path.begins_rough && techniques.manifold.finder != ChainFinder::mnee &&
              !light_paths_may_find(techniques, path))) &&
-           (path.from_camera ? techniques.highlights != nullptr &&
+           (path.from_camera ? techniques.camera_chains != nullptr &&
                                    camera_sees(techniques.scene, path.vertices[0].hit)
                              : allowed(techniques.manifold, path.vertices[0].interaction)) &&
            within_limits(techniques.limits, path.before, path);
@@ -216,9 +215,9 @@ bool light_tracing_owns(const Techniques& techniques, const CausticPath& path) {
 }
 
 bool light_tracing_may_own(const Techniques& techniques, const CausticPath& path) {
-    // Switched-off caustics leave diffuse rays not all that light paths meet.
-    // The manifold's limits hold for all that light tracing owns.
-    const auto [n, reflections, refractions] = path.approach;
+    // If caustics by reflection or refraction are switched off, paths behind a scattering do not meet all that
+    // light paths meet. The limits of manifold chains hold for light tracing, too.
+    const auto [n, reflections, refractions] = path.camera_subpath;
     const BounceCounts whichever{.total = n + reflections + refractions,
                                  .diffuse = n,
                                  .glossy = n + reflections,
@@ -229,8 +228,8 @@ bool light_tracing_may_own(const Techniques& techniques, const CausticPath& path
                                 ? path.receiver && !path.is_rough() &&
                                       allowed(techniques.manifold, path.vertices[0].interaction)
                                 : path.rough_caster && n > 0;
-    return techniques.light_tracing.guide != nullptr && by_casters && path.film_per_area > 0.0f &&
-           std::isfinite(path.film_per_area) && (n == 0 || all_seen) &&
+    return techniques.light_tracing.guide != nullptr && by_casters && path.film_density > 0.0f &&
+           std::isfinite(path.film_density) && (n == 0 || all_seen) &&
            within_limits(techniques.limits, whichever, path);
 }
 
@@ -269,7 +268,8 @@ Spectrum chain_throughput(const Scene& scene, CausticPath& path, const ChainEnd&
     return throughput;
 }
 
-std::optional<Turns> turns_between(const Scene& scene, CausticPath& path, const Vec3& z) {
+std::optional<SpecularTransfer> specular_transfer(const Scene& scene, CausticPath& path,
+                                                  const Vec3& z) {
     const ChainEnd end{false, z, Vec3(0.0f)};
     const Spectrum throughput = chain_throughput(scene, path, end);
     if (is_black(throughput)) return std::nullopt;
@@ -279,14 +279,14 @@ std::optional<Turns> turns_between(const Scene& scene, CausticPath& path, const 
     Vec3 from = path.x;
     for (uint32_t i = 0; i < path.count; ++i) {
         chain[i] = chain_vertex(scene, path, i, from);
-        from = chain[i].patch.p;
+        from = chain[i].geometry.p;
         probability *= static_cast<double>(path.vertices[i].probability);
     }
     const std::optional<ChainDerivative> derivative = chain_derivative(path.x, chain, end);
     const double back = probability_from_light(scene, path, chain, end);
     if (!derivative || !(probability > 0.0) || !(back > 0.0)) return std::nullopt;
-    return Turns{throughput * static_cast<float>(1.0 / probability),
-                 static_cast<float>(probability / (back * derivative->etendue))};
+    return SpecularTransfer{throughput * static_cast<float>(1.0 / probability),
+                            static_cast<float>(probability / (back * derivative->etendue))};
 }
 
 std::optional<CausticDensities> caustic_densities(const Techniques& techniques,
@@ -299,65 +299,65 @@ std::optional<CausticDensities> caustic_densities(const Techniques& techniques,
     for (uint32_t i = 0; i < path.count; ++i) {
         const CausticVertex& vertex = path.vertices[i];
         chain[i] = chain_vertex(scene, path, i, from);
-        CasterPatch& patch = chain[i].patch;
+        DifferentialGeometry& geometry = chain[i].geometry;
         if (vertex.rough) {
             float unused;
             const Vec3 to_light =
                 i + 1 < path.count
-                    ? normalize(surface_position(scene, path.vertices[i + 1].hit) - patch.p)
-                    : end.end.from(patch.p, unused);
-            const std::optional<Vec2> slope = facet_between(patch, vertex.interaction, chain[i].eta,
-                                                            normalize(from - patch.p), to_light);
+                    ? normalize(surface_position(scene, path.vertices[i + 1].hit) - geometry.p)
+                    : end.end.from(geometry.p, unused);
+            const std::optional<Vec2> slope = facet_between(
+                geometry, vertex.interaction, chain[i].eta, normalize(from - geometry.p), to_light);
             if (!slope) return std::nullopt;
-            lean(patch, *slope);
+            lean(geometry, *slope);
             facets *= static_cast<double>(vertex.facet_pdf);
         }
         before_last = probability;
         probability *= static_cast<double>(vertex.probability);
-        from = patch.p;
+        from = geometry.p;
     }
     const std::optional<ChainDerivative> derivative = chain_derivative(path.x, chain, end.end);
     if (!derivative) return std::nullopt;
 
-    constexpr double kWorthOfSearch = 0.5;  // by the noise of its count
-    // Patches are larger than what chains at folds take of them.
-    constexpr double kWorthOfFolds = 0.25;
+    constexpr double kSearchConfidence = 0.5;  // by the noise of its count
+    // Parallelograms are larger than what chains at folds take of them.
+    constexpr double kFoldConfidence = 0.25;
     CausticDensities p;
     p.geometry = derivative->geometry * static_cast<double>(end.cosine);
     const bool by_manifold = manifold_owns(techniques, path) &&
-                             !(path.from_camera && !shows_highlights(techniques, end));
+                             !(path.from_camera && !has_camera_chains(techniques, end));
     if (by_manifold && path.from_camera) {
-        p.manifold = techniques.highlights->estimates * static_cast<double>(end.pdf);
-        p.missed = kWorthOfSearch * techniques.highlights->searches * static_cast<double>(end.pdf);
+        p.manifold = techniques.camera_chains->estimates * static_cast<double>(end.pdf);
+        p.missed =
+            kSearchConfidence * techniques.camera_chains->searches * static_cast<double>(end.pdf);
     } else if (by_manifold) {
         const ManifoldSettings& manifold = techniques.manifold;
-        p.manifold = manifold_worth(techniques, path) * static_cast<double>(end.pdf) * facets;
-        // Nothing else than random walks looks for rough chains.
+        p.manifold = manifold_confidence(techniques, path) * static_cast<double>(end.pdf) * facets;
+        // Only random searches look for rough chains.
         if (!path.is_rough()) {
-            const auto chance_of_caster = [&] {
+            const auto probability_of_caster = [&] {
                 return static_cast<double>(caster_probability(
                     techniques.casters, techniques.casters.of_instance[path.vertices[0].hit.instance],
                     path.x, path.sides, end.end));
             };
-            if (chooses_caster(manifold, path)) p.manifold *= chance_of_caster();
+            if (chooses_caster(manifold, path)) p.manifold *= probability_of_caster();
             if (manifold.finder == ChainFinder::sheets)
-                p.missed = kWorthOfSearch * static_cast<double>(manifold.search_chance) *
-                           chance_of_caster() * static_cast<double>(end.pdf);
+                p.missed = kSearchConfidence * static_cast<double>(manifold.search_probability) *
+                           probability_of_caster() * static_cast<double>(end.pdf);
             if (manifold.finder == ChainFinder::mnee && !manifold.biased) p.missed = 0.0;
         }
     }
     if (ends_scattered(path)) p.direct = direct_density(path, before_last, from, end, p.geometry);
-    // Where next event estimation looks for a lamp without shadow, whatever stands in the way, rays
-    // leave it to those who connect to it.
+    // Next event estimation connects to a lamp without shadow through everything, so rays leave it to that.
     const bool seen_through = is_seen_through(techniques.lights, end.light),
                by_rays = !seen_through || !ends_scattered(path);
     if (!end.delta && by_rays)
         p.path_tracing = static_cast<double>(path.pdf_omega) * probability * p.geometry;
     if (!end.delta && by_rays && by_manifold && !path.is_rough() && path.folds != nullptr)
-        p.folds = kWorthOfFolds *
-                  static_cast<double>(path.folds->pdf(normalize(chain[0].patch.p - path.x))) *
+        p.folds = kFoldConfidence *
+                  static_cast<double>(path.folds->pdf(normalize(chain[0].geometry.p - path.x))) *
                   probability * p.geometry;
-    // Where the camera's rays run into a light as often, they need no help, which is not for nothing.
+    // If the camera's rays hit the light as often as seeds find it, path tracing needs no help.
     if (path.from_camera && p.manifold <= p.path_tracing) {
         p.manifold = 0.0;
         p.missed.reset();
@@ -365,18 +365,18 @@ std::optional<CausticDensities> caustic_densities(const Techniques& techniques,
     if (!seen_through && light_tracing_owns(techniques, path)) {
         float unused;
         const Vec3 wi = chain.empty() ? end.end.from(path.x, unused)
-                                      : normalize(chain.front().patch.p - path.x);
-        const Vec3 last = chain.empty() ? path.x : chain.back().patch.p;
+                                      : normalize(chain.front().geometry.p - path.x);
+        const Vec3 last = chain.empty() ? path.x : chain.back().geometry.p;
         const float emitted = end.pdf_emitted ? *end.pdf_emitted
                                               : emission_pdf(*techniques.light_tracing.guide,
                                                              end.light, end.end, last);
         const double cos_x = std::abs(static_cast<double>(dot(path.sides.ng, wi)));
         const LightTracing& paths = techniques.light_tracing;
-        // All of those that a rough caster scatters go on.
-        const bool thinned = path.approach.scatterings > 0 && path.count > 0;
+        // Light paths behind a receiver go on with this probability; those that a rough caster scatters always.
+        const bool thinned = path.camera_subpath.scatterings > 0 && path.count > 0;
         if (emitted > 0.0f)
             p.light_tracing = paths.paths * (thinned ? paths.goes_on : 1.0) /
-                              static_cast<double>(path.film_per_area) *
+                              static_cast<double>(path.film_density) *
                               static_cast<double>(end.pdf) * static_cast<double>(emitted) *
                               probability_from_light(scene, path, chain, end.end) *
                               derivative->geometry * derivative->etendue * cos_x;

@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Who estimates a path of light that reaches a receiver through specular interactions: path
-// tracing, directions next to folds, the manifold, light tracing, or several of them.
+// Ownership: which techniques find a path of light that reaches a receiver through specular
+// interactions (path tracing, fold directions, the manifold, light tracing), and how they share it.
 //
-// A path is described by what it is, not by how it was found; from that one function computes the
-// densities with which each technique finds it, and all of them weigh it by the balance heuristic.
+// A path is described by what it is, not by how it was found. From that, one function computes the
+// density of every technique, and all of them use the balance heuristic.
 #pragma once
 
 #include "bsdf/closure.h"
+#include "manifold/camera_chains.h"
 #include "manifold/emission.h"
-#include "manifold/highlights.h"
 
 namespace spc {
 
 class FoldDirections;
 
-// Cycles' limits: a path may scatter this often and still be lit at its last vertex.
+// Cycles' limits: a path may scatter this often and is still lit at its last vertex.
 struct BounceLimits {
     uint32_t total = 12, diffuse = 4, glossy = 4, transmission = 12, transparent = 8;
 };
@@ -33,119 +33,118 @@ struct BounceCounts {
         }
         ++total;
     }
-    // Past a limit a path still sees lights, but no more surfaces: its last vertex had its direct
-    // light already.
+    // Whether the path is past a limit. Its ray then still meets lights, which its last vertex shares
+    // with next event estimation, but no more surfaces.
     bool exhausted(const BounceLimits& limits) const {
         return total > limits.total || diffuse > limits.diffuse || glossy > limits.glossy ||
                transmission > limits.transmission;
     }
-    // Surfaces that the path may still look through, and every shadow ray that it casts.
+    // Number of transparent surfaces that the path, and each of its shadow rays, may still pass through.
     uint32_t transparent_left(const BounceLimits& limits) const {
         return limits.transparent - std::min(limits.transparent, transparent);
     }
-    // Whether a vertex here may scatter once more, by whichever smooth closure, and be lit at the
-    // next vertex.
+    // Whether the path may scatter once more, by any smooth closure, and be lit at the next vertex.
     bool leaves_room_for_chain(const BounceLimits& limits) const {
         return total < limits.total && diffuse < limits.diffuse && glossy < limits.glossy &&
                transmission < limits.transmission;
     }
 };
 
-// Light paths beside the camera's.
+// Light tracing as the weights see it.
 struct LightTracing {
     const EmissionGuide* guide = nullptr;  // null: there are none
-    double paths = 0.0;                    // for each sample of the whole picture
-    double goes_on = 1.0;                  // share of them that may scatter at the receiver
-    // Of the chains that light paths find, trials to come to one, 1 where a sheet leads to it: mean
-    // over the light that they carry.
-    double effort = 1.0;
-    double manifold_share = 1.0;  // of that light
-    // Of receivers to which they may come, so many have the manifold's walks, which are worth so much
-    // of what they are elsewhere.
-    double walks = 1.0, worth_of_walks = 1.0;
-    // CameraApproach::film_per_area, for each light path, from which on they leave to path tracing what
-    // glints throw on, of which that has the mean over a footprint.
+    double paths = 0.0;                    // light paths for each sample of the whole picture
+    double goes_on = 1.0;  // probability that a light path may scatter at its receiver
+    // Mean number of trials until a search finds a chain that light paths have found, weighted by its
+    // light; 1 for chains that a sheet seed finds.
+    double mean_search_trials = 1.0;
+    double manifold_share = 1.0;  // the manifold's share of that light
+    // At receivers that light paths may reach: share of them that make walks, and factor on the walks'
+    // confidence.
+    double walks = 1.0, walk_confidence = 1.0;
+    // From this CameraSubpath::film_density for each light path on, light that glints reflect is left to
+    // path tracing, which averages it over a footprint.
     double beside_glints = std::numeric_limits<double>::infinity();
-    // Whether the manifold leaves to them, and to path tracing, all that comes to receivers to which the
-    // camera comes as they do.
+    // Whether the manifold makes no estimates at receivers that light paths may reach.
     bool alone = false;
 };
 
-// All on which ownership depends besides the path.
+// All that ownership depends on besides the path.
 struct Techniques {
     const Scene& scene;
     const LightSet& lights;
-    const CasterSet& casters;  // where the manifold looks for chains: some of the scene's, or all
+    const CasterSet& casters;  // those on which the manifold looks for chains
     const CasterSet& rough_chain_casters;
     const ManifoldSettings& manifold;
     const LightTracing& light_tracing;
-    const Highlights* highlights;  // null: there are none
+    const CameraChains* camera_chains;  // null: path tracing alone finds them
     const BounceLimits& limits;
 };
 
-// One interaction by a caster's specular interface, or at a facet of a rough one.
+// A vertex of a chain: on a caster's specular interface, or at a facet of a rough one.
 struct CausticVertex {
     SurfaceHit hit;
     Interaction interaction;
-    // Of a delta lobe for a path from the receiver, as delta_lobe() states it; at a rough vertex
+    // Probability of the delta lobe for a path from the receiver (delta_lobe()); at a rough vertex
     // ClosureEval::pdf_omega, 1/sr.
     float probability = 0.0f;
-    // Of a delta lobe for a path from the light, likewise, where that is known already; else 0.
+    // Probability of the delta lobe for a path from the light; 0 if not computed yet.
     float probability_from_light = 0.0f;
     bool rough = false;
-    float facet_pdf = 0.0f;  // of a rough vertex, see there
+    float facet_pdf = 0.0f;  // at a rough vertex: facet_pdf() in manifold/facet.h
 };
 
-// Smooth scatterings of the camera's path before a surface, and its turns at casters between them.
-// Straight through transparent surfaces counts as nothing.
-struct ApproachBounces {
+// Bounces of the camera's path before a surface: smooth scatterings, and interactions with casters
+// between them. Passing straight through a transparent surface is not counted.
+struct SubpathBounces {
     uint32_t scatterings = 0, reflections = 0, refractions = 0;
 
     void add_turn(Interaction interaction) {
         ++(interaction == Interaction::reflection ? reflections : refractions);
     }
 };
-// How the camera's path comes to a surface: directly, or from a surface that it sees directly, by
-// smooth scatterings and by way of casters between them.
-struct CameraApproach {
-    // CausticPath::film_per_area but for the light path's leave of this surface; 0: any other way.
-    float film_per_area = 0.0f;
-    ApproachBounces bounces{};
+// The camera's path up to a surface, if light tracing could make it: from a surface that the camera sees
+// directly, by smooth scatterings and chains between them.
+struct CameraSubpath {
+    // CausticPath::film_density without the division by the light path's density of leaving this surface. 0
+    // if light tracing could not make the subpath.
+    float film_density = 0.0f;
+    SubpathBounces bounces{};
 };
 
-// From a smooth scattering at the receiver x through the chain: without the light's end. With no
-// vertices it is light that comes straight to x, which a rough caster throws on.
+// A path from a smooth scattering at the receiver x through a chain, without the endpoint at the light. A
+// path without vertices stands for light that shines directly on a rough caster at x.
 struct CausticPath {
     Vec3 x{0.0f};
     float p_error = 0.0f;   // of x, see RayStart
     ReceiverSides sides{};  // by the side of the path that arrived
-    // Of the scattering at x towards the chain, 1/sr; where x is the camera, pixels^2 of the film
-    // per sr, of which path tracing takes a sample each.
+    // Density of the scattering at x towards the chain, 1/sr. If x is the camera: pixels^2 of the film
+    // per sr, since path tracing takes one sample for each pixel.
     float pdf_omega = 0.0f;
-    bool receiver = false;      // x has the role, the closure and the bounces left
-    bool from_camera = false;   // x is a point of the camera's lens: a highlight
-    bool rough_caster = false;  // x lies on one
-    // Whether a chain with rough vertices may begin at x. Not on a rough surface that is reached by
-    // a scattering: there a chain that has begun before goes on.
+    bool receiver = false;      // x has the role of a receiver, a smooth closure and bounces left
+    bool from_camera = false;   // x is a point of the camera's lens: a camera chain
+    bool rough_caster = false;  // x lies on a rough caster
+    // Whether a rough chain may begin at x. False on a rough caster that was reached by a scattering:
+    // there the rough chain from the previous receiver continues.
     bool begins_rough = true;
-    // Straight through a transparent part of any caster, between x and the first vertex or between
-    // vertices.
+    // The path goes straight through a transparent part of a caster, between x and the first vertex or
+    // between vertices.
     bool through_caster = false;
-    // Bounces of the camera's path when it came to x; none in a light path's record, which does not
-    // know of which kinds they would be.
+    // Bounces of the camera's path when it arrived at x. Empty in a light path's record, which does not
+    // know their kinds.
     BounceCounts before{};
-    ApproachBounces approach{};  // of the camera's path to x
-    // Pixels^2 of the film per m^2 at x where the camera sees x. Where it sees the last of several
-    // surfaces z_1 = x, z_2, ... that scatter smoothly: pixels^2 per m^2 there, times what the
-    // densities of the camera's path between them are in those of the light path,
+    SubpathBounces camera_subpath{};  // of the camera's path to x
+    // Pixels^2 of the film per m^2 at x, if the camera sees x. If it sees the last of several smoothly
+    // scattering surfaces z_1 = x, z_2, ...: pixels^2 per m^2 there, times the ratio of the camera path's
+    // densities between them to the light path's,
     //   prod p(z_i+1 -> z_i) cos_i / (p(z_i -> z_i+1) cos_i+1),
-    // and Turns::density of the casters on the way.
-    // 0 if the camera's path came any other way.
-    float film_per_area = 0.0f;
-    // Where x may glint and the camera sees it by way of others: with what density a light path leaves
-    // x as this one does, 1/sr. Times film_per_area that is CameraApproach::film_per_area. Else 0.
-    float leave_of_glints = 0.0f;
-    const FoldDirections* folds = nullptr;  // of which x draws one; null: it does not
+    // and times SpecularTransfer::density of the chains between. 0 if light tracing could not make the
+    // camera's path to x.
+    float film_density = 0.0f;
+    // If x may glint and the camera sees it by way of other surfaces: density with which a light path
+    // leaves x towards them, 1/sr; film_density times this is CameraSubpath::film_density. Else 0.
+    float glint_exit_pdf = 0.0f;
+    const FoldDirections* folds = nullptr;  // those that x draws one of; null: none
     uint32_t count = 0;
     std::array<CausticVertex, kLongestChain> vertices;  // from the receiver on; `count` are valid
 
@@ -156,104 +155,109 @@ struct CausticPath {
     }
 };
 
-// Where the path ends.
+// Where a path ends at a light.
 struct LightEnd {
     ChainEnd end;
     uint32_t light;
     bool delta;
     float cosine;  // at y; 1 for distant lights and points
     float pdf;     // LightPoint::pdf, the choice of the light included
-    // Where the last vertex is rough, or there is none: of next event estimation there, or at x, as
-    // DirectSample::density has it.
+    // Density of next event estimation (DirectSample::density) at the last vertex if that is rough, or at
+    // x if there is none.
     float pdf_direct = 0.0f;
-    // emission_pdf() towards the last vertex, or x, where that is known already.
+    // emission_pdf() towards the last vertex, or x; empty if not computed yet.
     std::optional<float> pdf_emitted{};
 };
 LightEnd light_end(const LightPoint& y, const Vec3& away);
 
-// CausticPath::film_per_area and leave_of_glints for light that arrives at the surface x along `wi`
-// (from the surface) and leaves it for the camera's path along `wo`.
-void set_film_per_area(const Scene& scene, const CameraApproach& approach, const SurfaceHit& hit,
-                       const Vec3& wo, const Vec3& wi, CausticPath& path);
+// Sets CausticPath::film_density and glint_exit_pdf for light that arrives at the surface x from wi and
+// leaves it towards wo, where the camera's path comes from. Both directions point away from x.
+void set_film_density(const Scene& scene, const CameraSubpath& camera_subpath,
+                      const SurfaceHit& hit, const Vec3& wo, const Vec3& wi, CausticPath& path);
 
-// So often may the camera's path scatter before a receiver of light tracing's, at most.
+// How often the camera's path may scatter before a receiver that light tracing owns.
 uint32_t most_scatterings(const BounceLimits& limits);
 
-// The path of which the camera's ray is the beginning.
+// The path that begins with the camera's ray from x along w.
 CausticPath camera_path(const Camera& camera, const Vec3& x, const Vec3& w);
 
-// What a technique other than path tracing can find. Whatever neither owns is path tracing's alone.
+// Whether a technique other than path tracing can find the path. What neither owns is path tracing's alone.
 bool manifold_owns(const Techniques& techniques, const CausticPath& path);
 bool light_tracing_owns(const Techniques& techniques, const CausticPath& path);
-// As far as a path is known that has not come to the camera yet.
+// The same for a light path that has not reached the camera yet: false only if it never can own it.
 bool light_tracing_may_own(const Techniques& techniques, const CausticPath& path);
 
-// The chance that a receiver has the manifold's estimate by walks at all, beside that of the pass.
-inline double chance_of_walks(const Techniques& techniques, float film_per_area) {
-    const bool shares = techniques.manifold.finder == ChainFinder::walks && film_per_area > 0.0f;
+// Probability that a receiver makes an estimate by walks, beside RoundState::activation.
+inline double walk_probability(const Techniques& techniques, float film_density) {
+    const bool shares = techniques.manifold.finder == ChainFinder::walks && film_density > 0.0f;
     return shares ? techniques.light_tracing.walks : 1.0;
 }
 
-// The balance heuristic takes estimates of equal density for equally good. The manifold's have this
-// much of the worth of a sample that was drawn with the same density: walks choose one of many
-// solutions and count trials, the more for chains of several interactions; sheets cost more than a
-// light path and miss some chains. Where fixed starts find a chain, nothing but y is left to chance;
-// but what they take from light paths of the chains that they miss is left to path tracing. So it is
-// with the leads of highlights. Chains with rough vertices are left to chance alone, the more so with
-// several: in the focus of a ball of rough glass one is met again after a thousand trials, and path
-// tracing is dense. What walks are worth beside light paths, and how much light sheets miss there, and
-// how hard that is to find, is measured; light paths find chains of several interactions as easily.
-inline double manifold_worth(const Techniques& techniques, const CausticPath& path) {
+// Confidence in a manifold estimate: factor on its density in the balance heuristic, which would take
+// all estimates of equal density for equally good. Less than 1 because:
+// - Walks choose one of many solutions and count trials, more of them for several interactions.
+// - Sheets cost more than a light path and miss some chains; the mean search trials, which the pilot
+//   measures, tell how hard those are to find.
+// - Searches for rough chains are noisier still: in the focus of a ball of rough glass a chain is found
+//   again after a thousand trials, while path tracing is dense there.
+// - MNEE and camera chains draw y alone. But beside light paths, what MNEE's density takes of the chains
+//   that its seeds miss falls to path tracing.
+// Light paths find chains of several interactions as easily as others.
+inline double manifold_confidence(const Techniques& techniques, const CausticPath& path) {
     if (path.from_camera) return 1.0;
     if (path.is_rough()) return path.count == 1 ? 1.0 / 2 : 1.0 / 32;
     switch (techniques.manifold.finder) {
         case ChainFinder::walks:
-            if (path.film_per_area > 0.0f)
-                return techniques.light_tracing.worth_of_walks *
+            if (path.film_density > 0.0f)
+                return techniques.light_tracing.walk_confidence *
                        (path.count == 1 ? 1.0 / 32 : 1.0 / 512);
             return path.count == 1 ? 1.0 / 32 : 1.0 / 128;
         case ChainFinder::sheets:
-            return 1.0 / (8 * (path.film_per_area > 0.0f ? techniques.light_tracing.effort : 1.0));
+            return 1.0 / (8 * (path.film_density > 0.0f ? techniques.light_tracing.mean_search_trials
+                                                        : 1.0));
         case ChainFinder::mnee: return techniques.light_tracing.guide != nullptr ? 1.0 / 32 : 1.0;
     }
     return 1.0;
 }
 
-// By area at y (distant light: solid angle at the light) and area at x; of the camera's paths for
-// one sample of the whole picture; all divided by film_per_area, if that is positive.
+// Densities of a path by technique, per area at y (distant lights: solid angle at the light) and area at
+// x, for one sample of the whole picture. All are divided by film_density, if that is positive.
 struct CausticDensities {
     double geometry = 0.0;  // |dw_x/dA_y|, the cosine at y included
     double path_tracing =
-        0.0;             // p_bsdf(w) |dw_x/dA_y| times the chances of all lobes; 0 for delta lights
-    double folds = 0.0;  // the same of directions next to folds, times their worth
-    double direct = 0.0;  // of next event estimation
-    // p_L(y) times the chance of the caster and manifold_worth(); of highlights times their estimates.
+        0.0;  // p_bsdf(w) |dw_x/dA_y| times the probabilities of all lobes; 0 for delta lights
+    double folds = 0.0;   // the same for fold directions, times their confidence
+    double direct = 0.0;  // next event estimation
+    // p_L(y) times the probability of the caster and manifold_confidence(). For camera chains: p_L(y)
+    // times CameraChains::estimates.
     double manifold = 0.0;
-    double light_tracing = 0.0;  // paths p_L(y) p_e(w_y) |dw_y/dA_x| times the chances of all lobes
-    // Of random searches for chains that the manifold's definite search misses, where others take its
-    // share of them: p_L(y) times the chance of a search that begins at the chain's caster, or in the
-    // pixel that shows it, half of it for the noise of its count. One in so many trials comes to the
-    // chain. 0: there are none, beside fixed starts.
+    double light_tracing =
+        0.0;  // paths p_L(y) p_e(w_y) |dw_y/dA_x| times the probabilities of all lobes
+    // For finders that use seeds: density of random searches for chains that the seeds miss, if such a
+    // chain is shared between searches and directions. It is p_L(y) times the probability of a search from
+    // the chain's first caster, or its pixel, times a confidence of 1/2 for the noise of the trial count.
+    // The density of finding the chain is smaller by the number of trials. 0 for MNEE, which does not
+    // search.
     std::optional<double> missed;
 
-    // What light tracing multiplies the path's light with: its geometry over the densities, of which
-    // the estimator's own one divides it and the sum weighs. Finite on a fold. The manifold takes
-    // manifold_worth() of it, which it has not been divided by.
+    // geometry / sum: weight over density, times the geometry term; finite on a fold. A light path's light
+    // is multiplied by it. A manifold estimate is multiplied by this times manifold_confidence(), which is
+    // part of its density here but not of its sampling.
     double scale() const { return geometry / sum(); }
     double sum() const { return by_directions() + direct + manifold + light_tracing; }
-    // Of those who draw a direction at x and follow it.
+    // Density of the techniques that draw a direction at x and follow it.
     double by_directions() const { return path_tracing + folds; }
 
-    // A chain that sheets miss is found by searches, of which a few may do, or thousands. Who weighs it
-    // counts trials anew, by which both have their share of what they are left with: the count is
-    // random, but since it is independent of how the chain was found, the weights sum to one on
-    // average. It costs a look whether sheets miss the chain, so that is only done where directions
-    // are not dense. What fixed starts miss is path tracing's alone.
+    // Whether chains that seeds miss have weights of their own. A search may find such a chain after a few
+    // trials, or after thousands; so whoever weighs it counts trials anew and shares by that count. The
+    // count is random, but independent of how the chain was found, so the weights sum to one on average.
+    // Looking whether seeds miss a chain costs shots, so it is done only where directions are not dense.
+    // What MNEE seeds miss is path tracing's alone.
     bool missed_are_apart() const {
         constexpr double kDense = 4096.0;
         return missed && (*missed == 0.0 || kDense * manifold > by_directions());
     }
-    // Shares of a missed chain, by so many trials to find it.
+    // Weights of searches and of directions for a missed chain that takes so many trials to find.
     double share_of_searches(double trials) const {
         return shared_by_camera() * *missed / (trials * by_directions() + *missed);
     }
@@ -261,8 +265,8 @@ struct CausticDensities {
         if (*missed == 0.0) return shared_by_camera();
         return shared_by_camera() * trials * by_directions() / (trials * by_directions() + *missed);
     }
-    // How many trials to count before the shares are known well enough: beyond, next to nothing is left
-    // to searches. One where directions have next to nothing, were it `most`.
+    // Number of trials after which counting may end, because next to nothing would be left to searches. 1
+    // if directions had next to nothing even after `most` trials.
     uint32_t telling_trials(uint32_t most) const {
         constexpr double kNextToNothing = 1.0 / 16;
         const double even = *missed / by_directions();  // that give both the same
@@ -270,47 +274,48 @@ struct CausticDensities {
         return static_cast<uint32_t>(
             std::clamp(std::ceil(even / kNextToNothing), 1.0, static_cast<double>(most)));
     }
-    // Of what directions have.
+    // Share of fold directions in the weight of all directions.
     double share_of_folds() const { return folds > 0.0 ? folds / by_directions() : 0.0; }
+    // Weight of directions and the manifold together.
     double shared_by_camera() const { return (by_directions() + manifold) / sum(); }
 };
-// Throughput of the chain's vertices as the camera's path comes to them, f |cos| of rough ones;
-// fills in the chances of their lobes. By the places of the vertices alone, so that all techniques
-// have the same.
+// Throughput of the chain's vertices along the camera's path (f |cos| at rough ones). Also fills in the
+// probabilities of their lobes. It uses the positions of the vertices alone, so that all techniques get
+// the same values.
 Spectrum chain_throughput(const Scene& scene, CausticPath& path, const ChainEnd& end);
-// What turns at casters make of the camera's path from one smooth scattering to the next.
-struct Turns {
-    Spectrum weight;  // throughput over the chances of their lobes
-    float density;    // of the camera's path, in the light path's, but for p and cos at both ends
+// What a chain between two smooth scatterings does to the camera's path.
+struct SpecularTransfer {
+    Spectrum weight;  // throughput over the probabilities of the lobes
+    float density;  // ratio of the camera path's density to the light path's, without p and cos at the ends
 };
 // `path`: from the scattering at x on, its vertices' lobes are filled in; z is the next one. Empty
 // where the chain cannot be, by the accuracy that there is.
-std::optional<Turns> turns_between(const Scene& scene, CausticPath& path, const Vec3& z);
+std::optional<SpecularTransfer> specular_transfer(const Scene& scene, CausticPath& path,
+                                                  const Vec3& z);
 // Empty where the chain cannot be, by the accuracy that there is.
 std::optional<CausticDensities> caustic_densities(const Techniques& techniques,
                                                   const CausticPath& path, const LightEnd& end);
 
-// A chain with rough vertices is one of several ways to see the path: from its last rough vertex on
-// it is a path of its own, which those who find it share as ever. What the rough chain takes of the
-// path comes first; they have the rest.
+// A path with a rough chain may also be seen as a shorter path that starts at the last rough vertex, which
+// the other techniques share as usual. The rough chain's share is taken first; they share the rest.
 
-// A rough vertex as part of a chain, but for what chain_throughput() fills in: where the camera's
-// path goes on along wi, ng being on the side that it comes from. Empty where the surface is none.
+// A rough vertex of a chain, without what chain_throughput() fills in. The camera's path arrives on the side
+// of ng and leaves along wi. Empty if the surface is not rough in this sense.
 std::optional<CausticVertex> rough_vertex(const Techniques& techniques, const SurfaceHit& hit,
                                           const Vec3& ng, const Vec3& wi);
-// The share that the manifold has of light which arrives by a path with rough vertices, without the
-// chances of their lobes.
+// The manifold's weight in light that arrives by a path with rough vertices. `path` comes without the
+// probabilities of its lobes.
 float rough_chain_share(const Techniques& techniques, CausticPath path, const LightEnd& end);
 
-// Where a chain that began at an earlier x may go on.
+// A surface where a rough chain that began at an earlier x may continue.
 struct RoughVisit {
-    const CausticPath* before;  // the chain so far; null: there is none, nothing to share
+    const CausticPath* before;  // the chain so far; null: none, so nothing is shared
     const SurfaceHit& hit;
     const ClosureList& closures;
     const Vec3 &ng, &wo;
 };
-// f |cos| of closures of `kinds` for light from wi, less what the manifold takes of it: light that
-// arrives by way of the vertices `behind`.
+// f |cos| of the closures of `kinds` for light from wi, without the manifold's share. `behind`: vertices
+// between the surface and the light.
 Spectrum left_by_rough_chains(const Techniques& techniques, const RoughVisit& visit, const Vec3& wi,
                               uint32_t kinds, std::span<const CausticVertex> behind,
                               const LightEnd& end);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Which of many prisms hold a point, where all of them move, each in its own way, as one vector does.
+// A tree over prisms that move: it finds those that hold a point, for any shift. Each prism moves linearly
+// in the shift, in its own way.
 #pragma once
 
 #include "math/vec.h"
@@ -12,7 +13,7 @@
 
 namespace spc {
 
-// A triangle, extended by `half` to both sides of it. For the shift s a corner lies at
+// A triangle extended by `half` to both sides. For the shift s a corner lies at
 // p + motion[0] s.x + motion[1] s.y + motion[2] s.z.
 struct MovingPrism {
     struct Corner {
@@ -22,24 +23,24 @@ struct MovingPrism {
     std::array<Corner, 3> corners;
 };
 
-// A tree of volumes between three pairs of planes, which may be oblique: prisms may be slivers that
-// lie across all axes. They move as their prisms do on average, and so are hardly larger for it where
-// those move alike. A node tests the volumes of eight children at once.
+// Bounding volumes lie between three pairs of planes, which may be oblique, since prisms may be slivers
+// across all axes. A volume follows the mean motion of its prisms, so it hardly grows where they move
+// alike. A node tests the volumes of its eight children at once.
 class PrismTree {
 public:
     using Shape = std::function<MovingPrism(uint32_t)>;
     PrismTree() = default;  // holds nothing
     enum class Volumes {
         move,
-        stay  // and hold their prisms for every shift: visit() is given none
+        stay  // large enough for every shift, so visit() gets a zero shift
     };
-    // `reach`: the longest shift. `order` receives the indices of the prisms as they lie in the tree:
-    // what belongs to them is found fastest if it is put in this order.
+    // `reach`: length of the longest shift. `order` receives the indices of the prisms in the tree's order;
+    // data that belong to them should be stored in that order.
     PrismTree(uint32_t count, const Shape& shape, float reach, std::vector<uint32_t>& order,
               Volumes volumes = Volumes::move);
 
-    // Calls `act` with the place in that order of each prism that holds p, and of some that do not,
-    // until it returns false.
+    // Calls `act` with the place in that order of each prism that may hold p, until `act` returns false.
+    // Some of these prisms do not hold p.
     template <class Act>
     void visit(const Vec3& p, const Vec3& shift, const Act& act) const {
         if (nodes_.empty()) return;

@@ -31,15 +31,16 @@ NormalTarget sample_lean(const Caster& caster, Pcg& pcg) {
 
 }  // namespace
 
-CasterPatch aimed_patch(const Scene& scene, const SurfaceHit& hit, const NormalTarget& target) {
-    CasterPatch patch = evaluate_caster(scene, hit, target.smooth_base);
-    if (!target.smooth_base) return patch;
+DifferentialGeometry aimed_geometry(const Scene& scene, const SurfaceHit& hit,
+                                    const NormalTarget& target) {
+    DifferentialGeometry geometry = evaluate_caster(scene, hit, target.smooth_base);
+    if (!target.smooth_base) return geometry;
     // The leaning normal turns as the smooth one does: dm = (n x dn) x m.
-    const Vec3 n = patch.n;
-    patch.n = Frame::around(n).to_world(target.offset);
-    patch.dn_du = cross(cross(n, patch.dn_du), patch.n);
-    patch.dn_dv = cross(cross(n, patch.dn_dv), patch.n);
-    return patch;
+    const Vec3 n = geometry.n;
+    geometry.n = Frame::around(n).to_world(target.offset);
+    geometry.dn_du = cross(cross(n, geometry.dn_du), geometry.n);
+    geometry.dn_dv = cross(cross(n, geometry.dn_dv), geometry.n);
+    return geometry;
 }
 
 std::optional<Seed> seed_at(const Scene& scene, const ManifoldSettings& settings,
@@ -78,7 +79,7 @@ std::optional<Seed> sample_seed(const Scene& scene, const ManifoldSettings& sett
         if (!seed) continue;
         const std::optional<ConstraintValue> value = evaluate_constraint(
             constraint_for(settings.constraint, seed->interaction, seed->eta), seed->interaction,
-            seed->eta, query.x, aimed_patch(scene, *hit, first), query.end);
+            seed->eta, query.x, aimed_geometry(scene, *hit, first), query.end);
         if (!value || !(value->size() < best_size)) continue;
         best = seed;
         best_size = value->size();

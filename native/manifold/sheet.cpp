@@ -10,7 +10,8 @@ namespace spc {
 
 namespace {
 
-constexpr float kLeastChance = 1.0f / 512;  // of a lead: chains may carry more than it promises
+constexpr float kLeastProbability =
+    1.0f / 512;  // of a chain seed: chains may carry more than it promises
 
 // Where x lies between the three rays of a beam: barycentrics of the second and third, and m along
 // the rays from where they landed. Two steps of Newton's method on p(b) + s d(b) = x.
@@ -84,15 +85,15 @@ Vec3 moved_by(const std::array<Vec3, 3>& moved, const Vec3& shift) {
 
 }  // namespace
 
-LightSheet::LightSheet(const SheetWorld& world, const LightPoint& y, uint32_t tiles, float reach,
-                       std::span<const LightPoint> around)
-    : y_(y), all_(trace_beams(world, y, tiles, around)) {
+LightSheet::LightSheet(const SheetWorld& world, const LightPoint& y, uint32_t emission_cells,
+                       float reach, std::span<const LightPoint> around)
+    : y_(y), all_(trace_beams(world, y, emission_cells, around)) {
     if (!y.delta) build_folds(reach);  // rays do not come to points
     build_layers(reach, world.threads);
 }
 
 float LightSheet::Entry::density() const {
-    // Where few leads arrive, mostly at chains that others lead to as well.
+    // Where few chain seeds arrive, mostly at chains that others lead to as well.
     constexpr float kBeside = 1.0f / 16;
     return beam.density * (inside ? 1.0f : kBeside);
 }
@@ -127,16 +128,17 @@ void LightSheet::build_layers(float reach, uint32_t threads) {
 }
 
 void LightSheet::build_folds(float reach) {
-    const auto patch_of = [&](const Beam& beam) {
+    const auto parallelogram_of = [&](const Beam& beam) {
         const auto [a, b, c] = edges_of(all_, beam);
-        return FoldPatch{a->last, b->last - a->last, c->last - a->last};
+        return FoldParallelogram{a->last, b->last - a->last, c->last - a->last};
     };
     std::vector<const Beam*> beams;
     for (const Beam& beam : all_.beams) {
         if (!(beam.margin > 0.0f)) continue;
-        const FoldPatch patch = patch_of(beam);
+        const FoldParallelogram parallelogram = parallelogram_of(beam);
         // Without area it would be drawn, but no density would tell of it.
-        if (length_squared(cross(patch.e1, patch.e2)) > 0.0f) beams.push_back(&beam);
+        if (length_squared(cross(parallelogram.e1, parallelogram.e2)) > 0.0f)
+            beams.push_back(&beam);
     }
     const auto shape = [&](uint32_t i) {
         return prism_of(edges_of(all_, *beams[i]), *beams[i], 0.0f);
@@ -145,18 +147,18 @@ void LightSheet::build_folds(float reach) {
     fold_tree_ = PrismTree(static_cast<uint32_t>(beams.size()), shape, reach, order,
                            PrismTree::Volumes::stay);
     for (const uint32_t i : order)
-        folds_.push_back({patch_of(*beams[i]), sides_around(shape(i), reach)});
+        folds_.push_back({parallelogram_of(*beams[i]), sides_around(shape(i), reach)});
 }
 
 bool LightSheet::find_folds(const Vec3& x, size_t most,
-                            std::vector<const FoldPatch*>& patches) const {
+                            std::vector<const FoldParallelogram*>& parallelograms) const {
     bool few = true;
     fold_tree_.visit(x, Vec3(0.0f), [&](uint32_t i) {
-        const auto& [patch, sides] = folds_[i];
+        const auto& [parallelogram, sides] = folds_[i];
         if (!std::all_of(sides.begin(), sides.end(), [&](const HalfSpace& s) { return s.holds(x); }))
             return true;
-        few = patches.size() < most;
-        if (few) patches.push_back(&patch);
+        few = parallelograms.size() < most;
+        if (few) parallelograms.push_back(&parallelogram);
         return few;
     });
     return few;
@@ -189,42 +191,45 @@ Vec3 shift_between(const LightPoint& from, const LightPoint& to) {
     return from.distant ? to.direction - from.direction : to.p - from.p;
 }
 
-bool repeats(const Lead& lead, const Lead& other) {
-    if (lead.inside || !other.inside || other.chance < lead.chance || lead.kind != other.kind ||
-        lead.positive != other.positive)
+bool repeats(const SheetSeed& chain_seed, const SheetSeed& other) {
+    if (chain_seed.inside || !other.inside || other.probability < chain_seed.probability ||
+        chain_seed.kind != other.kind || chain_seed.positive != other.positive)
         return false;
     const auto shared = [&](uint32_t edge) {
         return std::find(other.edges.begin(), other.edges.end(), edge) != other.edges.end();
     };
-    return std::any_of(lead.edges.begin(), lead.edges.end(), shared);
+    return std::any_of(chain_seed.edges.begin(), chain_seed.edges.end(), shared);
 }
 
-std::array<Vec3, 3> LightSheet::directions_around(const Lead& lead, const Vec3& x,
+std::array<Vec3, 3> LightSheet::directions_around(const SheetSeed& chain_seed, const Vec3& x,
                                                   const Vec3& shift) const {
     std::array<Vec3, 3> directions;
     for (size_t i = 0; i < 3; ++i) {
-        const BeamEdge& edge = all_.edges[lead.edges[i]];
+        const BeamEdge& edge = all_.edges[chain_seed.edges[i]];
         directions[i] = normalize(edge.last + moved_by(edge.last_moved, shift) - x);
     }
     return directions;
 }
 
-void LightSheet::find_leads(const Vec3& x, const Vec3& shift, float worth, float u,
-                            std::vector<Lead>& leads) const {
+void LightSheet::find_seeds(const Vec3& x, const Vec3& shift, float probability_per_density,
+                            float u, std::vector<SheetSeed>& chain_seeds) const {
     for (const Layer& layer : layers_)
-        if (std::max(layer.density * worth, kLeastChance) > u)
+        if (std::max(layer.density * probability_per_density, kLeastProbability) > u)
             layer.tree.visit(x, shift, [&](uint32_t i) {
-                add_lead(layer.entries[i], x, shift, worth, u, leads);
+                add_seed(layer.entries[i], x, shift, probability_per_density, u, chain_seeds);
                 return true;
             });
-    std::partition(leads.begin(), leads.end(), [](const Lead& lead) { return lead.inside; });
+    std::partition(chain_seeds.begin(), chain_seeds.end(),
+                   [](const SheetSeed& chain_seed) { return chain_seed.inside; });
 }
 
-void LightSheet::add_lead(const Entry& entry, const Vec3& x, const Vec3& shift, float worth,
-                          float u, std::vector<Lead>& leads) const {
+void LightSheet::add_seed(const Entry& entry, const Vec3& x, const Vec3& shift,
+                          float probability_per_density, float u,
+                          std::vector<SheetSeed>& chain_seeds) const {
     const Beam& beam = entry.beam;
-    const float chance = std::clamp(entry.density() * worth, kLeastChance, 1.0f);
-    if (!(chance > u)) return;
+    const float probability =
+        std::clamp(entry.density() * probability_per_density, kLeastProbability, 1.0f);
+    if (!(probability > u)) return;
     const std::array<const BeamEdge*, 3> edges = edges_of(all_, beam);
     std::array<Vec3, 3> landed;
     for (size_t i = 0; i < 3; ++i)
@@ -243,8 +248,8 @@ void LightSheet::add_lead(const Entry& entry, const Vec3& x, const Vec3& shift, 
     const bool forward =
         dot(cross(landed[1] - landed[0], landed[2] - landed[0]), edges[0]->d) > 0.0f;
     // Across the direction of a distant light places turn the other way.
-    leads.push_back({&all_.kinds[beam.kind], to * (1.0f / distance), chance, entry.inside,
-                     forward != y_.distant, beam.edges});
+    chain_seeds.push_back({&all_.kinds[beam.kind], to * (1.0f / distance), probability,
+                           entry.inside, forward != y_.distant, beam.edges});
 }
 
 }  // namespace spc

@@ -6,10 +6,10 @@ namespace spc {
 namespace {
 
 constexpr uint32_t kMostSheets = 16, kMostOfLight = 8;
-constexpr uint32_t kFewestTiles = 64;  // of a sheet
+constexpr uint32_t kFewestCells = 64;  // of a sheet
 
 // Light points, and the points of their light for which they are the nearest.
-struct Site {
+struct SheetPoint {
     LightPoint y;
     float reach;  // how far those lie, m or, of a distant light, as a difference of directions
     std::vector<LightPoint> around;  // some of them, far apart
@@ -48,12 +48,12 @@ std::vector<LightPoint> far_points(const LightPoint& y, const std::vector<LightP
     return result;
 }
 
-// Starts in the middle; each further site is the point that lies farthest from those there are.
-std::vector<Site> sites_of(const std::vector<LightPoint>& points, const EmissionGuide& guide,
-                           size_t most) {
+// Starts in the middle; each further sheet point is the point that lies farthest from those there are.
+std::vector<SheetPoint> sheet_points_of(const std::vector<LightPoint>& points,
+                                        const EmissionGuide& guide, size_t most) {
     constexpr float kFar = 1.0f / 16;  // rad, as the casters see it
-    std::vector<Site> sites;
-    if (points.empty()) return sites;
+    std::vector<SheetPoint> sheet_points;
+    if (points.empty()) return sheet_points;
     const LightPoint* next = &points.front();
     float least = kInfinity;
     for (const LightPoint& y : points) {
@@ -72,25 +72,25 @@ std::vector<Site> sites_of(const std::vector<LightPoint>& points, const Emission
             const float d = distance_between(points[i], y);
             if (d < distance[i]) {
                 distance[i] = d;
-                nearest[i] = sites.size();
+                nearest[i] = sheet_points.size();
             }
             if (distance[i] > distance[farthest]) farthest = i;
         }
-        sites.push_back({y, 0.0f, {}});
+        sheet_points.push_back({y, 0.0f, {}});
         const float far = y.distant ? kFar : kFar * length(y.p - guide.center);
-        if (sites.size() == most || !(distance[farthest] > far)) break;
+        if (sheet_points.size() == most || !(distance[farthest] > far)) break;
         next = &points[farthest];
     }
-    for (size_t s = 0; s < sites.size(); ++s) {
+    for (size_t s = 0; s < sheet_points.size(); ++s) {
         std::vector<LightPoint> own;
         for (size_t i = 0; i < points.size(); ++i) {
             if (nearest[i] != s) continue;
             own.push_back(points[i]);
-            sites[s].reach = std::max(sites[s].reach, distance[i]);
+            sheet_points[s].reach = std::max(sheet_points[s].reach, distance[i]);
         }
-        sites[s].around = far_points(sites[s].y, own);
+        sheet_points[s].around = far_points(sheet_points[s].y, own);
     }
-    return sites;
+    return sheet_points;
 }
 
 }  // namespace
@@ -109,7 +109,7 @@ const LightSheet* nearest_sheet(const LightSheets& sheets, const LightPoint& y) 
 }
 
 SheetPool build_sheets(const Scene& scene, const LightSet& lights, const CasterSet& casters,
-                       const ManifoldSettings& settings, uint32_t seed, uint32_t tiles,
+                       const ManifoldSettings& settings, uint32_t seed, uint32_t emission_cells,
                        uint32_t threads, const Budget& budget) {
     if (casters.empty() || lights.caustic_selection.empty()) return {};
     std::vector<uint32_t> feeding;
@@ -120,14 +120,15 @@ SheetPool build_sheets(const Scene& scene, const LightSet& lights, const CasterS
     });
     // A sheet serves the points around its own, too, from which the beam goes elsewhere.
     const EmissionGuide guide = aim_at_casters(scene, lights, casters, Squares::of_casters);
-    std::vector<Site> sites;
+    std::vector<SheetPoint> sheet_points;
     for (const uint32_t light : feeding) {
-        const size_t most = std::min<size_t>(kMostOfLight, kMostSheets - sites.size());
+        const size_t most = std::min<size_t>(kMostOfLight, kMostSheets - sheet_points.size());
         if (most == 0) break;
-        const std::vector<Site> more = sites_of(points_of(scene, lights, light, seed), guide, most);
-        sites.insert(sites.end(), more.begin(), more.end());
+        const std::vector<SheetPoint> more =
+            sheet_points_of(points_of(scene, lights, light, seed), guide, most);
+        sheet_points.insert(sheet_points.end(), more.begin(), more.end());
     }
-    const auto count = static_cast<uint32_t>(sites.size());
+    const auto count = static_cast<uint32_t>(sheet_points.size());
     const SheetWorld world{scene,
                            lights,
                            casters,
@@ -138,10 +139,11 @@ SheetPool build_sheets(const Scene& scene, const LightSet& lights, const CasterS
                            budget.work() / static_cast<double>(count)};
     SheetPool sheets;
     uint64_t rays = 0;
-    for (const Site& site : sites) {
+    for (const SheetPoint& sheet_point : sheet_points) {
         if (budget.is_spent(rays)) break;
         sheets.push_back(std::make_unique<const LightSheet>(
-            world, site.y, std::max(kFewestTiles, tiles / count), site.reach, site.around));
+            world, sheet_point.y, std::max(kFewestCells, emission_cells / count), sheet_point.reach,
+            sheet_point.around));
         rays += sheets.back()->rays();
     }
     return sheets;

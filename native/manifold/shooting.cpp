@@ -8,13 +8,13 @@ namespace spc {
 namespace {
 
 constexpr float kLongestStep = 0.5f;  // rad, at the receiver
-// Where rounding may turn a chain's end further than that, by its bound, a ray may be within the bound
-// of a light that no chain leads to: the bound says how far off it can be, not that it is. A fifth of
-// the sun's radius.
-constexpr float kLargestMiss = 1e-3f;  // rad
+// Largest endpoint error that counts as an arrival, whatever the bound of rounding errors: the bound says how
+// far off a ray can be, not that it is, and may be larger than the distance to a light that no chain leads
+// to. A fifth of the sun's radius.
+constexpr float kLargestEndpointError = 1e-3f;  // rad
 
-// Where a ray that has left the surface at a small angle is past its rounding.
-float leave(const RayStart& from, const Vec3& w) {
+// Distance along w after which a ray has left the rounding errors of its surface behind, m.
+float start_offset(const RayStart& from, const Vec3& w) {
     constexpr float kLeastCosine = 1e-2f;
     return 2.0f * from.error / std::max(std::abs(dot(from.ng, w)), kLeastCosine);
 }
@@ -27,21 +27,23 @@ const SpecularInterface& interface_at(const Scene& scene, const SurfaceHit& hit,
 }
 
 // The surface there, or its facet.
-CasterPatch patch_at(const Scene& scene, const SurfaceHit& hit, const SpecularInterface& interface,
-                     const FrozenFacets* facets, uint32_t vertex) {
-    CasterPatch patch = evaluate_caster(scene, hit, false);
-    if (interface.is_rough()) lean(patch, sample_facet(interface, (*facets)[vertex]));
-    return patch;
+DifferentialGeometry geometry_at(const Scene& scene, const SurfaceHit& hit,
+                                 const SpecularInterface& interface, const FrozenFacets* facets,
+                                 uint32_t vertex) {
+    DifferentialGeometry geometry = evaluate_caster(scene, hit, false);
+    if (interface.is_rough()) lean(geometry, sample_facet(interface, (*facets)[vertex]));
+    return geometry;
 }
 
-// By how much a ray misses its end.
-struct Miss {
+// The endpoint error of a ray, and its derivative.
+struct EndpointError {
     Vec2 c;             // angle in two directions, rad
-    Vec2 dc_dx, dc_dy;  // by the two turns at the receiver
+    Vec2 dc_dx, dc_dy;  // derivatives by the two turns at the receiver
     double distance;    // m, to the end; infinite for a distant one
 };
 
-std::optional<Miss> miss_of(const Vec3& last, const RayDual& ray, const ChainEnd& end) {
+std::optional<EndpointError> endpoint_error(const Vec3& last, const RayDual& ray,
+                                            const ChainEnd& end) {
     double distance = std::numeric_limits<double>::infinity();
     Vec3d wanted(end.direction);
     if (!end.distant) {
@@ -59,25 +61,26 @@ std::optional<Miss> miss_of(const Vec3& last, const RayDual& ray, const ChainEnd
         const Vec3d by = ray.dd[j] + ray.dp[j] / distance;
         return Vec2(static_cast<float>(dot(e1, by)), static_cast<float>(dot(e2, by)));
     };
-    return Miss{{static_cast<float>(a * scale), static_cast<float>(b * scale)},
-                turned(0),
-                turned(1),
-                distance};
+    return EndpointError{{static_cast<float>(a * scale), static_cast<float>(b * scale)},
+                         turned(0),
+                         turned(1),
+                         distance};
 }
 
-std::optional<Vec2> newton_step(const Miss& miss) {
-    return solve2x2(miss.dc_dx.x, miss.dc_dy.x, miss.dc_dx.y, miss.dc_dy.y, -miss.c.x, -miss.c.y);
+std::optional<Vec2> newton_step(const EndpointError& error) {
+    return solve2x2(error.dc_dx.x, error.dc_dy.x, error.dc_dx.y, error.dc_dy.y, -error.c.x,
+                    -error.c.y);
 }
 
-// A shot: the ray behind its last vertex, and by how much it misses.
+// A shot: its chain, the ray behind the last vertex, and the endpoint error.
 struct Shot {
     Chain chain;
     RayDual ray;
-    Miss miss;
-    float noise;           // what rounding leaves of it at an exact solution, up to kLargestMiss
-    Vec3 w;                // at the receiver
+    EndpointError error;
+    float noise;  // what rounding leaves of it at an exact solution, up to kLargestEndpointError
+    Vec3 w;       // at the receiver
     float first_distance;  // m, to the first vertex
-    float size() const { return miss.c.length(); }
+    float size() const { return error.c.length(); }
 };
 
 class Shooter {
@@ -97,36 +100,36 @@ public:
             const ChainLink& link = kind_.links[i];
             ++stats_.rays;
             const std::optional<Hit> hit = scene_.accel->intersect_caster(
-                link.instance, {from.p, d, leave(from, d), kInfinity});
+                link.instance, {from.p, d, start_offset(from, d), kInfinity});
             if (!hit) return false;
             const SpecularInterface& specular = interface_at(scene_, hit->surface, facets_);
             if (!has_interaction(specular, link.interaction)) return false;
             shot.chain.hits[i] = hit->surface;
             ChainVertex& vertex = shot.chain.vertices[i];
             vertex.interaction = link.interaction;
-            vertex.patch = patch_at(scene_, hit->surface, specular, facets_, i);
-            vertex.eta = eta_seen_from(vertex.patch.ng, d * -1.0f, specular.ior);
+            vertex.geometry = geometry_at(scene_, hit->surface, specular, facets_, i);
+            vertex.eta = eta_seen_from(vertex.geometry.ng, d * -1.0f, specular.ior);
             // The ray keeps its direction: between sides a millimetre apart that from point to point
             // would be off by what both were rounded.
-            const double distance = length(Vec3d(vertex.patch.p) - Vec3d(from.p));
+            const double distance = length(Vec3d(vertex.geometry.p) - Vec3d(from.p));
             if (!(distance > 0.0)) return false;
-            if (!pass_vertex(vertex, distance, shot.ray)) return false;
+            if (!propagate_through_vertex(vertex, distance, shot.ray)) return false;
             const Vec3 wi = d * -1.0f;
             d = Vec3(shot.ray.d);
-            if (!sides_agree(vertex.patch, wi, d, link.interaction)) return false;
+            if (!sides_agree(vertex.geometry, wi, d, link.interaction)) return false;
             if (i == 0) shot.first_distance = static_cast<float>(distance);
-            from = {vertex.patch.p, vertex.patch.ng, vertex.patch.p_error};
+            from = {vertex.geometry.p, vertex.geometry.ng, vertex.geometry.p_error};
         }
         return measure_miss(shot);
     }
 
 private:
     bool measure_miss(Shot& shot) const {
-        const std::optional<Miss> miss =
-            miss_of(shot.chain.vertices[kind_.count - 1].patch.p, shot.ray, end_);
-        if (!miss) return false;
-        shot.miss = *miss;
-        shot.noise = noise_of(shot, static_cast<float>(miss->distance));
+        const std::optional<EndpointError> error =
+            endpoint_error(shot.chain.vertices[kind_.count - 1].geometry.p, shot.ray, end_);
+        if (!error) return false;
+        shot.error = *error;
+        shot.noise = noise_of(shot, static_cast<float>(error->distance));
         return std::isfinite(shot.noise) && std::isfinite(shot.size());
     }
 
@@ -134,22 +137,24 @@ private:
     // barycentrics on large triangles, about as much at each further vertex, and once more at its
     // end.
     float noise_of(const Shot& shot, float last_distance) const {
-        const CasterPatch& first = shot.chain.vertices[0].patch;
+        const DifferentialGeometry& first = shot.chain.vertices[0].geometry;
         const ChainVertex& last = shot.chain.vertices[kind_.count - 1];
         const float largest = std::max(largest_coordinate(x_.p), largest_coordinate(first.p));
         const float spacing =
             0x1p-24f * std::max(length(first.dp_du), length(first.dp_dv)) / shot.first_distance;
         const float at_start = kUnitRoundoff * (1.0f + largest / shot.first_distance) + spacing;
-        const float turn = std::sqrt(shot.miss.dc_dx.length2() + shot.miss.dc_dy.length2());
+        const float turn = std::sqrt(shot.error.dc_dx.length2() + shot.error.dc_dy.length2());
         // Near the critical angle the refracted direction magnifies every error by 1 / cos_t.
         const float magnified =
             last.interaction == Interaction::refraction
-                ? 1.0f / std::max(std::abs(static_cast<float>(dot(shot.ray.d, Vec3d(last.patch.n)))),
-                                  1e-3f)
+                ? 1.0f / std::max(
+                             std::abs(static_cast<float>(dot(shot.ray.d, Vec3d(last.geometry.n)))),
+                             1e-3f)
                 : 1.0f;
         const float at_end =
-            kUnitRoundoff * (2.0f + largest_coordinate(last.patch.p) / last_distance) * magnified;
-        return std::min(turn * at_start * static_cast<float>(kind_.count) + at_end, kLargestMiss);
+            kUnitRoundoff * (2.0f + largest_coordinate(last.geometry.p) / last_distance) * magnified;
+        return std::min(turn * at_start * static_cast<float>(kind_.count) + at_end,
+                        kLargestEndpointError);
     }
 
     const Scene& scene_;
@@ -161,13 +166,14 @@ private:
 };
 
 float determinant(const Shot& shot) {
-    return shot.miss.dc_dx.x * shot.miss.dc_dy.y - shot.miss.dc_dx.y * shot.miss.dc_dy.x;
+    return shot.error.dc_dx.x * shot.error.dc_dy.y - shot.error.dc_dx.y * shot.error.dc_dy.x;
 }
 
 // The right singular vector of the smaller singular value.
 Vec3 softest_direction(const Shot& shot) {
-    const float xx = shot.miss.dc_dx.length2(), yy = shot.miss.dc_dy.length2(),
-                xy = shot.miss.dc_dx.x * shot.miss.dc_dy.x + shot.miss.dc_dx.y * shot.miss.dc_dy.y;
+    const float xx = shot.error.dc_dx.length2(), yy = shot.error.dc_dy.length2(),
+                xy = shot.error.dc_dx.x * shot.error.dc_dy.x +
+                     shot.error.dc_dx.y * shot.error.dc_dy.y;
     const float angle = 0.5f * (std::atan2(2.0f * xy, xx - yy) + kPi);
     const Frame frame = Frame::around(shot.w);
     return frame.x * std::cos(angle) + frame.y * std::sin(angle);
@@ -177,11 +183,11 @@ Vec3 softest_direction(const Shot& shot) {
 // fold.
 bool measure_resolution(const Shot& shot, ChainSolution& solution) {
     const float det = std::abs(solution.determinant);
-    const float norm = std::sqrt(shot.miss.dc_dx.length2() + shot.miss.dc_dy.length2());
+    const float norm = std::sqrt(shot.error.dc_dx.length2() + shot.error.dc_dy.length2());
     if (!(det > 1e-7f * sqr(norm))) return false;
     const float turn = norm / det * shot.noise;  // of the first direction
-    const CasterPatch& first = shot.chain.vertices[0].patch;
-    const CasterPatch& last = shot.chain.vertices[shot.chain.count - 1].patch;
+    const DifferentialGeometry& first = shot.chain.vertices[0].geometry;
+    const DifferentialGeometry& last = shot.chain.vertices[shot.chain.count - 1].geometry;
     const auto spacing = [](const Vec3& p) { return 0x1p-23f * largest_coordinate(p); };
     const float cosine = std::max(std::abs(dot(first.ng, shot.w)), 1e-3f);
     solution.first_resolution = turn * shot.first_distance / cosine + spacing(first.p);
@@ -190,15 +196,16 @@ bool measure_resolution(const Shot& shot, ChainSolution& solution) {
     return true;
 }
 
-// By Fresnel, with a floor: trials need no chance of it to be right, and neither may starve.
-float chance_of_reflection(const SpecularInterface& interface, float cosine, float eta) {
+// Probability of following the reflection: Fresnel's term with a floor, so that neither side starves. Any
+// positive probability is right, since trials make up for it.
+float reflection_probability(const SpecularInterface& interface, float cosine, float eta) {
     constexpr float kFloor = 1.0f / 8;
     if (!interface.reflects || !interface.refracts) return interface.reflects ? 1.0f : 0.0f;
     return std::clamp(facet::dielectric(cosine, eta), kFloor, 1.0f - kFloor);
 }
 
-// Of a ray that has hit a caster, or nothing.
-std::optional<FollowedRay> follow_by_chance(const Scene& scene, const ManifoldSettings& settings,
+// Follows a ray from its first hit `hit`, which must lie on a caster, through casters.
+std::optional<FollowedRay> follow_at_random(const Scene& scene, const ManifoldSettings& settings,
                                             const CasterSet& casters, Ray ray,
                                             std::optional<Hit> hit, uint32_t longest, Pcg& pcg,
                                             ManifoldStats& stats, const FrozenFacets* facets) {
@@ -210,22 +217,23 @@ std::optional<FollowedRay> follow_by_chance(const Scene& scene, const ManifoldSe
     while (hit && hit->light == kNone && casters.of_instance[hit->surface.instance] != kNone) {
         const uint32_t n = followed.kind.count;
         const SpecularInterface& specular = interface_at(scene, hit->surface, facets);
-        const CasterPatch patch = patch_at(scene, hit->surface, specular, facets, n);
-        const float eta = eta_seen_from(patch.ng, ray.direction * -1.0f, specular.ior);
+        const DifferentialGeometry geometry = geometry_at(scene, hit->surface, specular, facets, n);
+        const float eta = eta_seen_from(geometry.ng, ray.direction * -1.0f, specular.ior);
         const Interaction interaction =
             !family.empty() ? family[n]
-            : pcg.one() < chance_of_reflection(specular, dot(patch.n, ray.direction), eta)
+            : pcg.one() < reflection_probability(specular, dot(geometry.n, ray.direction), eta)
                 ? Interaction::reflection
                 : Interaction::refraction;
         if (!has_interaction(specular, interaction)) break;
-        if (!pass_vertex({interaction, eta, patch}, length(Vec3d(patch.p) - Vec3d(ray.origin)), dual))
+        if (!propagate_through_vertex({interaction, eta, geometry},
+                                      length(Vec3d(geometry.p) - Vec3d(ray.origin)), dual))
             break;
         followed.kind.append({hit->surface.instance, interaction});
-        followed.behind[n] = {patch.p, dual};
+        followed.behind[n] = {geometry.p, dual};
         if (followed.kind.count == longest) break;
         const Vec3 out(dual.d);
-        const RayStart from{patch.p, patch.ng, patch.p_error};
-        ray = {patch.p, out, leave(from, out), kInfinity};
+        const RayStart from{geometry.p, geometry.ng, geometry.p_error};
+        ray = {geometry.p, out, start_offset(from, out), kInfinity};
         ++stats.rays;
         hit = scene.accel->intersect(ray, kVisibleScattered);
     }
@@ -266,7 +274,7 @@ std::optional<ChainSolution> shoot(const Scene& scene, const ManifoldSettings& s
     for (int i = 0; !(shot->size() < shot->noise); ++i) {
         if (i == settings.max_iterations) return std::nullopt;
         ++stats.iterations;
-        std::optional<Vec2> step = newton_step(shot->miss);
+        std::optional<Vec2> step = newton_step(shot->error);
         if (!step) return std::nullopt;
         const float l = step->length();
         if (!(l < kInfinity)) return std::nullopt;
@@ -308,9 +316,9 @@ std::optional<ChainSolution> shoot_across_fold(const Scene& scene, const Manifol
     return other;
 }
 
-std::optional<ChainStart> sample_chain(const Scene& scene, const ManifoldSettings& settings,
-                                       const RayStart& x, const CasterSet& casters, uint32_t caster,
-                                       Pcg& pcg, ManifoldStats& stats, const FrozenFacets* facets) {
+std::optional<ChainSeed> sample_chain(const Scene& scene, const ManifoldSettings& settings,
+                                      const RayStart& x, const CasterSet& casters, uint32_t caster,
+                                      Pcg& pcg, ManifoldStats& stats, const FrozenFacets* facets) {
     const Caster& first = casters.casters[caster];
     Vec3 w;
     const bool by_area = pcg.one() < settings.seeds_by_area;
@@ -322,13 +330,13 @@ std::optional<ChainStart> sample_chain(const Scene& scene, const ManifoldSetting
     } else {
         w = towards_caster(first, x.p, pcg.two());
     }
-    const Ray ray{x.p, w, leave(x, w), kInfinity};
+    const Ray ray{x.p, w, start_offset(x, w), kInfinity};
     ++stats.rays;
-    const std::optional<FollowedRay> followed = follow_by_chance(
+    const std::optional<FollowedRay> followed = follow_at_random(
         scene, settings, casters, ray, scene.accel->intersect_caster(first.instance, ray),
         settings.longest_chain, pcg, stats, facets);
     if (!followed) return std::nullopt;
-    ChainStart start{followed->kind, w};
+    ChainSeed start{followed->kind, w};
     // Light may wait behind any of the vertices; most often behind the last.
     if (settings.family.empty() && pcg.one() < 0.5f)
         start.kind = start.kind.first(
@@ -346,7 +354,7 @@ std::optional<FollowedRay> follow_camera_ray(const Scene& scene, const ManifoldS
         if (!hit) return std::nullopt;
         if (hit->light == kNone) {
             if (casters.of_instance[hit->surface.instance] != kNone)
-                return follow_by_chance(scene, settings, casters, ray, hit, kLongestChain, pcg,
+                return follow_at_random(scene, settings, casters, ray, hit, kLongestChain, pcg,
                                         stats, nullptr);
             if (!scene.any_transparency) return std::nullopt;
         }
@@ -355,19 +363,19 @@ std::optional<FollowedRay> follow_camera_ray(const Scene& scene, const ManifoldS
 }
 
 float turn_towards(const FollowedRay::Behind& behind, const ChainEnd& end) {
-    const std::optional<Miss> miss = miss_of(behind.p, behind.ray, end);
-    const std::optional<Vec2> step = miss ? newton_step(*miss) : std::nullopt;
+    const std::optional<EndpointError> error = endpoint_error(behind.p, behind.ray, end);
+    const std::optional<Vec2> step = error ? newton_step(*error) : std::nullopt;
     return step ? step->length() : kInfinity;
 }
 
-std::optional<ChainStart> straight_chain(const Scene& scene, const ManifoldSettings& settings,
-                                         const RayStart& x, const CasterSet& casters,
-                                         const ChainEnd& end, ManifoldStats& stats) {
+std::optional<ChainSeed> straight_chain(const Scene& scene, const ManifoldSettings& settings,
+                                        const RayStart& x, const CasterSet& casters,
+                                        const ChainEnd& end, ManifoldStats& stats) {
     constexpr float kEndMargin = 1e-4f;  // of the segment: a light's own surface is not crossed
     float distance = kInfinity;
-    ChainStart start{{}, end.from(x.p, distance)};
+    ChainSeed start{{}, end.from(x.p, distance)};
     if (!(distance > 0.0f)) return std::nullopt;
-    Ray ray{x.p, start.w, leave(x, start.w), distance * (1.0f - kEndMargin)};
+    Ray ray{x.p, start.w, start_offset(x, start.w), distance * (1.0f - kEndMargin)};
     for (;;) {
         ++stats.rays;
         const std::optional<Hit> hit = scene.accel->intersect(ray, kVisibleScattered);
@@ -383,11 +391,11 @@ std::optional<ChainStart> straight_chain(const Scene& scene, const ManifoldSetti
     return start;
 }
 
-std::optional<ChainStart> central_reflection(const RayStart& x, const Caster& caster) {
+std::optional<ChainSeed> central_reflection(const RayStart& x, const Caster& caster) {
     const Vec3 to = caster.center - x.p;
     const float distance = length(to);
     if (!(distance > 0.0f)) return std::nullopt;
-    ChainStart start{{}, to * (1.0f / distance)};
+    ChainSeed start{{}, to * (1.0f / distance)};
     start.kind.append({caster.instance, Interaction::reflection});
     return start;
 }
@@ -398,9 +406,9 @@ bool same_solution(const ManifoldSettings& settings, const ChainSolution& a, con
         return length(p - q) <= settings.identity_factor * resolution;
     };
     const uint32_t last = a.kind.count - 1;
-    return near(a.chain.vertices[0].patch.p, b.chain.vertices[0].patch.p,
+    return near(a.chain.vertices[0].geometry.p, b.chain.vertices[0].geometry.p,
                 a.first_resolution + b.first_resolution) &&
-           near(a.chain.vertices[last].patch.p, b.chain.vertices[last].patch.p,
+           near(a.chain.vertices[last].geometry.p, b.chain.vertices[last].geometry.p,
                 a.last_resolution + b.last_resolution);
 }
 

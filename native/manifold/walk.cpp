@@ -7,7 +7,7 @@ namespace {
 
 struct Iterate {
     SurfaceHit hit;
-    CasterPatch patch;
+    DifferentialGeometry geometry;
     ConstraintValue value;
 };
 
@@ -40,11 +40,11 @@ private:
     static bool has_converged(const Iterate& at) { return at.value.size() < at.value.noise; }
 
     std::optional<Iterate> evaluate(const SurfaceHit& hit, const NormalTarget& target) const {
-        const CasterPatch patch = aimed_patch(scene_, hit, target);
+        const DifferentialGeometry geometry = aimed_geometry(scene_, hit, target);
         const std::optional<ConstraintValue> value =
-            evaluate_constraint(constraint_, interaction_, eta_, query_.x, patch, query_.end);
+            evaluate_constraint(constraint_, interaction_, eta_, query_.x, geometry, query_.end);
         if (!value || !std::isfinite(value->size())) return std::nullopt;
-        return Iterate{hit, patch, *value};
+        return Iterate{hit, geometry, *value};
     }
 
     // A Newton step in the tangent plane, projected back along the ray from x, and halved until the
@@ -54,13 +54,13 @@ private:
         const std::optional<Vec2> newton = solve2x2(value.dc_du.x, value.dc_dv.x, value.dc_du.y,
                                                     value.dc_dv.y, value.c.x, value.c.y);
         if (!newton) return std::nullopt;
-        Vec3 move = (from.patch.dp_du * newton->x + from.patch.dp_dv * newton->y) * -1.0f;
+        Vec3 move = (from.geometry.dp_du * newton->x + from.geometry.dp_dv * newton->y) * -1.0f;
         // Farther than the caster's own extent the linear model says nothing.
         const float longest = query_.caster->radius, l = length(move);
         if (!(l < kInfinity)) return std::nullopt;
         if (l > longest) move = move * (longest / l);
         for (int halving = 0; halving <= settings_.max_halvings; ++halving, move = move * 0.5f) {
-            const std::optional<SurfaceHit> hit = project(from.patch.p + move);
+            const std::optional<SurfaceHit> hit = project(from.geometry.p + move);
             if (!hit) continue;
             std::optional<Iterate> next = evaluate(*hit, target);
             if (next && next->value.size() < value.size()) return next;
@@ -100,10 +100,10 @@ std::optional<float> resolution_of(const Iterate& at) {
     const std::optional<Vec2> b =
         solve2x2(value.dc_du.x, value.dc_dv.x, value.dc_du.y, value.dc_dv.y, 0.0f, 1.0f);
     if (!a || !b) return std::nullopt;
-    const Vec3 &p = at.patch.p, &pu = at.patch.dp_du, &pv = at.patch.dp_dv;
-    const float reach = std::max(length(pu * a->x + pv * a->y), length(pu * b->x + pv * b->y));
+    const Vec3 &p = at.geometry.p, &pu = at.geometry.dp_du, &pv = at.geometry.dp_dv;
+    const float extent = std::max(length(pu * a->x + pv * a->y), length(pu * b->x + pv * b->y));
     const float spacing = 0x1p-23f * std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
-    return reach * value.noise + spacing;
+    return extent * value.noise + spacing;
 }
 
 }  // namespace
@@ -130,21 +130,23 @@ std::optional<ChainRoot> walk_from(const Scene& scene, const ManifoldSettings& s
     if (!end) return std::nullopt;
 
     float distance_y = 0.0f;
-    const Vec3 wi = normalize(query.x - end->patch.p), wo = query.end.from(end->patch.p, distance_y);
-    if (!sides_agree(end->patch, wi, wo, seed.interaction)) return std::nullopt;
+    const Vec3 wi = normalize(query.x - end->geometry.p),
+               wo = query.end.from(end->geometry.p, distance_y);
+    if (!sides_agree(end->geometry, wi, wo, seed.interaction)) return std::nullopt;
     // Another material, or the back of the surface, where the walk took another index ratio for
     // granted.
-    if (eta_seen_from(end->patch.ng, wi, scene.material_of(end->hit).specular.ior) != seed.eta)
+    if (eta_seen_from(end->geometry.ng, wi, scene.material_of(end->hit).specular.ior) != seed.eta)
         return std::nullopt;
     const std::optional<float> resolution = resolution_of(*end);
     if (!resolution) return std::nullopt;
     ++stats.converged;
-    return ChainRoot{end->hit, end->patch, seed.interaction, seed.eta, *resolution};
+    return ChainRoot{end->hit, end->geometry, seed.interaction, seed.eta, *resolution};
 }
 
 bool same_root(const ManifoldSettings& settings, const ChainRoot& a, const ChainRoot& b) {
     if (a.interaction != b.interaction) return false;
-    return length(a.patch.p - b.patch.p) <= settings.identity_factor * (a.resolution + b.resolution);
+    return length(a.geometry.p - b.geometry.p) <=
+           settings.identity_factor * (a.resolution + b.resolution);
 }
 
 }  // namespace spc

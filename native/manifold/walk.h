@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Newton's method on a caster's surface [Jakob12, Zeltner20 Sec. 4]: from a seed to a point where
+// Walks: Newton's method on a caster's surface [Jakob12, Zeltner20 Sec. 4], from a seed to a point where
 // light passes from the light point to the receiver.
 #pragma once
 
@@ -7,21 +7,20 @@
 
 namespace spc {
 
-// A solution: the point on the caster and how light turns there.
+// A solution of a walk: the point on the caster, and the interaction there.
 struct ChainRoot {
     SurfaceHit hit;
-    CasterPatch patch;
+    DifferentialGeometry geometry;
     Interaction interaction;
     float eta;         // behind over in front, as seen from x
-    float resolution;  // m: how far the point may lie from the solution
+    float resolution;  // how far the point may lie from the true solution, m
 };
 
-// One walk: empty when it diverged, left the caster, met total internal reflection, ended on the
-// wrong side of the surface or on a fold, where solutions cannot be told apart. A walk does not ask
-// whether something stands in the way.
+// One walk from a seed. Empty if it diverged, left the caster, met total internal reflection, or ended on
+// the wrong side of the surface or on a fold, where solutions cannot be told apart. Occlusion is ignored.
 std::optional<ChainRoot> walk_from(const Scene& scene, const ManifoldSettings& settings,
                                    const ChainQuery& query, const Seed& seed, ManifoldStats& stats);
-// From a random seed.
+// One walk from a random seed.
 std::optional<ChainRoot> random_walk(const Scene& scene, const ManifoldSettings& settings,
                                      const ChainQuery& query, Pcg& pcg, ManifoldStats& stats);
 

@@ -42,7 +42,7 @@ inline Vec2 concentric_disk(const Vec2& u) {
     return {p.y, p.x};
 }
 
-// Its inverse: the point of [0, 1]^2 that goes to a point of the disk.
+// The inverse of concentric_disk().
 inline Vec2 concentric_square(const Vec2& p) {
     const float radius = std::sqrt(p.x * p.x + p.y * p.y);
     if (radius == 0.0f) return {0.5f, 0.5f};
@@ -62,7 +62,7 @@ inline float cosine_hemisphere_pdf(float cos_theta) {
     return std::max(cos_theta, 0.0f) * kInvPi;
 }  // 1/sr
 
-// Any direction.
+// Directions uniform over the sphere.
 inline Vec3 uniform_sphere(const Vec2& u) {
     const float radius = 2.0f * safe_sqrt(u.x * (1.0f - u.x));
     const Vec2 c = unit_circle(u.y);
@@ -70,7 +70,7 @@ inline Vec3 uniform_sphere(const Vec2& u) {
 }
 inline constexpr float kUniformSpherePdf = 0.25f * kInvPi;  // 1/sr
 
-// Directions around +z within a cone. Its opening is given as 1 - cos(half angle), which keeps its
+// Directions uniform within a cone around +z. Its opening is given as 1 - cos(half angle), which keeps its
 // digits for the half degree of a sun; one_minus_cos() computes it.
 inline Vec3 uniform_cone(const Vec2& u, float one_minus_cos) {
     const float h = u.x * one_minus_cos;  // 1 - cos theta

@@ -10,14 +10,14 @@ namespace spc {
 
 namespace {
 
-// Samples per pass: one at first, so that a picture is there soon, then twice as many each time, so
+// Samples per round: one at first, so that a picture is there soon, then twice as many each time, so
 // that a tile's data stays in cache, up to 2^kDoublings.
 constexpr uint32_t kDoublings = 2, kLargestBatch = 1u << kDoublings;
 
-// Light paths, estimates of highlights and searches for them between two looks at the clock.
+// Light paths, estimates of camera chains and searches for them between two looks at the clock.
 constexpr uint64_t kUntilClock = 64;
 
-uint32_t count_passes(uint32_t samples) {
+uint32_t count_rounds(uint32_t samples) {
     if (samples < kLargestBatch) return static_cast<uint32_t>(std::bit_width(samples));
     return kDoublings +
            samples / kLargestBatch;  // 2^kDoublings - 1 samples precede those of full size
@@ -25,7 +25,7 @@ uint32_t count_passes(uint32_t samples) {
 
 constexpr uint32_t kLeastSamples = 3;  // of a pixel: fewer tell nothing yet of its noise
 
-// Of one sample, on average over pixels and channels; empty where some pixel has but one.
+// Variance of one sample, averaged over pixels and channels. Empty if a pixel has fewer than two samples.
 std::optional<double> variance_of(std::span<const PixelSums> pixels) {
     double sum = 0.0;
     for (const PixelSums& pixel : pixels) {
@@ -62,7 +62,7 @@ void RenderStats::add(const RenderStats& other) {
     glint_bytes += other.glint_bytes;
     for (size_t i = 0; i < kRenderStages; ++i) stage_seconds[i] += other.stage_seconds[i];
     for (size_t i = 0; i < kEstimates; ++i) path.evidence[i].add(other.path.evidence[i]);
-    path.work_of_leads += other.path.work_of_leads;
+    path.seed_work += other.path.seed_work;
 }
 
 Session::Session(const RenderScene& world, const RenderSettings& settings)
@@ -71,8 +71,8 @@ Session::Session(const RenderScene& world, const RenderSettings& settings)
       path_tracing_(without_searches(settings.integrator)),
       filter_(settings.filter, settings.filter_width),
       film_(world.scene->camera.crop[2], world.scene->camera.crop[3]),
-      pass_count_(count_passes(settings.samples)),
-      tile_passes_(film_.tile_count()),
+      round_count_(count_rounds(settings.samples)),
+      tile_rounds_(film_.tile_count()),
       evidence_(film_.tile_count()),
       start_(Clock::now()) {
     settings_.integrator.manifold.cancelled = &cut_short_;
@@ -93,10 +93,10 @@ void Session::cancel() {
     cut_short_ = true;
 }
 
-uint32_t Session::pass_begin(uint32_t pass) const {
-    const uint64_t begin = pass <= kDoublings
-                               ? (1u << pass) - 1
-                               : uint64_t{pass - kDoublings} * kLargestBatch + kLargestBatch - 1;
+uint32_t Session::round_begin(uint32_t round) const {
+    const uint64_t begin = round <= kDoublings
+                               ? (1u << round) - 1
+                               : uint64_t{round - kDoublings} * kLargestBatch + kLargestBatch - 1;
     return static_cast<uint32_t>(std::min<uint64_t>(begin, settings_.samples));
 }
 
@@ -121,41 +121,41 @@ void Session::look_at_clock() {
     const bool shows_all = previewed_ || tiles_begun_ == film_.tile_count();
     if (now > limit * (1.0 + kShare) + kGrace && shows_all) cut_short_ = true;
 }
-bool Session::stops_in(uint32_t pass) const {
-    return pass > 0 ? should_stop() : must_stop() || cut_short_.load(std::memory_order_relaxed);
+bool Session::stops_in(uint32_t round) const {
+    return round > 0 ? should_stop() : must_stop() || cut_short_.load(std::memory_order_relaxed);
 }
 
 void TileEvidence::add(const RenderStats& stats) {
     samples += stats.samples;
-    rays += stats.path.rays + stats.path.work_of_leads;
+    rays += stats.path.rays + stats.path.seed_work;
     for (size_t i = 0; i < kEstimates; ++i) manifold[i].add(stats.path.evidence[i]);
 }
 
 Activation activation_for(const TileEvidence& evidence, double variance, double least, double most) {
-    // Of the variance that a tile shows, what is left for all but the manifold at least.
+    // Least share of a tile's variance that is ascribed to everything but the manifold.
     constexpr double kLeastRest = 0.05;
 
-    Activation chances = kAlways;
+    Activation probabilities = kAlways;
     const auto samples = static_cast<double>(evidence.samples);
     double by_manifold = 0.0;
     for (const ActivationEvidence& e : evidence.manifold) by_manifold += e.second_moment / samples;
     const double rest = std::max(variance - by_manifold, kLeastRest * variance);
     const double rest_cost = static_cast<double>(evidence.rays) / samples;
-    if (!(rest > 0.0)) return chances;
+    if (!(rest > 0.0)) return probabilities;
     for (size_t i = 0; i < kEstimates; ++i) {
         const ActivationEvidence& e = evidence.manifold[i];
         if (e.cost == 0.0) continue;
         const double best = std::sqrt(e.second_moment / e.cost * rest_cost / rest);
-        chances[i] = static_cast<float>(std::clamp(best, least, most));
+        probabilities[i] = static_cast<float>(std::clamp(best, least, most));
     }
-    return chances;
+    return probabilities;
 }
 
 Activation activation_for(const TileEvidence& evidence, std::span<const PixelSums> pixels,
                           const Activation& before) {
     if (evidence.samples < kLeastSamples * pixels.size()) return before;
     const std::optional<double> variance = variance_of(pixels);
-    return variance ? activation_for(evidence, *variance, kLeastChance, 1.0) : before;
+    return variance ? activation_for(evidence, *variance, kLeastProbability, 1.0) : before;
 }
 
 void Session::work(uint32_t worker) {
@@ -205,10 +205,10 @@ void Session::fail() {
 }
 
 void Session::run_jobs() {
-    const uint64_t per_pass = splat_jobs_ + film_.tile_count(), jobs = per_pass * pass_count_;
+    const uint64_t per_round = splat_jobs_ + film_.tile_count(), jobs = per_round * round_count_;
     for (;;) {
         const uint64_t job = next_job_.fetch_add(1);
-        if (job >= jobs || stops_in(static_cast<uint32_t>(job / per_pass))) break;
+        if (job >= jobs || stops_in(static_cast<uint32_t>(job / per_round))) break;
         RenderStats stats;
         render_job(job, stats);
         const std::lock_guard lock(mutex_);
@@ -218,27 +218,27 @@ void Session::run_jobs() {
 
 // Whether the whole job was done.
 bool Session::render_job(uint64_t job, RenderStats& stats) {
-    const uint32_t per_pass = splat_jobs_ + film_.tile_count();
-    const auto pass = static_cast<uint32_t>(job / per_pass);
-    const auto part = static_cast<uint32_t>(job % per_pass);
-    return part < splat_jobs_ ? render_splats(pass, part, stats)
-                              : render_tile(pass, part - splat_jobs_, stats);
+    const uint32_t per_round = splat_jobs_ + film_.tile_count();
+    const auto round = static_cast<uint32_t>(job / per_round);
+    const auto part = static_cast<uint32_t>(job % per_round);
+    return part < splat_jobs_ ? render_splats(round, part, stats)
+                              : render_tile(round, part - splat_jobs_, stats);
 }
 
-bool Session::render_tile(uint32_t pass, uint32_t tile, RenderStats& stats) {
+bool Session::render_tile(uint32_t round, uint32_t tile, RenderStats& stats) {
     // Samples of a pixel are added in order: wait for whoever still works on this tile's previous
-    // pass.
-    while (tile_passes_[tile].load() != pass) {
-        if (stops_in(pass)) return false;
+    // round.
+    while (tile_rounds_[tile].load() != round) {
+        if (stops_in(round)) return false;
         std::this_thread::yield();
     }
     std::vector<PixelSums> pixels = film_.copy_tile(tile);
-    const bool complete = render_pixels(tile, pass, pixels, stats);
+    const bool complete = render_pixels(tile, round, pixels, stats);
     film_.store_tile(tile, pixels);
     if (!complete) return false;
     evidence_[tile].add(stats);
-    tile_passes_[tile].store(pass + 1);
-    if (pass == 0 && tiles_begun_.fetch_add(1) + 1 == film_.tile_count()) {
+    tile_rounds_[tile].store(round + 1);
+    if (round == 0 && tiles_begun_.fetch_add(1) + 1 == film_.tile_count()) {
         const std::lock_guard lock(mutex_);
         stats_.first_sample_seconds = seconds();
     }
@@ -248,7 +248,7 @@ bool Session::render_tile(uint32_t pass, uint32_t tile, RenderStats& stats) {
 // With n estimates a pixel's variance V / n falls by V / n^2 for one more, of cost c. Samples of the
 // whole picture, of the variance V' and the cost C on average, lower it as fast where n = sqrt(V / V'
 // C / c). V is that of some samples with one estimate, and of others with more, so n is doubled.
-GlintEffort Session::glint_effort(const PixelSums& pixel, double variance_of_tile) const {
+GlintSampling Session::glint_sampling(const PixelSums& pixel, double variance_of_tile) const {
     constexpr double kMost = 16.0;
     if (pixel.count < kLeastSamples) return {};
     const double variance = variance_of({&pixel, 1}).value_or(0.0);
@@ -259,8 +259,8 @@ GlintEffort Session::glint_effort(const PixelSums& pixel, double variance_of_til
             static_cast<float>(std::sqrt(std::max(variance_of_tile, 0.0)))};
 }
 
-// A part of the light paths, the estimates of highlights and the searches for them of a pass.
-bool Session::render_splats(uint32_t pass, uint32_t part, RenderStats& stats) {
+// A part of the light paths, the estimates of camera chains and the searches for them of a round.
+bool Session::render_splats(uint32_t round, uint32_t part, RenderStats& stats) {
     const auto& crop = world_.scene->camera.crop;
     const Vec2 corner(static_cast<float>(crop[0]), static_cast<float>(crop[1]));
     struct Part {
@@ -269,14 +269,14 @@ bool Session::render_splats(uint32_t pass, uint32_t part, RenderStats& stats) {
     };
     // Empty if there was no time for all.
     const auto estimate_part = [&](uint64_t per_sample, auto&& estimate) -> std::optional<Part> {
-        const uint64_t before = (settings_.first_sample + pass_begin(pass)) * per_sample;
-        const uint64_t count = (pass_begin(pass + 1) - pass_begin(pass)) * per_sample;
+        const uint64_t before = (settings_.first_sample + round_begin(round)) * per_sample;
+        const uint64_t count = (round_begin(round + 1) - round_begin(round)) * per_sample;
         const uint64_t begin = before + count * part / splat_jobs_,
                        end = before + count * (part + 1) / splat_jobs_;
         Part result{{}, end - begin};
         for (uint64_t i = begin; i < end; ++i) {
             if (i % kUntilClock == 0) look_at_clock();
-            if (stops_in(pass)) return std::nullopt;
+            if (stops_in(round)) return std::nullopt;
             estimate(i, result.splats);
         }
         stats.nan_samples += static_cast<uint64_t>(std::erase_if(
@@ -285,46 +285,47 @@ bool Session::render_splats(uint32_t pass, uint32_t part, RenderStats& stats) {
         return result;
     };
     const IntegratorSettings& integrator = settings_.integrator;
-    const float margin = filter_.reach();
+    const float margin = filter_.radius();
     auto light = estimate_part(light_paths_, [&](uint64_t i, std::vector<Splat>& splats) {
         trace_light_path(world_, integrator, margin, settings_.seed, i, splats, stats.light);
     });
-    auto highlights =
-        estimate_part(highlight_estimates_, [&](uint64_t i, std::vector<Splat>& splats) {
-            estimate_highlights(world_, integrator, margin, settings_.seed, i, splats, stats.path);
-        });
-    auto missed = estimate_part(highlight_searches_, [&](uint64_t i, std::vector<Splat>& splats) {
-        search_highlights(world_, integrator, margin, settings_.seed, i, splats, stats.path);
+    auto camera_chains = estimate_part(camera_chain_estimates_, [&](uint64_t i,
+                                                                    std::vector<Splat>& splats) {
+        estimate_camera_chains(world_, integrator, margin, settings_.seed, i, splats, stats.path);
     });
-    if (!light || !highlights || !missed) return false;
+    auto missed = estimate_part(camera_chain_searches_, [&](uint64_t i, std::vector<Splat>& splats) {
+        search_camera_chains(world_, integrator, margin, settings_.seed, i, splats, stats.path);
+    });
+    if (!light || !camera_chains || !missed) return false;
     const auto add = [this](SplatSource source, const Part& of, uint64_t per_picture) {
         if (per_picture > 0)
             film_.add_splats(source, of.splats, filter_, of.count, static_cast<double>(per_picture));
     };
-    splats_in_order_.call(uint64_t{pass} * splat_jobs_ + part,
-                          [=, this, light = *std::move(light), highlights = *std::move(highlights),
-                           missed = *std::move(missed)] {
-                              add(SplatSource::light_paths, light, light_paths_);
-                              add(SplatSource::highlights, highlights, highlight_estimates_);
-                              add(SplatSource::missed_highlights, missed, highlight_searches_);
-                          });
+    splats_in_order_.call(
+        uint64_t{round} * splat_jobs_ + part,
+        [=, this, light = *std::move(light), camera_chains = *std::move(camera_chains),
+         missed = *std::move(missed)] {
+            add(SplatSource::light_paths, light, light_paths_);
+            add(SplatSource::camera_chains, camera_chains, camera_chain_estimates_);
+            add(SplatSource::missed_camera_chains, missed, camera_chain_searches_);
+        });
     return true;
 }
 
-bool Session::render_pixels(uint32_t tile, uint32_t pass, std::vector<PixelSums>& pixels,
+bool Session::render_pixels(uint32_t tile, uint32_t round, std::vector<PixelSums>& pixels,
                             RenderStats& stats) {
-    const uint32_t first = pass_begin(pass), count = pass_begin(pass + 1) - first;
+    const uint32_t first = round_begin(round), count = round_begin(round + 1) - first;
     const Film::TileBounds b = film_.bounds(tile);
-    PassState state{activation_for(evidence_[tile], pixels, first_chances_), sheets_, {}};
+    RoundState state{activation_for(evidence_[tile], pixels, first_probabilities_), sheets_, {}};
     const bool may_glint = !world_.glints.fields.empty();
     const double variance = may_glint ? variance_of(pixels).value_or(0.0) : 0.0;
     const auto& crop = world_.scene->camera.crop;
     for (uint32_t y = 0; y < b.height; ++y) {
         for (uint32_t x = 0; x < b.width; ++x) {
             PixelSums& pixel = pixels[static_cast<size_t>(y) * b.width + x];
-            if (may_glint) state.glints = glint_effort(pixel, variance);
+            if (may_glint) state.glints = glint_sampling(pixel, variance);
             for (uint32_t i = 0; i < count; ++i) {
-                if (stops_in(pass)) return false;
+                if (stops_in(round)) return false;
                 const FilmSample sample = take_sample(crop[0] + b.x0 + x, crop[1] + b.y0 + y,
                                                       settings_.first_sample + first + i,
                                                       settings_.integrator, state, stats);
@@ -340,7 +341,7 @@ bool Session::render_pixels(uint32_t tile, uint32_t pass, std::vector<PixelSums>
 
 // x and y in the full frame: a crop is a window into the same picture.
 FilmSample Session::take_sample(uint32_t x, uint32_t y, uint32_t index,
-                                const IntegratorSettings& integrator, const PassState& state,
+                                const IntegratorSettings& integrator, const RoundState& state,
                                 RenderStats& stats) const {
     const Camera& camera = world_.scene->camera;
     const Sampler sampler(settings_.seed, y * camera.width + x, index);
@@ -381,8 +382,8 @@ RenderProgress Session::wait(std::chrono::milliseconds patience) {
     progress.stage_fraction = static_cast<float>(stage_fraction());
     uint64_t tile_samples = 0;
     progress.samples_done = settings_.samples;
-    for (const std::atomic<uint32_t>& passes : tile_passes_) {
-        const uint32_t samples = pass_begin(passes.load());
+    for (const std::atomic<uint32_t>& rounds : tile_rounds_) {
+        const uint32_t samples = round_begin(rounds.load());
         tile_samples += samples;
         progress.samples_done = std::min(progress.samples_done, samples);
     }

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A render under way: worker threads that take (tile, batch of samples) jobs until all samples are
-// done, the time is up, or somebody cancels.
+// A render under way. Worker threads take jobs, each a tile or a part of the splats in one round of samples,
+// until all samples are done, the time is up, or the render is cancelled.
 #pragma once
 
 #include "core/budget.h"
 #include "core/parallel.h"
 #include "film/film.h"
 #include "film/filter.h"
-#include "integrator/highlights.h"
+#include "integrator/camera_chains.h"
 #include "integrator/light_path.h"
 
 #include <atomic>
@@ -20,10 +20,10 @@
 namespace spc {
 
 struct RenderSettings {
-    // But for `light_tracing`, `highlights` and the flakes of glints, which the session sets.
+    // The session itself sets `light_tracing`, `camera_chains` and the flakes of glints.
     IntegratorSettings integrator;
-    bool light_tracing = false;  // where there is a caster that a light reaches
-    // Whether the manifold leaves to light paths and path tracing what they find at less cost: casters that
+    bool light_tracing = false;  // trace light paths if a light reaches a caster
+    // Whether the session leaves to light paths and path tracing what they find at less cost: casters that
     // make too many chains at once, and receivers at which light paths are dense.
     bool chooses = false;
     uint32_t first_sample = 0, samples = 64;
@@ -34,21 +34,21 @@ struct RenderSettings {
     float filter_width = 1.5f;
 };
 
-// What a render does, in this order. The stages of its preparation take a part of its time each, and
-// end early where that is over.
+// What a render does, in this order. Each stage of the preparation has a share of the render's time, and
+// ends early when that is over.
 enum class RenderStage : uint8_t { maps, sheets, light_paths, camera_chains, probes, samples };
 inline constexpr size_t kRenderStages = 6;
 
 struct RenderStats {
     uint64_t samples = 0;
     uint64_t nan_samples = 0;
-    uint64_t lost_rays = 0;  // since the session began, by all who share its scene
+    uint64_t lost_rays = 0;  // since the session began, by all users of its scene
     double manifold_energy = 0.0;
     PathStats path;
     LightPathStats light;
-    uint64_t glint_bytes = 0;  // of slope fields and flakes
+    uint64_t glint_bytes = 0;  // memory of slope fields and flakes
     std::array<double, kRenderStages> stage_seconds{};
-    double first_sample_seconds = 0.0;  // until each pixel had one; 0: not yet
+    double first_sample_seconds = 0.0;  // time until every pixel had a sample; 0: not yet
     void add(const RenderStats& other);
 };
 
@@ -64,20 +64,19 @@ struct RenderProgress {
     double seconds_left;  // negative: not known yet
 };
 
-// What is known of the estimates of a tile, from all its samples so far.
+// What a tile's samples so far tell about its manifold estimates.
 struct TileEvidence {
     uint64_t samples = 0;
-    uint64_t rays = 0;  // of path tracing, and the work of leads
+    uint64_t rays = 0;  // rays of path tracing, plus the work of chain seeds
     std::array<ActivationEvidence, kEstimates> manifold;
     void add(const RenderStats& stats);
 };
-// What has not been met must not come too rarely: a tile hears late of what chains bring that are
-// found once in a while, and then it comes as a single bright sample.
-inline constexpr double kLeastChance = 1.0 / 4;
-// The chances of manifold estimates for which variance times cost of the tile is least, as
-// efficiency-optimised Russian roulette has it [Rath22], between `least` and `most`.
-// `variance`: of one sample; else it is that of the tile's pixels. Until they have samples enough, the
-// chances are as `before`.
+// Least probability of an estimate. A tile learns late of chains that are found once in a while, and with a
+// small probability they come as single bright samples.
+inline constexpr double kLeastProbability = 1.0 / 4;
+// The probabilities of manifold estimates, between `least` and `most`, for which variance times cost of the
+// tile is least; efficiency-optimised Russian roulette [Rath22]. `variance` is that of one sample. The
+// second form takes it from the tile's pixels, and returns `before` until they have samples enough.
 Activation activation_for(const TileEvidence& evidence, double variance, double least, double most);
 Activation activation_for(const TileEvidence& evidence, std::span<const PixelSums> pixels,
                           const Activation& before);
@@ -95,9 +94,9 @@ public:
     RenderProgress wait(std::chrono::milliseconds patience);
     RenderStats stats() const;
     const Film& film() const { return film_; }
-    // A line for each caster that the render has a choice about; complete once samples are taken.
+    // One line for each caster about which the render has decided. Complete once samples are taken.
     std::vector<std::string> report() const;
-    // What made a render fail, else null.
+    // The exception that made the render fail, or null.
     std::exception_ptr failure() const;
 
 private:
@@ -105,11 +104,11 @@ private:
     void work(uint32_t worker);
     void run_jobs();
     void fail();
-    // A coarse picture by path tracing alone, for as long as there is nothing better.
+    // Renders a coarse picture by path tracing alone, which is shown until there are samples.
     void render_preview();
-    // Before the first pass, in this order: session_plan.cpp.
+    // The preparation before the first round, in this order (session_plan.cpp).
     void prepare();
-    // The stage's budget: so much work, and of a limited time such a share.
+    // Begins a stage. Its budget is `work` and, if time is limited, `share` of it.
     const Budget& begin(RenderStage stage, double work, double share);
     void end_stage();
     // Of the stage that is under way, [0, 1]: never less than before.
@@ -117,76 +116,77 @@ private:
     void prepare_flakes();
     void choose_casters();
     void prepare_sheets();
-    void leave_out(const std::vector<double>& chains, const char* what);
+    void exclude(const std::vector<double>& chains, const char* what);
     void learn_light_paths();
-    void find_highlights();
+    void find_camera_chains();
     void weigh_noise();
     void weigh_estimates();
     void count_splats();
-    // Variance (mean of the channels) and counted work of one sample of the picture, from two in each
-    // of some pixels, `most` at most. Of `rare` of them the one whose bright sample would tell all is
-    // left out, but from the variances of the picture's parts, which are 0 where no pixel lies. What
-    // the manifold does for it is counted.
+    // Variance (mean of the channels) and counted work of one sample of the picture, measured by two samples
+    // in each of at most `most` pixels. Of every `rare` pixels the brightest is left out, so that a single
+    // bright sample does not decide; `variances`, of the parts of the picture, include it and are 0 where no
+    // pixel was measured. The manifold's work is added to the session's statistics.
     struct Probe {
         double variance, work;
-        double glint_work;  // of one estimate of glints; 0 if there was none
+        double glint_work;  // work of one estimate of glints; 0 if there was none
         TileEvidence evidence;
         std::array<double, CoarsePicture::kCells> variances;
     };
     Probe probe(uint32_t most, uint32_t rare, const Budget& budget);
-    static Probe with_chances(const Probe& whole, const Activation& from, const Activation& to);
+    static Probe with_probabilities(const Probe& whole, const Activation& from,
+                                    const Activation& to);
     struct LightPathPlan {
-        uint64_t paths;  // for each sample of the picture
-        double error;    // logarithm of the variances' mean, times the work of a sample
+        uint64_t paths;  // light paths for each sample of the picture
+        double error;    // sum of log(variance * work) over the parts of the picture
     };
     LightPathPlan light_paths_that_pay(const LightPilot& pilot, const Probe& camera) const;
     void weigh_light_paths(const Probe& camera);
     static double walks_that_pay(const Probe& least_walks);
     bool render_job(uint64_t job, RenderStats& stats);
-    bool render_tile(uint32_t pass, uint32_t tile, RenderStats& stats);
-    bool render_splats(uint32_t pass, uint32_t part, RenderStats& stats);
-    bool render_pixels(uint32_t tile, uint32_t pass, std::vector<PixelSums>& pixels,
+    bool render_tile(uint32_t round, uint32_t tile, RenderStats& stats);
+    bool render_splats(uint32_t round, uint32_t part, RenderStats& stats);
+    bool render_pixels(uint32_t tile, uint32_t round, std::vector<PixelSums>& pixels,
                        RenderStats& stats);
-    GlintEffort glint_effort(const PixelSums& pixel, double variance_of_tile) const;
+    GlintSampling glint_sampling(const PixelSums& pixel, double variance_of_tile) const;
     FilmSample take_sample(uint32_t x, uint32_t y, uint32_t index,
-                           const IntegratorSettings& integrator, const PassState& state,
+                           const IntegratorSettings& integrator, const RoundState& state,
                            RenderStats& stats) const;
-    uint32_t pass_begin(
-        uint32_t pass) const;  // relative sample index; of pass_count_ the number of samples
-    bool must_stop() const;    // whatever has been done
-    bool should_stop() const;  // that, or time is up
-    bool stops_in(uint32_t pass) const;
+    uint32_t round_begin(
+        uint32_t round) const;  // relative sample index; of round_count_ the number of samples
+    bool must_stop() const;     // whatever has been done
+    bool should_stop() const;   // that, or time is up
+    bool stops_in(uint32_t round) const;
     void look_at_clock();
     double seconds() const;
 
     const RenderScene& world_;
     const uint64_t lost_rays_before_ = world_.scene->accel->lost_rays();
     RenderSettings settings_;                // constant once prepared_
-    const IntegratorSettings path_tracing_;  // of the preview
+    const IntegratorSettings path_tracing_;  // for the preview
     const PixelFilter filter_;
     Film film_;
-    const uint32_t pass_count_;
-    std::vector<std::atomic<uint32_t>> tile_passes_;  // passes that each tile has had
-    std::atomic<uint32_t> tiles_begun_{0};            // those that have had one
-    std::vector<TileEvidence> evidence_;              // of each tile, from those passes
-    Activation first_chances_ = kAlways;              // of tiles whose samples tell nothing yet
-    // Of each pass, beside its tiles. Splats are added to the film in the order of these, too.
+    const uint32_t round_count_;
+    std::vector<std::atomic<uint32_t>> tile_rounds_;  // rounds completed, by tile
+    std::atomic<uint32_t> tiles_begun_{0};            // tiles that have completed a round
+    std::vector<TileEvidence> evidence_;              // by tile, from its completed rounds
+    Activation first_probabilities_ = kAlways;        // for tiles whose samples tell nothing yet
+    // Jobs of a round beside its tiles. Their splats are added to the film in the order of the jobs.
     uint32_t splat_jobs_ = 0;
-    uint64_t light_paths_ = 0, highlight_estimates_ = 0,
-             highlight_searches_ = 0;  // for each sample of the picture
+    uint64_t light_paths_ = 0, camera_chain_estimates_ = 0,
+             camera_chain_searches_ = 0;  // for each sample of the picture
     InOrder splats_in_order_;
-    CasterSet searched_;  // where some casters are left to others
+    CasterSet searched_;  // used if some casters are left to other techniques
     std::unique_ptr<const LightPilot> light_pilot_;
-    std::unique_ptr<const Highlights> highlights_;
+    std::unique_ptr<const CameraChains> camera_chains_;
     SheetPool sheet_pool_;
-    LightSheets sheets_;  // of the pool
-    // Of a sample, on average over the picture, as far as somebody asks: variance, and its work over
-    // that of an estimate of glints.
+    LightSheets sheets_;  // refers to the pool
+    // Mean variance of a sample over the picture, and the ratio of its work to that of an estimate of glints.
+    // Measured only if a decision needs them.
     double variance_ = 0.0, work_by_glint_ = 0.0;
     FlakeSet flakes_;
     std::latch prepared_{1};
     std::atomic<uint64_t> next_job_{0};
-    // `cut_short_`: what is under way is not worth its end.
+    // `cut_short_`: what is under way need not be finished.
     std::atomic<bool> cancelled_{false}, out_of_time_{false}, cut_short_{false}, failed_{false};
     std::atomic<bool> previewed_{false};
     const Clock::time_point start_;

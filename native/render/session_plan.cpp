@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a session learns and decides before its first pass.
+// What a session learns and decides before its first round.
 #include "render/session.h"
 
 #include "core/parallel.h"
@@ -13,19 +13,19 @@ namespace spc {
 
 namespace {
 
-// Light paths, estimates of highlights and searches for them in a job.
+// Light paths, estimates of camera chains and searches for them in a job.
 constexpr uint64_t kSplatJob = 1024;
 
-// Where light paths bring what is not found, it may come more rarely.
+// Least share of receivers with walks beside light paths, which bring what the walks do not find.
 constexpr double kLeastWalks = 1.0 / 16;
-// Walks are worth as much less as few receivers have them, and below a quarter of these less than
-// that: light paths are dense there. Elsewhere walks keep the rare light path from being a bright pixel.
+// If fewer than 1 / kUnlessRare of the receivers have walks, their confidence falls faster than their number,
+// since light paths are dense there. Otherwise walks keep a rare light path from making a bright pixel.
 constexpr double kUnlessRare = 4.0;
 
 // Sum of the squares of the shares that pixels have of one splat, on average.
 double spread(const PixelFilter& filter) {
     constexpr int kSteps = 64;
-    const float step = filter.reach() / kSteps;
+    const float step = filter.radius() / kSteps;
     double sum = 0.0;
     for (int i = -kSteps; i < kSteps; ++i) {
         const auto weight =
@@ -41,11 +41,11 @@ constexpr double kNodesOfRay = 8.0, kRaysOfGlint = 3.0;
 // With what is done for each, a light path's ray takes the time of so many of other work.
 constexpr double kWorkOfLightRay = 2.0;
 
-// Of one point by way of one caster: where there are more, sheets find each of them so rarely, and search
-// so long for what they miss, that light paths and path tracing have less error in the same time.
+// Most chains to one point by way of one caster. With more, sheets find each of them so rarely, and search so
+// long for what they miss, that light paths and path tracing have less error in the same time.
 constexpr double kMostChains = 64.0;
 
-// Of a probed pixel, where it is much; of a limited time.
+// Work of a probed pixel, if it is a lot of work; share of a limited time that probes may take.
 constexpr double kWorkOfProbe = 0x1p14, kShareOfProbes = 0.08;
 
 // Index of the preview's samples: no pixel takes as many.
@@ -59,8 +59,8 @@ double glint_work(const GlintStats& stats) {
 }  // namespace
 
 const Budget& Session::begin(RenderStage stage, double work, double share) {
-    // Of a render without a limit: longer than what its work takes, so that its picture does not depend
-    // on the machine.
+    // A stage's time without a time limit: longer than its work takes, so that the picture does not depend on
+    // the machine.
     constexpr double kGuard = 20.0;  // s
     const auto limit = static_cast<double>(settings_.time_limit);
     auto budget =
@@ -81,7 +81,7 @@ void Session::prepare() {
     choose_casters();
     prepare_sheets();
     learn_light_paths();
-    find_highlights();
+    find_camera_chains();
     weigh_noise();
     weigh_estimates();
     count_splats();
@@ -125,16 +125,16 @@ void Session::prepare_flakes() {
     stats_.add(stats);
 }
 
-// Which casters the manifold searches: not those that make more chains at once than a search is worth.
+// Chooses the casters that the manifold searches: not those that make too many chains at once.
 void Session::choose_casters() {
     settings_.chooses =
         settings_.chooses && settings_.light_tracing && rays_find_all(*world_.scene, world_.lights);
     if (!settings_.chooses) return;
-    leave_out(chains_by_maps(*world_.scene, world_.lights, world_.casters, settings_.seed),
-              "by its map");
+    exclude(chains_by_maps(*world_.scene, world_.lights, world_.casters, settings_.seed),
+            "by its map");
 }
 
-void Session::leave_out(const std::vector<double>& chains, const char* what) {
+void Session::exclude(const std::vector<double>& chains, const char* what) {
     const CasterSet& all = settings_.integrator.casters_of(world_);
     std::vector<bool> crowded(chains.size());
     std::vector<std::string> lines;
@@ -162,32 +162,33 @@ void Session::leave_out(const std::vector<double>& chains, const char* what) {
 }
 
 void Session::prepare_sheets() {
-    constexpr double kPixelsOfTile = 64.0, kSamplesOfTile = 4096.0, kSecondsOfTile = 0.04;
-    constexpr double kLeastTiles = 64.0, kMostTiles = 2048.0;
-    constexpr double kRaysOfTile = 0x1p14, kShare = 0.15;
+    constexpr double kPixelsPerCell = 64.0, kSamplesPerCell = 4096.0, kSecondsPerCell = 0.04;
+    constexpr double kLeastCells = 64.0, kMostCells = 2048.0;
+    constexpr double kRaysPerCell = 0x1p14, kShare = 0.15;
     const ManifoldSettings& manifold = settings_.integrator.manifold;
-    // As large as leaves their making a small part of the work.
+    // So many emission cells that building the sheets is a small part of the work.
     const auto& crop = world_.scene->camera.crop;
     const auto pixels = static_cast<double>(uint64_t{crop[2]} * crop[3]);
-    double tiles = std::min(pixels / kPixelsOfTile, pixels * settings_.samples / kSamplesOfTile);
+    double emission_cells =
+        std::min(pixels / kPixelsPerCell, pixels * settings_.samples / kSamplesPerCell);
     if (settings_.time_limit > 0.0f) {
         const double seconds = static_cast<double>(settings_.time_limit) * settings_.threads;
-        tiles = std::min(tiles, seconds / kSecondsOfTile);
+        emission_cells = std::min(emission_cells, seconds / kSecondsPerCell);
     }
-    tiles = std::clamp(tiles, kLeastTiles, kMostTiles);
-    const Budget& budget = begin(RenderStage::sheets, tiles * kRaysOfTile, kShare);
+    emission_cells = std::clamp(emission_cells, kLeastCells, kMostCells);
+    const Budget& budget = begin(RenderStage::sheets, emission_cells * kRaysPerCell, kShare);
     if (manifold.finder != ChainFinder::sheets) return;
     RenderStats stats;
     const auto build = [&] {
         sheet_pool_ = build_sheets(
             *world_.scene, world_.lights, settings_.integrator.casters_of(world_), manifold,
-            settings_.seed, static_cast<uint32_t>(tiles), settings_.threads, budget);
+            settings_.seed, static_cast<uint32_t>(emission_cells), settings_.threads, budget);
         for (const auto& sheet : sheet_pool_) stats.path.manifold.rays += sheet->rays();
     };
     build();
     if (settings_.chooses) {
         const CasterSet* before = settings_.integrator.searched;
-        leave_out(
+        exclude(
             chains_by_sheets(settings_.integrator.casters_of(world_), sheet_pool_, settings_.seed),
             "by light sheets");
         if (settings_.integrator.searched != before) build();
@@ -211,14 +212,14 @@ void Session::learn_light_paths() {
     const Budget& budget = begin(RenderStage::light_paths, paths * kRaysOfPath, kShare);
     if (!settings_.light_tracing) return;
     RenderStats stats;
-    light_pilot_ = learn_emission(world_, settings_.integrator, sheets_, filter_.reach(),
+    light_pilot_ = learn_emission(world_, settings_.integrator, sheets_, filter_.radius(),
                                   static_cast<uint32_t>(paths), settings_.seed, settings_.threads,
                                   budget, stats.light);
     if (light_pilot_)
         settings_.integrator.light_tracing = {.guide = &light_pilot_->guide,
                                               .paths = pixels,
                                               .goes_on = light_pilot_->goes_on,
-                                              .effort = light_pilot_->effort,
+                                              .mean_search_trials = light_pilot_->mean_search_trials,
                                               .manifold_share = light_pilot_->manifold_share,
                                               .beside_glints = light_pilot_->beside_glints};
     const std::lock_guard lock(mutex_);
@@ -226,7 +227,7 @@ void Session::learn_light_paths() {
 }
 
 // Beside sheets or light paths: walks alone are as others have them.
-void Session::find_highlights() {
+void Session::find_camera_chains() {
     constexpr double kSamplesOfWalk = 8.0, kSecondsOfWalk = 5e-5, kLeastWalks = 1024.0,
                      kMostWalks = 0x1p21;
     constexpr double kWorkOfWalk = 256.0, kShare = 0.05;
@@ -242,14 +243,14 @@ void Session::find_highlights() {
     const bool walks_alone = sheets_.all.empty() && !settings_.light_tracing;
     if (!settings_.integrator.manifold.enabled || walks_alone) return;
     RenderStats stats;
-    highlights_ = learn_highlights(world_, settings_.integrator, static_cast<uint32_t>(walks),
-                                   settings_.seed, settings_.threads, budget, stats.path);
-    settings_.integrator.highlights = highlights_.get();
+    camera_chains_ = learn_camera_chains(world_, settings_.integrator, static_cast<uint32_t>(walks),
+                                         settings_.seed, settings_.threads, budget, stats.path);
+    settings_.integrator.camera_chains = camera_chains_.get();
     const std::lock_guard lock(mutex_);
     stats_.add(stats);
 }
 
-// A chain that adds v, looked for with the chance v / s, adds s v to the variance and v / s shots to
+// A chain that adds v, looked for with the probability v / s, adds s v to the variance and v / s shots to
 // the cost. With a, the sum of all v of a sample, variance V + s a and cost C + c a / s have the least
 // product where s = sqrt(V c / C).
 void Session::weigh_noise() {
@@ -272,14 +273,14 @@ void Session::weigh_estimates() {
     if (!light_pilot_ && !may_draw) return;
     LightTracing& paths = settings_.integrator.light_tracing;
     const bool walks_share = light_pilot_ && manifold.finder == ChainFinder::walks;
-    if (walks_share) paths.walks = paths.worth_of_walks = kLeastWalks;
+    if (walks_share) paths.walks = paths.walk_confidence = kLeastWalks;
     const Budget& budget = begin(RenderStage::probes, kPixels * kWorkOfProbe, kShareOfProbes);
     const Probe camera = probe(kPixels, kRare, budget);
-    first_chances_ = activation_for(camera.evidence, camera.variance, kLeastChance, 1.0);
+    first_probabilities_ = activation_for(camera.evidence, camera.variance, kLeastProbability, 1.0);
     if (light_pilot_) weigh_light_paths(camera);
     if (walks_share) {
         paths.walks = walks_that_pay(camera);
-        paths.worth_of_walks = paths.walks * std::min(1.0, kUnlessRare * paths.walks);
+        paths.walk_confidence = paths.walks * std::min(1.0, kUnlessRare * paths.walks);
     }
 }
 
@@ -290,7 +291,7 @@ void Session::weigh_light_paths(const Probe& camera) {
     constexpr double kGain = 0.9;  // of variance times work: less of a gain may be noise
     const LightPilot& pilot = *light_pilot_;
     const LightPathPlan with =
-        light_paths_that_pay(pilot, with_chances(camera, kAlways, first_chances_));
+        light_paths_that_pay(pilot, with_probabilities(camera, kAlways, first_probabilities_));
     light_paths_ = with.paths;
     // Where light paths come rarely they are bright pixels, which a few samples do not tell.
     const bool dense = pilot.come_through >= kFewComeThrough;
@@ -299,15 +300,15 @@ void Session::weigh_light_paths(const Probe& camera) {
     alone = true;
     const Budget& budget = begin(RenderStage::probes, kPixels * kWorkOfProbe, kShareOfProbes);
     const Probe without_searches = probe(kPixels, kRare, budget);
-    const Activation chances =
-        activation_for(without_searches.evidence, without_searches.variance, kLeastChance, 1.0);
+    const Activation probabilities = activation_for(
+        without_searches.evidence, without_searches.variance, kLeastProbability, 1.0);
     const LightPathPlan without =
-        light_paths_that_pay(pilot, with_chances(without_searches, kAlways, chances));
+        light_paths_that_pay(pilot, with_probabilities(without_searches, kAlways, probabilities));
     const double ratio = std::exp(without.error - with.error);
     alone = ratio < kGain;
     if (alone) {
         light_paths_ = without.paths;
-        first_chances_ = chances;
+        first_probabilities_ = probabilities;
     }
     const std::lock_guard lock(mutex_);
     report_.push_back(
@@ -329,12 +330,12 @@ double Session::walks_that_pay(const Probe& least_walks) {
 }
 
 void Session::count_splats() {
-    if (highlights_) {
-        highlight_estimates_ = static_cast<uint64_t>(highlights_->estimates);
-        highlight_searches_ =
-            highlight_searches(world_.scene->camera, *highlights_, filter_.reach());
+    if (camera_chains_) {
+        camera_chain_estimates_ = static_cast<uint64_t>(camera_chains_->estimates);
+        camera_chain_searches_ =
+            camera_chain_searches(world_.scene->camera, *camera_chains_, filter_.radius());
     }
-    const uint64_t splats = light_paths_ + highlight_estimates_ + highlight_searches_;
+    const uint64_t splats = light_paths_ + camera_chain_estimates_ + camera_chain_searches_;
     if (splats == 0) return;
     splat_jobs_ =
         static_cast<uint32_t>(std::clamp<uint64_t>(splats / kSplatJob, 1, film_.tile_count()));
@@ -346,8 +347,8 @@ Session::Probe Session::probe(uint32_t most, uint32_t rare, const Budget& budget
 
     const auto& [x0, y0, width, height] = world_.scene->camera.crop;
     const uint64_t pixels = uint64_t{width} * height;
-    // Every receiver has walks, whose worth is known the better, but they count as rarely as they come.
-    PassState always;
+    // Every receiver has walks, whose confidence is known the better, but they count as rarely as they come.
+    RoundState always;
     always.sheets = sheets_;
     always.activation[receiver_depth(0)] /=
         static_cast<float>(settings_.integrator.light_tracing.walks);
@@ -414,12 +415,12 @@ Session::Probe Session::probe(uint32_t most, uint32_t rare, const Budget& budget
     probe.evidence.add(all);
     for (size_t i = 0; i < CoarsePicture::kCells; ++i)
         if (counts[i] > 0.0) probe.variances[i] = sums[i] / counts[i];
-    return with_chances(probe, always.activation, kAlways);
+    return with_probabilities(probe, always.activation, kAlways);
 }
 
-// As if manifold estimates came by other chances.
-Session::Probe Session::with_chances(const Probe& whole, const Activation& from,
-                                     const Activation& to) {
+// The probe as it would be if manifold estimates had the probabilities `to` instead of `from`.
+Session::Probe Session::with_probabilities(const Probe& whole, const Activation& from,
+                                           const Activation& to) {
     Probe result = whole;
     const auto samples = static_cast<double>(whole.evidence.samples);
     for (size_t i = 0; i < kEstimates; ++i) {
@@ -443,7 +444,7 @@ Session::LightPathPlan Session::light_paths_that_pay(const LightPilot& pilot,
     constexpr double kLeast = 1.0 / 64, kMost = 8.0, kStep = 1.125;  // for each pixel
     const auto& crop = world_.scene->camera.crop;
     const auto pixels = static_cast<double>(uint64_t{crop[2]} * crop[3]);
-    // Of a pixel, by one light path for each.
+    // Variance of a pixel if there is one light path for each pixel, per unit of pilot.squares.
     const double of_light = spread(filter_) * CoarsePicture::kCells / (pixels * pixels);
     const double work = kWorkOfLightRay * pilot.rays;
     const auto error = [&](double paths) {  // logarithm of that mean

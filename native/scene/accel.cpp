@@ -46,9 +46,9 @@ void occluded1(RTCScene scene, RTCRay& ray) {
 bool can_be_cast(const Ray& ray) {
     constexpr float kFarthestStart = 100.0f * kFarthest;
     const Vec3 &o = ray.origin, &d = ray.direction;
-    const float reach = std::abs(o.x) + std::abs(o.y) + std::abs(o.z) + std::abs(d.x) +
-                        std::abs(d.y) + std::abs(d.z);
-    return reach <= kFarthestStart && ray.t_near >= 0.0f && !std::isnan(ray.t_far);
+    const float extent = std::abs(o.x) + std::abs(o.y) + std::abs(o.z) + std::abs(d.x) +
+                         std::abs(d.y) + std::abs(d.z);
+    return extent <= kFarthestStart && ray.t_near >= 0.0f && !std::isnan(ray.t_far);
 }
 
 RTCRay to_embree(const Ray& ray, uint32_t mask) {

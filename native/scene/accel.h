@@ -8,7 +8,7 @@ namespace spc {
 
 struct Scene;
 
-// A point on a triangle: barycentrics weigh the corners (1 - u - v, u, v).
+// A point on a triangle. The barycentric weights of the corners are (1 - u - v, u, v).
 struct SurfaceHit {
     uint32_t instance;
     uint32_t triangle;
@@ -23,28 +23,27 @@ struct Hit {
 
 class Accel {
 public:
-    // Builds over the meshes, instances and lamps of a scene whose world positions are set.
-    // `threads` 0 = all. The accel refers to the scene's vertex buffers: they must stay where they
-    // are.
+    // Builds trees over the meshes, instances and lamps of a scene whose world positions are set. They
+    // refer to the scene's vertex buffers, which must not move. `threads` 0 = all.
     Accel(const Scene& scene, uint32_t threads);
     ~Accel();
     Accel(const Accel&) = delete;
     Accel& operator=(const Accel&) = delete;
 
-    // A ray that is not finite, or starts beyond everything, is not cast but counted: it meets
-    // nothing, and no light passes along it.
+    // A ray that is not finite, or starts beyond everything, is counted as lost instead of cast: it hits
+    // nothing, and occluded() is true.
 
-    // Nearest hit of anything that shows itself to `kind`, a bit of Visibility. Lamps are hit by
-    // their surface.
+    // Nearest hit of anything that is visible to `kind`, a bit of Visibility. Lamps are hit on their
+    // surface.
     std::optional<Hit> intersect(const Ray& ray, uint32_t kind) const;
-    // Whether anything that shows itself to `kind` is in the way. Lamps never are.
+    // Whether anything that is visible to `kind` blocks the ray. Lamps block nothing.
     bool occluded(const Ray& ray, uint32_t kind) const;
-    // Nearest hit on one caster's triangles alone, whatever stands in the way.
+    // Nearest hit on one caster's triangles; everything else is ignored.
     std::optional<Hit> intersect_caster(uint32_t instance, const Ray& ray) const;
-    // Makes intersect_caster available for an instance; called while freezing.
+    // Makes intersect_caster() available for an instance. Called while freezing.
     void prepare_caster(const Scene& scene, uint32_t instance);
 
-    // Rays that could not be cast so far, by all who share the scene.
+    // Number of lost rays so far, by all users of the scene.
     uint64_t lost_rays() const;
 
     static const char* library_version();  // "Embree 3.13.5"

@@ -265,7 +265,7 @@ uint32_t SceneBuilder::add_light(LightDesc light) {
     return static_cast<uint32_t>(scene_->lights.size() - 1);
 }
 
-void SceneBuilder::set_camera(const Camera& camera) {
+Camera checked_camera(const Camera& camera) {
     Camera checked = camera;
     checked_inverse(camera.to_world, "camera");
     if (camera.width < 1 || camera.height < 1) invalid("camera: the image has no pixels");
@@ -290,7 +290,11 @@ void SceneBuilder::set_camera(const Camera& camera) {
     if (dot(y, camera.to_world.column(1)) < 0.0f) y = y * -1.0f;
     for (int i = 0; i < 3; ++i)
         checked.to_world.row[static_cast<size_t>(i)] = Vec3(x[i], y[i], z[i]);
-    scene_->camera = checked;
+    return checked;
+}
+
+void SceneBuilder::set_camera(const Camera& camera) {
+    scene_->camera = checked_camera(camera);
     has_camera_ = true;
 }
 

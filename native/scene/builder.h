@@ -9,8 +9,8 @@ namespace spc {
 class SceneBuilder {
 public:
     SceneBuilder();
-    // Each returns the index by which others refer. Throw Error naming the object; then nothing has
-    // changed.
+    // Each returns the index by which others refer to the object. They throw Error, which names the object,
+    // and then have changed nothing.
     uint32_t add_image(Image image);
     uint32_t add_material(const Graph& graph);
     uint32_t add_mesh(Mesh mesh);  // drops triangles of zero area
@@ -22,10 +22,9 @@ public:
     const Material& material(uint32_t index) const;
     const Mesh& mesh(uint32_t index) const;
 
-    // Throws Error (wrong_state) if something that every render needs is missing.
+    // Throws Error (wrong_state) if something is missing that every render needs.
     void require_complete() const;
-    // Builds the trees and decides who casts and who receives caustics. The builder is empty
-    // afterwards.
+    // Builds the trees and decides who casts and who receives caustics. Empties the builder.
     std::unique_ptr<Scene> freeze(uint32_t threads);
 
 private:
@@ -36,10 +35,14 @@ private:
     uint32_t invisible_material();
 };
 
+// The camera with its frame made orthonormal, since a scaled frame would change depths. Throws Error
+// (invalid), which names what is wrong.
+Camera checked_camera(const Camera& camera);
+
 // Steps of freeze(). Each may append to scene.report.
 void report_images(Scene& scene);
 void resolve_uv_layers(Scene& scene);  // layer names -> indices, fallback tangents
-void note_materials(Scene& scene);     // what instances and scene have to know of their materials
+void note_materials(Scene& scene);     // sets flags of instances and scene by their materials
 void find_media(Scene& scene);         // which instances absorb
 void assign_caustics_roles(Scene& scene);
 void check_light_tracing(Scene& scene);  // after the roles

@@ -125,7 +125,7 @@ std::optional<CameraView> Camera::view(const Vec3& p, const Vec2& lens) const {
                       std::abs(scale.x * scale.y) * viewplane_per_area};
 }
 
-float Camera::film_per_solid_angle(const Vec3& w) const {
+float Camera::film_density_omega(const Vec3& w) const {
     const Vec2 scale = pixel_scale(*this);
     const float cosine = dot(forward(), w);
     return std::abs(scale.x * scale.y) / (cosine * cosine * cosine);

@@ -10,7 +10,7 @@
 
 namespace spc {
 
-// Bits of ray visibility; a ray carries the bit of its kind, an object those that may see it.
+// Bits of ray visibility. A ray has the bit of its kind, an object those of the rays that see it.
 enum Visibility : uint32_t {
     kVisibleCamera = 1,
     kVisibleDiffuse = 2,
@@ -18,7 +18,7 @@ enum Visibility : uint32_t {
     kVisibleTransmission = 8,
     kVisibleShadow = 16,
     kVisibleAll = 31,
-    // Of rays after a bounce.
+    // Rays after a bounce.
     kVisibleScattered = kVisibleDiffuse | kVisibleGlossy | kVisibleTransmission
 };
 
@@ -59,9 +59,9 @@ struct Instance {
         uv_layers;  // [slot][layer of the material] -> layer of the mesh, or kNone
     std::vector<Vec3> world_positions;  // of every vertex if the mesh has this instance alone, else empty
     bool caster = false, receiver = false;
-    bool rough_caster = false;  // throws blurred caustics
+    bool rough_caster = false;  // throws blurred caustics; see docs/glossary.md
     bool emits = false;
-    bool absorbs = false;  // some material has a medium behind it, which all rays meet
+    bool absorbs = false;  // a material has an absorbing medium behind it
     bool turns_light() const { return caster || rough_caster; }
 };
 
@@ -96,9 +96,9 @@ struct LightDesc {
     }
 };
 
-// Where a ray meets a light's surface: a sphere from outside or, if the ray starts there, from
-// within; with soft falloff the disk around its centre that faces the ray's origin; an area light from
-// its shining side.
+// Where a ray meets a light's surface. A sphere is hit from outside or, if the ray starts inside, from
+// within. With soft falloff it is a disk around its centre that faces the ray's origin. An area light is hit
+// on its shining side alone.
 struct LightSurfaceHit {
     float t;
     Vec3 p;
@@ -119,7 +119,7 @@ struct CameraView {
     Vec3 origin;          // where the ray to the point starts
     float t_near, t_far;  // clips along that ray
     Vec2 film;            // pixels of the full frame; may lie outside of it
-    float film_per_area;  // pixels^2 per m^2 of a surface at the point that faces the ray
+    float film_density;   // pixels^2 per m^2 of a surface at the point that faces the ray
 };
 
 struct Camera {
@@ -137,21 +137,20 @@ struct Camera {
     float aperture_rotation = 0.0f;  // of the polygon, rad; 0: a side's middle lies towards +x
     float aperture_ratio = 1.0f;     // height by width
 
-    // Ray through a point of the full frame in pixels, (0, 0) the bottom left corner, and through
-    // the point of the lens that `lens` in [0, 1)^2 stands for, evenly over its area. t_near, t_far
-    // hold the clips.
+    // Ray through a point of the full frame, in pixels from the bottom left corner. `lens` in [0, 1)^2 maps
+    // to a point of the lens, uniform over its area. t_near and t_far hold the clips.
     Ray ray(float x, float y, const Vec2& lens) const;
-    // How the same ray's origin and direction change with x and y, per pixel.
+    // Derivatives of that ray by x and y, per pixel.
     RayChange ray_change(float x, float y, const Vec2& lens) const;
-    // The way back, through the same point of the lens: a ray through view(p, lens)->film is the
-    // one to p. Empty where p is not in front of the camera, or clipped.
+    // The inverse of ray(): the ray through view(p, lens)->film and the same `lens` leads to p. Empty if p
+    // is clipped or not in front of the camera.
     std::optional<CameraView> view(const Vec3& p, const Vec2& lens) const;
-    // Of a camera with a perspective, by a point `x` of its lens where rays start: the ray through a
-    // point of the film, where the direction `w` is seen on it, and pixels^2 per sr around that.
+    // For a perspective camera and a point `x` of its lens: the ray through a point of the film, the film
+    // position of the direction `w`, and the pixels^2 per sr around it.
     Ray ray_from(const Vec3& x, const Vec2& film) const;
     Vec2 film_towards(const Vec3& x, const Vec3& w) const;
-    float film_per_solid_angle(const Vec3& w) const;
-    // Within the crop, or less than `margin` pixels beside it.
+    float film_density_omega(const Vec3& w) const;
+    // Whether a film position lies in the crop or less than `margin` pixels beside it.
     bool is_near_crop(const Vec2& film, float margin) const;
     Vec3 forward() const { return to_world.column(2) * -1.0f; }  // along the viewing axis
     float depth(const Vec3& p) const;                            // along the viewing axis, m

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "math/triangle.h"
 #include "scene/builder.h"
+#include "scene/caustics_part.h"
+#include "shading/uv_needs.h"
 
 #include <fmt/format.h>
 
@@ -76,15 +78,14 @@ void resolve_uv_layers(Scene& scene) {
         instance.uv_layers.resize(instance.materials.size());
         for (size_t slot = 0; slot < instance.materials.size(); ++slot) {
             const Material& material = scene.materials[instance.materials[slot]];
-            for (const std::string& name : material.uv_layers) {
+            for (const auto& [name, tangents] : uv_needs(material)) {
                 const uint32_t layer = find_layer(mesh, name);
                 instance.uv_layers[slot].push_back(layer);
                 if (layer == kNone)
                     scene.report.push_back(
                         fmt::format("{}: no UV layer \"{}\" for material {}: coordinates are 0",
                                     instance.name, name, material.name));
-                else if ((material.reads & kReadsTangent) != 0 &&
-                         mesh.uv_layers[layer].tangents.empty())
+                else if (tangents && mesh.uv_layers[layer].tangents.empty())
                     derive_tangents(mesh, mesh.uv_layers[layer]);
             }
         }
@@ -128,41 +129,26 @@ void find_media(Scene& scene) {
 
 void assign_caustics_roles(Scene& scene) {
     for (Instance& instance : scene.instances) {
-        const CausticsRole role = instance.role;
-        // Chains stand for paths of scattered rays: what hides from those casts nothing.
-        const bool seen = (instance.visibility & kVisibleScattered) == kVisibleScattered;
-        const bool asked = role == CausticsRole::automatic || role == CausticsRole::caster ||
-                           role == CausticsRole::both;
-        const bool may_cast = asked && seen;
-        const bool may_receive = role == CausticsRole::automatic ||
-                                 role == CausticsRole::receiver || role == CausticsRole::both;
-        bool chains_turn = false, chains_may_turn = false;  // at its facets; if a map is coarse
-        std::string why, why_rough,
-            why_not = seen ? "" : "hidden from diffuse, glossy or transmission rays";
-        for (const uint32_t index : instance.materials) {
-            const Material& material = scene.materials[index];
-            const bool specular = material.specular.exists();
-            instance.caster = instance.caster || (may_cast && specular);
-            instance.rough_caster =
-                instance.rough_caster || (may_cast && !material.narrow_lobe.empty());
-            instance.receiver = instance.receiver || (may_receive && material.has_smooth);
-            if (specular && why.empty()) why = material.specular.why;
-            if (!specular && why_not.empty()) why_not = material.specular.why_not;
-            if (why_rough.empty()) why_rough = material.narrow_lobe;
-            if (material.rough.exists())
-                (material.rough.mapped_normal ? chains_may_turn : chains_turn) = true;
-        }
-        if (instance.caster)
-            scene.report.push_back(fmt::format("{}: caster, manifold ({})", instance.name, why));
-        if (instance.rough_caster)
+        std::vector<const Material*> materials;
+        for (const uint32_t index : instance.materials)
+            materials.push_back(&scene.materials[index]);
+        const CausticsPart part = caustics_part(materials, instance.role, instance.visibility);
+        instance.caster = part.caster;
+        instance.rough_caster = part.rough_caster;
+        instance.receiver = part.receiver;
+        if (part.caster)
+            scene.report.push_back(fmt::format("{}: caster, manifold ({})", instance.name, part.why));
+        if (part.rough_caster)
             scene.report.push_back(fmt::format("{}: caster, light paths{} ({})", instance.name,
-                                               chains_turn       ? " and manifold"
-                                               : chains_may_turn ? ""
-                                                                 : " alone",
-                                               why_rough));
-        if (!instance.turns_light() && (role == CausticsRole::caster || role == CausticsRole::both))
-            scene.report.push_back(
-                fmt::format("{}: marked as caster, but path traced: {}", instance.name, why_not));
+                                               part.chains_turn       ? " and manifold"
+                                               : part.chains_may_turn ? ""
+                                                                      : " alone",
+                                               part.why_rough));
+        const bool asked =
+            instance.role == CausticsRole::caster || instance.role == CausticsRole::both;
+        if (!part.casts() && asked)
+            scene.report.push_back(fmt::format("{}: marked as caster, but path traced: {}",
+                                               instance.name, part.why_not));
     }
 }
 

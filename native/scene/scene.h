@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The frozen scene: geometry, materials and lamps as data, with Embree's trees over them. Immutable
-// and shared by all threads; indices refer, vectors own.
+// while it is rendered, and shared by all threads; indices refer, vectors own.
 #pragma once
 
 #include "scene/accel.h"
@@ -27,6 +27,11 @@ struct Scene {
     std::vector<std::string> report;  // for the log
     std::unique_ptr<Accel> accel;
 
+    // Looks from elsewhere; `checked` is in the host's coordinates. Nothing else depends on the camera.
+    void move_camera(const Camera& checked) {
+        camera = checked;
+        camera.to_world.translation -= origin;
+    }
     const Material& material_of(const SurfaceHit& hit) const {
         return materials[material_index(hit.instance, hit.triangle)];
     }

@@ -2,7 +2,7 @@
 #include "scene/surface.h"
 
 #include "core/error.h"
-#include "core/room.h"
+#include "core/uninitialized_array.h"
 #include "math/triangle.h"
 
 namespace spc {
@@ -56,7 +56,7 @@ Vec3 absolute(const Vec3& v) { return {std::abs(v.x), std::abs(v.y), std::abs(v.
 
 float largest(const Vec3& v) { return std::max({v.x, v.y, v.z}); }
 
-// Sums of the sizes of all terms that transforms to the object and back multiply.
+// Sums of the absolute values of all products in the transforms to object space and back.
 Vec3 terms_there_and_back(const Instance& instance, const Vec3& size) {
     const auto terms = [](const Transform& m, const Vec3& v) {
         return Vec3(dot(absolute(m.row[0]), v), dot(absolute(m.row[1]), v),
@@ -78,9 +78,9 @@ float position_error(const Instance& instance, const std::array<Vec3, 3>& corner
 template <class T>
 struct PointAt {
     ShadingPoint<T> point;
-    Room<Vector3<T>, kMaxUvLayers> tangents;
-    Room<float, kMaxUvLayers> signs;
-    Room<std::array<T, 2>, kMaxUvLayers> uvs;
+    UninitializedArray<Vector3<T>, kMaxUvLayers> tangents;
+    UninitializedArray<float, kMaxUvLayers> signs;
+    UninitializedArray<std::array<T, 2>, kMaxUvLayers> uvs;
 };
 
 // Fills in what `reads` asks for; ng, wo and backfacing are the caller's.
@@ -146,14 +146,13 @@ void fill_point(const Scene& scene, const SurfaceHit& hit, const T& u, const T& 
     }
 }
 
-// And for what a material's heights read.
+// The same, with the storage for what a material's heights read.
 template <class T>
 struct PointWithHeights : PointAt<T> {
     std::optional<PointAt<Dual<T>>> around;
 };
 
-// Fills in what `reads`, of that material, asks for on the side of `wo`. `front`: the geometric
-// normal of the front side.
+// Fills in what `reads` asks for, seen from `wo`. `front`: the geometric normal on the front side.
 template <class T>
 void fill_point_seen_from(const Scene& scene, const SurfaceHit& hit, const T& u, const T& v,
                           const Vec3& wo, uint32_t reads, const Material& material,
@@ -181,7 +180,7 @@ void point_seen_from(const Scene& scene, const SurfaceHit& hit, const Vec3& wo,
     fill_point_seen_from(scene, hit, hit.u, hit.v, wo, material.reads, material, corner, front, at);
 }
 
-// One thing that a material's program gives at a hit, without closures.
+// Evaluates one output of a material's program at a hit, without closures.
 template <class Evaluate>
 Spectrum evaluate_alone(const Evaluate& evaluate, const Scene& scene, const SurfaceHit& hit,
                         const Vec3& wo) {
@@ -248,25 +247,25 @@ Spectrum surface_transparency(const Scene& scene, const SurfaceHit& hit, const V
                                        : Spectrum(0.0f);
 }
 
-CasterPatch evaluate_caster(const Scene& scene, const SurfaceHit& hit, bool smooth_base) {
+DifferentialGeometry evaluate_caster(const Scene& scene, const SurfaceHit& hit, bool smooth_base) {
     const Material& material = scene.material_of(hit);
     const std::array<Vec3, 3> corner = scene.triangle_world(hit.instance, hit.triangle);
-    CasterPatch patch;
-    patch.ng = front_normal_of(corner, scene.instances[hit.instance].mirrored);
-    patch.dp_du = corner[1] - corner[0];
-    patch.dp_dv = corner[2] - corner[0];
-    patch.p = corner[0] + patch.dp_du * hit.u + patch.dp_dv * hit.v;
-    patch.p_error = position_error(scene.instances[hit.instance], corner);
+    DifferentialGeometry geometry;
+    geometry.ng = front_normal_of(corner, scene.instances[hit.instance].mirrored);
+    geometry.dp_du = corner[1] - corner[0];
+    geometry.dp_dv = corner[2] - corner[0];
+    geometry.p = corner[0] + geometry.dp_du * hit.u + geometry.dp_dv * hit.v;
+    geometry.p_error = position_error(scene.instances[hit.instance], corner);
     const bool mapped = material.interface().mapped_normal && !smooth_base;
     PointWithHeights<Dual2> at;
-    fill_point_seen_from(scene, hit, Dual2(hit.u, 1, 0), Dual2(hit.v, 0, 1), patch.ng,
-                         mapped ? material.normal_reads : 0, material, corner, patch.ng, at);
+    fill_point_seen_from(scene, hit, Dual2(hit.u, 1, 0), Dual2(hit.v, 0, 1), geometry.ng,
+                         mapped ? material.normal_reads : 0, material, corner, geometry.ng, at);
     const Vector3<Dual2> n =
         mapped ? evaluate_caster_normal(material, scene.images, at.point) : at.point.normal;
-    patch.n = value_of(n);
-    patch.dn_du = derivative_u(n);
-    patch.dn_dv = derivative_v(n);
-    return patch;
+    geometry.n = value_of(n);
+    geometry.dn_du = derivative_u(n);
+    geometry.dn_dv = derivative_v(n);
+    return geometry;
 }
 
 Vec3 offset_origin(const RayStart& from, const Vec3& direction) {

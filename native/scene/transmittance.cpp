@@ -16,7 +16,7 @@ RayEnd end_on(const Scene& scene, const SurfaceHit& hit, const Vec3& p) {
     return {{false, p, Vec3(0.0f)}, start.ng, start.error, ray_error(scene, hit.instance)};
 }
 
-RayEnd end_on(const Scene& scene, const SurfaceHit& hit, const CasterPatch& vertex) {
+RayEnd end_on(const Scene& scene, const SurfaceHit& hit, const DifferentialGeometry& vertex) {
     return {
         {false, vertex.p, Vec3(0.0f)}, vertex.ng, vertex.p_error, ray_error(scene, hit.instance)};
 }
@@ -30,17 +30,17 @@ Spectrum transmittance(const Scene& scene, const RayStart& from, const RayEnd& e
     // Aimed anew from where the ray starts: a parallel ray would meet the far surface off its mark.
     const Vec3 origin = offset_origin(from, direction);
     direction = aim.from(origin, distance);
-    const float reach = distance - end.clip;
-    Ray ray{origin, direction, 0.0f, reach};
+    const float t_far = distance - end.clip;
+    Ray ray{origin, direction, 0.0f, t_far};
     if (!scene.any_transparency) {
         ++rays;
-        return scene.accel->occluded(ray, kind) ? Spectrum(0.0f) : media.transmittance(reach);
+        return scene.accel->occluded(ray, kind) ? Spectrum(0.0f) : media.transmittance(t_far);
     }
     Spectrum through(1.0f);
     for (float passed = 0.0f;;) {
         ++rays;
         const std::optional<Hit> hit = scene.accel->intersect(ray, kind);
-        if (!hit) return through * media.transmittance(reach - passed);
+        if (!hit) return through * media.transmittance(t_far - passed);
         if (hit->light == kNone) {
             if (transparent_left == 0) return Spectrum(0.0f);
             if (opaque == Opaque::casters_too && scene.instances[hit->surface.instance].turns_light())

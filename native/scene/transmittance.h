@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What lies between a surface and the light, or the next vertex, that a path connects it to.
+// Transmittance of a connection between a surface and a light or another vertex.
 #pragma once
 
 #include "scene/media.h"
 
 namespace spc {
 
-// The far end of a connection: a point, or a direction if distant.
+// The endpoint of a connection: a point, or a direction if distant.
 struct ChainEnd {
     bool distant;
     Vec3 p;          // if not distant
@@ -22,31 +22,31 @@ struct ChainEnd {
     }
 };
 
-// The far end as a ray comes to it. What lies there, such as the light itself, must not block the
-// ray, and whatever stands in front of it must: the ray ends as near to p as rounding lets it.
+// An endpoint with what a ray to it needs. The surface at the endpoint must not block the ray, and whatever
+// stands in front of it must, so the ray ends as near to p as rounding allows.
 struct RayEnd {
     ChainEnd at;
-    Vec3 ng{0.0f};           // of the surface that p lies on: unit, either side; zero: of none
-    float error = 0.0f;      // m: position_error() of p
-    float ray_error = 0.0f;  // see there
-    float clip = 0.0f;       // m: so much of the ray's end is left out
+    Vec3 ng{0.0f};           // normal of the surface that p lies on, unit, either side; zero: none
+    float error = 0.0f;      // position_error() of p, m
+    float ray_error = 0.0f;  // see ray_error()
+    float clip = 0.0f;       // length by which the ray ends before p, m
 
-    // The end of a ray from `vertex`: beside p, on its side.
+    // The end of a ray from `vertex`: p, offset to that side of the surface.
     Vec3 beside(const Vec3& vertex) const;
 };
 RayEnd end_on(const Scene& scene, const SurfaceHit& hit, const Vec3& p);
-RayEnd end_on(const Scene& scene, const SurfaceHit& hit, const CasterPatch& vertex);
+RayEnd end_on(const Scene& scene, const SurfaceHit& hit, const DifferentialGeometry& vertex);
 
-// What a connection cannot be looked through.
+// What blocks a connection.
 enum class Opaque : uint8_t {
-    by_material,  // what its material says
-    casters_too   // and every caster, however transparent
+    by_material,  // surfaces that are opaque by their material
+    casters_too   // these and every caster, even where it is transparent
 };
 
-// Fraction of light that passes from the surface point `from` to `end` (both excluded) through
-// transparent surfaces, as a ray of `kind` sees them, and the media between them. Takes those
-// surfaces off `transparent_left`; one more blocks. `media`: those behind `from`, then, if any light
-// passes, those before `end`. Counts the rays that it casts in `rays`.
+// Fraction of light between the surface point `from` and `end` (both excluded) that transparent surfaces
+// visible to `kind`, and media, let pass. Each surface is subtracted from `transparent_left`; one too many
+// blocks. `media`: the media at `from`; on return, if any light passes, those at `end`. Adds the number
+// of rays cast to `rays`.
 Spectrum transmittance(const Scene& scene, const RayStart& from, const RayEnd& end, uint32_t kind,
                        uint32_t& transparent_left, Media& media, uint64_t& rays,
                        Opaque opaque = Opaque::by_material);

@@ -36,7 +36,7 @@ Dual<S> safe_acos(const Dual<S>& a) {
     const S s2 = S(1.0f) - a.v * a.v;
     return chain(a, safe_acos(a.v), value_of(s2) > 0.0f ? S(-1.0f) / S(sqrt(s2)) : S(0.0f));
 }
-// By a number, without the products with its zero derivatives, which the compiler must keep.
+// Product with a plain number. Without this the compiler must keep the products with its zero derivatives.
 inline float times(float a, float s) { return a * s; }
 template <class S>
 Dual<S> times(const Dual<S>& a, float s) {

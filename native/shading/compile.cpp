@@ -153,7 +153,7 @@ void Compiler::describe(Material& material) {
     material.absorption = medium();
 }
 
-// Of a homogeneous medium.
+// Coefficients of a homogeneous medium.
 Spectrum Compiler::medium() {
     if (is_world_) {
         if (!expr.is_constant(absorption_, 0.0f))

@@ -139,7 +139,7 @@ struct ProgramRoots {
 // Throws Error naming `material` if registers or constants do not suffice.
 Program generate(const ExprBuilder& expr, const std::vector<ClosureTerm>& terms,
                  const ProgramRoots& roots, const std::string& material);
-// Of ProgramReads, for a section's instructions.
+// The bits of ProgramReads that a section's instructions read.
 uint32_t reads_of(const Program& program, const Section& section);
 std::vector<uint32_t> images_of(const Program& program);  // each once
 

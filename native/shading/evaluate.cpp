@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The interpreter: value instructions over T, then closures from their results.
-#include "core/room.h"
+#include "core/uninitialized_array.h"
 #include "shading/normal_map.h"
 #include "shading/program.h"
 
@@ -20,11 +20,11 @@ template <class T>
 class RegisterFile {
 public:
     explicit RegisterFile(const Program& program)
-        : registers{room_.data(), program.constants.data()} {}
+        : registers{storage_.data(), program.constants.data()} {}
     const Registers<T> registers;
 
 private:
-    Room<T, kMaxRegisters> room_;
+    UninitializedArray<T, kMaxRegisters> storage_;
 };
 
 template <class T>

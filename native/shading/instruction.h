@@ -108,7 +108,7 @@ struct ClosureInstruction {
     bool on_caster_normal = false, on_slope_map = false;
     std::array<Operand, kMaxClosureOperands> in{};
     Operand through = kNoOperand;  // what the coat above lets through, a colour; none: all
-    // Of a lobe on the slope map under a coat on it: (share, alpha, index) and tint of that.
+    // For a lobe on the slope map under a coat: the coat's (share, alpha, index), and its tint.
     Operand coat = kNoOperand, coat_tint = kNoOperand;
 };
 

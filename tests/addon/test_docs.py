@@ -14,6 +14,7 @@ FOLDERS = ("docs", "blend_scenes", "native", "addon", "tests", "tools")
 PAGES = sorted(
     [*ROOT.glob("*.md"), *(page for folder in FOLDERS for page in (ROOT / folder).rglob("*.md"))]
 )
+MOST_BYTES = {"strip": 400_000, "gallery": 600_000, "tutorial": 1_600_000}  # of a page's pictures
 SOURCES = (".h", ".cpp", ".py", ".txt", ".toml", ".cff")
 CODE = re.compile(r"```.*?```|`[^`\n]*`", re.S)
 LINK = re.compile(r"\[[^\]]*\]\(\s*<?([^)\s>]+)>?[^)]*\)")
@@ -90,6 +91,13 @@ def test_pages_that_sources_name_exist():
                     assert (ROOT / mention).exists(), f"{name(source)}: {mention}"
 
 
+def test_files_that_pages_name_exist():
+    pattern = re.compile(r"`((?:native|addon|blend_scenes|tests|tools)/[\w/.*-]+)`")
+    for page in PAGES:
+        for mention in pattern.findall(page.read_text()):
+            assert list(ROOT.glob(mention.rstrip("/"))), f"{name(page)}: {mention}"
+
+
 def test_every_picture_of_the_docs_is_shown():
     shown = {
         (page.parent / target).resolve() for page in PAGES for target in LINK.findall(text(page))
@@ -97,3 +105,10 @@ def test_every_picture_of_the_docs_is_shown():
     images = ROOT / "docs" / "images"
     unused = [name(image) for image in images.rglob("*.*") if image.resolve() not in shown]
     assert not unused
+
+
+@pytest.mark.parametrize("folder", MOST_BYTES)
+def test_pages_load_fast(folder):
+    pictures = list((ROOT / "docs" / "images" / folder).iterdir())
+    assert pictures
+    assert sum(picture.stat().st_size for picture in pictures) <= MOST_BYTES[folder]

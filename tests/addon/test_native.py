@@ -23,7 +23,7 @@ def render(scene_desc, settings=None, passes=(abi.Pass.COMBINED,)):
     _, _, width, height = scene_desc.camera.crop
     with upload(scene_desc) as scene:
         scene.commit(2)
-        with native.Session(scene, settings or desc.RenderSettings(samples=4)) as session:
+        with native.Session(scene, settings or native.render_settings(samples=4)) as session:
             while session.wait(100).state == abi.RenderState.RUNNING:
                 pass
             images = {p: session.read(p, width, height).reshape(height, width, -1) for p in passes}
@@ -183,14 +183,14 @@ def test_lights_environment_images_and_uv_are_accepted():
         desc.LightDesc(kind.name, kind, IDENTITY, (1.0, 1.0, 1.0)) for kind in desc.LightType
     ]
     with upload(scene) as native_scene:
-        assert native_scene.material_needs(1) == {"uv": 1, "tangents": 1}
-        assert native_scene.material_needs(0) == {"uv": 0, "tangents": 0}
+        assert native_scene.material_needs(1) == {"": False, "UVMap": True}
+        assert native_scene.material_needs(0) == {}
         native_scene.commit(1)
         assert native_scene.stats()["lights"] >= 4
 
 
 def test_a_time_limit_ends_the_render():
-    settings = desc.RenderSettings(samples=1 << 24, time_limit=0.3)
+    settings = native.render_settings(samples=1 << 24, time_limit=0.3)
     start = time.monotonic()
     _, stats = render(glowing_triangle(), settings)
     assert time.monotonic() - start < 3
@@ -200,7 +200,7 @@ def test_a_time_limit_ends_the_render():
 def test_cancel_stops_within_its_time():
     with upload(glowing_triangle()) as scene:
         scene.commit(1)
-        with native.Session(scene, desc.RenderSettings(samples=1 << 24)) as session:
+        with native.Session(scene, native.render_settings(samples=1 << 24)) as session:
             assert session.wait(10).state == abi.RenderState.RUNNING
             start = time.monotonic()
             session.cancel()
@@ -216,7 +216,7 @@ def test_waiting_leaves_python_free():
     ticks = []
     with upload(glowing_triangle()) as scene:
         scene.commit(1)
-        with native.Session(scene, desc.RenderSettings(samples=1 << 24)) as session:
+        with native.Session(scene, native.render_settings(samples=1 << 24)) as session:
             thread = threading.Thread(
                 target=lambda: [(ticks.append(1), time.sleep(0.01)) for _ in range(10)]
             )
@@ -268,12 +268,12 @@ def test_settings_out_of_range():
     with upload(glowing_triangle()) as scene:
         scene.commit(1)
         with pytest.raises(native.NativeError, match="sample"):
-            native.Session(scene, desc.RenderSettings(samples=0))
+            native.Session(scene, native.render_settings(samples=0))
 
 
 def test_rendering_before_commit():
     with upload(glowing_triangle()) as scene, pytest.raises(native.NativeError, match="commit"):
-        native.Session(scene, desc.RenderSettings())
+        native.Session(scene, native.render_settings())
 
 
 def test_a_wrong_shape_is_our_own_error():
@@ -318,12 +318,17 @@ def test_bad_pixels_are_an_error_all_the_same():
     assert log.warnings == []
 
 
-def test_defaults_are_the_cores_own():
-    from dataclasses import fields
-
-    struct = abi.RenderSettings()
-    native.library().spc_render_settings_init(struct)
-    values = native.struct_values(struct)
-    ours = desc.RenderSettings()
-    values["chain_family"] = (values["chain_family"] or b"").decode()
-    assert {f.name: getattr(ours, f.name) for f in fields(ours)} == pytest.approx(values)
+def test_settings_are_the_cores_own_but_for_what_is_given():
+    settings = native.render_settings()
+    assert settings.method == abi.Method.AUTO
+    changes = {"method": abi.Method.PT, "samples": 3, "filter_width": 2.0, "chain_family": b"TT"}
+    changed = native.render_settings(
+        method="PT", samples=3, filter_width=2.0, chain_family="TT", pixel_filter="BOX"
+    )
+    changes["pixel_filter"] = abi.PixelFilter.BOX
+    assert native.struct_values(changed) == native.struct_values(settings) | changes
+    assert native.struct_values(native.changed(changed, samples=4))["chain_family"] == b"TT"
+    with pytest.raises(KeyError, match="NO_METHOD"):
+        native.changed(settings, method="NO_METHOD")
+    with pytest.raises(TypeError, match="no field sampels"):
+        native.changed(settings, sampels=3)

@@ -73,12 +73,14 @@ def test_lines_on_walks_are_there_if_there_were_walks():
     assert {"Trials", "Possible loss"}.isdisjoint(labels)
 
 
-def test_the_line_on_leads_is_there_if_there_were_any():
+def test_the_line_on_chain_seeds_is_there_if_there_were_any():
     counts = {"estimates": 200, "walks": 3, "missed_energy": 0.5, "manifold_energy": 20.0}
-    assert "Leads" not in dict(statistics(**counts).rows())
-    leads = dict(statistics(**counts, leads=300, led_chains=50).rows())["Leads"]
+    assert "Chain seeds" not in dict(statistics(**counts).rows())
+    chain_seeds = dict(statistics(**counts, chain_seeds=300, seeded_chains=50).rows())[
+        "Chain seeds"
+    ]
     text = "1.5 an estimate, to 0.25 chains; without them 2.500% of the manifold's light was found"
-    assert leads == text
+    assert chain_seeds == text
 
 
 def test_the_line_on_light_paths_is_there_if_there_were_any():

@@ -14,7 +14,9 @@ from scenes import (
     surface,
 )
 
-from specula import forecast, statistics
+from specula import forecast, native, statistics
+from specula.abi import CausticsSearch
+from specula.inquiry import Forecast, Inquiry
 
 
 def material_of(bl_idname: str, **inputs):
@@ -113,15 +115,15 @@ def bumped(normal_below: bool = False):
 
 
 @pytest.mark.parametrize(
-    ("glints", "normal_below", "foretold"),
+    ("glints", "normal_below", "foretold", "why_not"),
     [
-        ("AUTO", False, "Glossy BSDF, roughness 0.2"),
-        ("ON", False, "Glossy BSDF, roughness 0.2"),
-        ("OFF", False, "None"),
-        ("ON", True, "None: Glossy BSDF: its bump rises from another normal"),
+        ("AUTO", False, "Glossy BSDF, roughness 0.2", ""),
+        ("ON", False, "Glossy BSDF, roughness 0.2", ""),
+        ("OFF", False, "", ""),
+        ("ON", True, "", "Glossy BSDF: its bump rises from another normal"),
     ],
 )
-def test_bumps_glint_as_foretold(glints, normal_below, foretold):
+def test_bumps_glint_as_foretold(glints, normal_below, foretold, why_not):
     material = bumped(normal_below)
     material.specula.glints = glints
     obj = add_mesh("Quad", material=material)
@@ -130,7 +132,49 @@ def test_bumps_glint_as_foretold(glints, normal_below, foretold):
     add_light().location = (0.5, 0.0, 4.0)
     scene = bpy.context.scene
     scene.render.resolution_x = scene.render.resolution_y = 8
-    assert forecast.of_material(material).glints == foretold
+    found = forecast.of_material(material)
+    assert (found.glints, found.no_glints) == (foretold, why_not)
     bpy.ops.render.render()
     estimates = statistics.last["Scene", "ViewLayer"].render_stats["glint_estimates"]
-    assert (estimates > 0) == (not foretold.startswith("None"))
+    assert (estimates > 0) == bool(foretold)
+
+
+def test_the_core_is_asked_once_for_each_state_of_a_material(monkeypatch):
+    forecast.forget()
+    material = MATERIALS["frosted glass"]()
+    asked = []
+    answer = Inquiry.forecast
+    monkeypatch.setattr(Inquiry, "forecast", lambda *args: asked.append(1) or answer(*args))
+    monkeypatch.setattr(native.Scene, "commit", None)  # nothing is built
+    before = forecast.of_material(material)
+    assert forecast.of_material(material) is before
+    node = surface(material).links[0].from_node
+    node.inputs["Roughness"].default_value = 0.0625
+    assert "roughness 0.0625" in forecast.of_material(material).reason
+    obj = add_mesh(material=material)
+    assert forecast.of_object(obj).casts
+    obj.specula.caustics = "OFF"
+    assert forecast.of_object(obj) == Forecast(False, CausticsSearch.NONE, "", "", "")
+    assert len(asked) == 4
+
+
+def normal_mapped():
+    material = material_of("ShaderNodeBsdfGlossy", Roughness=0.2)
+    shader = surface(material).links[0].from_node
+    normal = add_node(material, "ShaderNodeNormalMap", shader.inputs["Normal"])
+    add_node(material, "ShaderNodeTexImage", normal.inputs["Color"])
+    return material
+
+
+@pytest.mark.parametrize(
+    ("make", "search"),
+    [
+        (MATERIALS["glass"], CausticsSearch.MANIFOLD),
+        (MATERIALS["frosted glass"], CausticsSearch.MANIFOLD),
+        (normal_mapped, CausticsSearch.MANIFOLD_IF_COARSE),
+        (lambda: material_of("ShaderNodeBsdfGlossy", Roughness=0.35), CausticsSearch.LIGHT_PATHS),
+        (MATERIALS["diffuse"], CausticsSearch.NONE),
+    ],
+)
+def test_who_searches(make, search):
+    assert forecast.of_material(make()).search == search

@@ -21,6 +21,7 @@ from specula.export.image import Images
 from specula.export.log import ExportLog
 from specula.export.material import export_material
 from specula.export.nodes import NODES
+from specula.inquiry import Inquiry
 from specula.upload import upload
 
 OLD_PRINCIPLED = bpy.app.version < (4, 0, 0)
@@ -30,7 +31,9 @@ def convert(material):
     """(MaterialDesc, MaterialNeeds, warnings, images)"""
     log = ExportLog()
     images = Images(log)
-    desc, needs = export_material(material, images, log)
+    desc = export_material(material, images, log)
+    with Inquiry() as core:
+        needs = core.needs(core.add(desc, images.descs))
     return desc, needs, log.warnings, images.descs
 
 
@@ -436,7 +439,7 @@ def test_normal_map_reads_tangents_of_its_layer():
     add_node(material, "ShaderNodeTexImage", normal.inputs["Color"], image=new_image())
     desc, needs, *_ = convert(material)
     assert node(desc, "normal_map").options == {"space": "TANGENT", "uv_map": "detail"}
-    assert needs == MaterialNeeds(frozenset([""]), frozenset(["detail"]))
+    assert needs == MaterialNeeds(frozenset(["", "detail"]), frozenset(["detail"]))
     normal.space = "WORLD"
     assert convert(material)[1].tangents == frozenset()
 

@@ -4,7 +4,7 @@ import pytest
 from scenes import add_mesh, add_node, new_image, new_material, surface
 
 import specula
-from specula import abi, native, passes, statistics, ui
+from specula import abi, forecast, native, passes, statistics, ui
 
 OWNERS = (bpy.types.Scene, bpy.types.Object, bpy.types.Light, bpy.types.World, bpy.types.ViewLayer)
 
@@ -223,6 +223,7 @@ def test_without_the_core_the_panels_say_so(monkeypatch):
         raise native.NativeError("the core library is missing")
 
     monkeypatch.setattr(native, "library", missing)
+    forecast.forget()
     context = Context(object=add_mesh(), material=new_material())
     for panel in (
         ui.SPECULA_PT_sampling,

@@ -3,7 +3,8 @@ import addon_utils
 import bpy
 import pytest
 
-from specula.export.desc import Constraint, GlintMethod, LightTracing, Method, PixelFilter
+from specula import native
+from specula.abi import Constraint, GlintMethod, LightTracing, Method, PixelFilter
 from specula.export.settings import (
     PREVIEW_SAMPLES,
     export_settings,
@@ -45,8 +46,8 @@ def check_cycles(settings):
     assert settings.max_glossy_bounces == 2
     assert settings.max_transmission_bounces == 5
     assert settings.max_transparent_bounces == 6
-    assert settings.caustics_reflective is False
-    assert settings.caustics_refractive is True
+    assert settings.caustics_reflective == 0
+    assert settings.caustics_refractive == 1
     assert settings.pixel_filter == PixelFilter.GAUSSIAN
     assert settings.filter_width == 2.5
 
@@ -104,8 +105,20 @@ def test_our_settings_win(scene):
     }
     for name, value in own.items():
         setattr(scene.specula, name, value)
+    own["chain_family"] = b"TT"  # as C has it
     settings = export_settings(scene)
     assert {name: getattr(settings, name) for name in own} == own
+
+
+def test_every_setting_is_a_field_of_the_core_with_the_same_choices(scene):
+    own = {p.identifier: p for p in scene.specula.bl_rna.properties if not p.is_readonly}
+    fields = native.struct_fields(native.render_settings())
+    of_views = {"viewport_samples"}
+    assert own.keys() - {"name"} - of_views <= fields.keys()
+    for name, row in own.items():
+        if row.type == "ENUM":
+            choices = {item.identifier for item in row.enum_items}
+            assert choices == set(native.enumeration(name).__members__)
 
 
 def test_method_and_constraint(scene):
@@ -166,5 +179,5 @@ def test_threads_film_and_preview(scene):
     scene.render.threads_mode, scene.render.threads = "FIXED", 3
     scene.render.film_transparent = True
     settings = export_settings(scene, is_preview=True)
-    assert (settings.threads, settings.transparent_film) == (3, True)
+    assert (settings.threads, settings.transparent_film) == (3, 1)
     assert settings.samples == PREVIEW_SAMPLES

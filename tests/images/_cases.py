@@ -176,7 +176,7 @@ VARIANTS = tuple(
 JOINT = Variant("ANGLE_DIFFERENCE", True, light_tracing=True)
 LIGHT_TRACING = "light tracing"  # without manifold
 SHEETS = {"light sheets": "OFF", "light sheets, light tracing": "ON"}
-FIXED_STARTS = "fixed starts"
+MNEE_SEEDS = "MNEE seeds"
 SET_SIZES = (4, 16)  # of the biased estimator
 
 
@@ -202,7 +202,7 @@ def renders(case: Case, seed: int) -> dict[str, dict]:
             "light_tracing": light_tracing,
             "samples": case.samples,
         }
-    result[FIXED_STARTS] = {"method": "MNEE", "light_tracing": "OFF", "samples": case.samples}
+    result[MNEE_SEEDS] = {"method": "MNEE", "light_tracing": "OFF", "samples": case.samples}
     for index, settings in enumerate(result.values()):
         settings["seed"] = seed + SEED_STEP * index
         settings["max_bounces"] = case.max_bounces

@@ -10,7 +10,7 @@ The last argument is a JSON file, the job:
   texels          the world's image is averaged over squares of so many texels
   glints          of all materials
   renders         name -> settings: `engine` CYCLES or SPECULA (the default), `samples`, `seed`,
-                  `parts`; and for Specula fields of desc.RenderSettings, enumerations by name
+                  `parts`; and for Specula fields of spc_render_settings, enumerators by name
   scene_arrays    whether to store what was exported as well
   result          .npz file to write
 
@@ -32,12 +32,6 @@ import bpy
 import numpy as np
 
 POLL_MILLISECONDS = 200
-ENUMERATIONS = {
-    "method": "Method",
-    "light_tracing": "LightTracing",
-    "constraint": "Constraint",
-    "glint_method": "GlintMethod",
-}
 
 
 class Moments:
@@ -151,14 +145,10 @@ def render_specula(scene, job: dict) -> dict:
 
 
 def changed(settings, changes: dict):
-    from specula.export import desc
+    from specula import native
 
-    values = {
-        key: getattr(desc, ENUMERATIONS[key])[value] if key in ENUMERATIONS else value
-        for key, value in changes.items()
-        if key not in ("parts", "engine")
-    }
-    return dataclasses.replace(settings, **values)
+    values = {key: value for key, value in changes.items() if key not in ("parts", "engine")}
+    return native.changed(settings, **values)
 
 
 def render(native_scene, size: list[int], name: str, settings, changes: dict) -> dict:
@@ -170,7 +160,7 @@ def render(native_scene, size: list[int], name: str, settings, changes: dict) ->
     samples = settings.samples // parts
     clock, moments, caustics, totals = Clock(name, parts), Moments(), Moments(), {}
     for part in range(parts):
-        batch = dataclasses.replace(settings, first_sample=part * samples, samples=samples)
+        batch = native.changed(settings, first_sample=part * samples, samples=samples)
         with native.Session(native_scene, batch) as session:
             while (progress := session.wait(POLL_MILLISECONDS)).state == RenderState.RUNNING:
                 pass

@@ -19,9 +19,9 @@ import pytest
 
 from tests.images import _statistics as statistics
 from tests.images._cases import (
-    FIXED_STARTS,
     JOINT,
     LIGHT_TRACING,
+    MNEE_SEEDS,
     SET_SIZES,
     SHEETS,
     VARIANTS,
@@ -32,7 +32,7 @@ from tests.images._cases import (
 ALL_VARIANTS = [variant.name for variant in VARIANTS]
 WITH_LIGHT = [JOINT.name, LIGHT_TRACING]
 SPLATTED = [*WITH_LIGHT, *(name for name, light_tracing in SHEETS.items() if light_tracing == "ON")]
-UNBIASED = [*ALL_VARIANTS, *WITH_LIGHT, *SHEETS, FIXED_STARTS]
+UNBIASED = [*ALL_VARIANTS, *WITH_LIGHT, *SHEETS, MNEE_SEEDS]
 BLOCKS = sum(statistics.block_count(case.size) for case in WITH_CASTERS)
 UNBIASED_BLOCK_Z = statistics.threshold(BLOCKS * len(UNBIASED))
 UNBIASED_TOTAL_Z = statistics.threshold(3 * len(WITH_CASTERS) * len(UNBIASED))

@@ -20,8 +20,8 @@
  *              spc_last_error() says what was wrong, naming the object. No exception crosses this boundary.
  *              A call that runs out of memory returns SPC_OUT_OF_MEMORY and says for what; everything but
  *              a scene whose commit failed so is as usable as before.
- *   Threads    a scene may be used by one thread at a time until it is committed; afterwards it is
- *              immutable and may feed any number of sessions. A session may be polled, read and
+ *   Threads    a scene may be used by one thread at a time until it is committed; afterwards all
+ *              but its camera is immutable, and it may feed any number of sessions. A session may be polled, read and
  *              cancelled from any thread.
  *
  * Order of calls: create, add images, then materials, meshes, lights and instances (an index can only
@@ -44,7 +44,7 @@ extern "C" {
 #endif
 
 /* Raised whenever a struct or the meaning of a call changes. */
-#define SPC_API_VERSION 8u
+#define SPC_API_VERSION 9u
 
 /* "No index", where an index is optional. */
 #define SPC_NONE 0xffffffffu
@@ -170,13 +170,21 @@ typedef struct spc_material_desc {
 SPC_API spc_status spc_scene_add_material(spc_scene* scene, const spc_material_desc* desc,
                                           uint32_t* material_index);
 
-/* What a committed surface of this material would read from its mesh. */
+/* A UV layer that a material reads. */
+typedef struct spc_uv_need {
+    const char* layer; /* "": the active one */
+    uint32_t tangents; /* 1: its tangents, too */
+} spc_uv_need;
+
+/* What surfaces of a material read from their mesh. */
 typedef struct spc_material_needs {
     size_t struct_size;
-    uint32_t uv;       /* 1 if a texture coordinate is read */
-    uint32_t tangents; /* 1 if a tangent-space normal map is read */
+    const spc_uv_need* uv_layers; /* valid until the next call for this scene */
+    uint32_t uv_layer_count;
 } spc_material_needs;
-SPC_API spc_status spc_scene_material_needs(const spc_scene* scene, uint32_t material_index,
+
+/* Before commit. Errors: SPC_INVALID_ARGUMENT, SPC_WRONG_STATE. */
+SPC_API spc_status spc_scene_material_needs(spc_scene* scene, uint32_t material_index,
                                             spc_material_needs* needs);
 
 /* One line per node kind: `kind: in Socket:type ... out Socket:type ... option name=A|B ...`; static storage. */
@@ -248,6 +256,31 @@ typedef struct spc_instance_desc {
 SPC_API spc_status spc_scene_add_instance(spc_scene* scene, const spc_instance_desc* desc,
                                           uint32_t* instance_index);
 
+/* Who looks for the caustics that an object casts, where the method has them. */
+typedef enum spc_caustics_search {
+    SPC_SEARCH_NONE = 0, /* it casts none */
+    SPC_SEARCH_LIGHT_PATHS = 1,
+    SPC_SEARCH_MANIFOLD = 2, /* and light paths */
+    /* light paths, and the manifold if the normal map turns out to be coarse */
+    SPC_SEARCH_MANIFOLD_IF_COARSE = 3
+} spc_caustics_search;
+
+/* What a scene would make of an object in caustics. The texts are valid until the next call for the scene. */
+typedef struct spc_forecast {
+    size_t struct_size;
+    uint32_t receives; /* 1: shows caustics */
+    uint32_t search;   /* spc_caustics_search */
+    const char* reason; /* a closure by which it casts, or why it does not; "" if its role rules casting out */
+    const char* glints;    /* closures that glint; "" if there are none */
+    const char* no_glints; /* why there are none where a material asks for them, else "" */
+} spc_forecast;
+
+/* Before commit, of an object that need not be there, with `material_count` >= 1 materials; builds nothing.
+ * `visibility` and `caustics_role` as in spc_instance_desc. Errors: SPC_INVALID_ARGUMENT, SPC_WRONG_STATE. */
+SPC_API spc_status spc_scene_forecast(spc_scene* scene, const uint32_t* materials,
+                                      uint32_t material_count, uint32_t visibility,
+                                      uint32_t caustics_role, spc_forecast* forecast);
+
 /* ---- lights */
 
 typedef enum spc_light_type {
@@ -305,6 +338,8 @@ typedef struct spc_camera_desc {
     float aperture_ratio;    /* height by width, > 0: the width is divided by it */
 } spc_camera_desc;
 
+/* After spc_scene_commit, too: the next render looks from there, and nothing is built again.
+ * Errors: SPC_WRONG_STATE (a session of the scene lives), SPC_INVALID_ARGUMENT. */
 SPC_API spc_status spc_scene_set_camera(spc_scene* scene, const spc_camera_desc* desc);
 
 /* The world's background from a material whose surface is a background. Without it the world is black. */
@@ -348,7 +383,7 @@ typedef enum spc_method {
     SPC_METHOD_SMS_BIASED = 2,
     SPC_METHOD_LT = 3,     /* path tracing and light tracing, no manifold */
     SPC_METHOD_SHEETS = 4, /* manifold: all chains by light sheets, walks for what they miss */
-    /* [Hanika15]: at most one refraction and one reflection, from fixed starts. What they miss is
+    /* [Hanika15]: at most one refraction and one reflection, from MNEE seeds. What they miss is
      * path traced, or lost by SPC_METHOD_MNEE_BIASED. Lights without extent have no paths to trace. */
     SPC_METHOD_MNEE = 5,
     SPC_METHOD_MNEE_BIASED = 6,
@@ -357,8 +392,9 @@ typedef enum spc_method {
     SPC_METHOD_AUTO = 7
 } spc_method;
 
-/* Light paths beside the manifold's methods, as many as pay, and chains to the lights that the camera
- * sees in casters, which SPC_METHOD_SHEETS always has. AUTO: as ON, for now. */
+/* Whether the manifold's methods trace light paths, too (the session chooses how many), and look for camera
+ * chains, to the lights that the camera sees in casters. SPC_METHOD_SHEETS always has camera chains. AUTO: as
+ * ON, for now. */
 typedef enum spc_light_tracing {
     SPC_LIGHT_TRACING_AUTO = 0,
     SPC_LIGHT_TRACING_ON = 1,
@@ -370,7 +406,7 @@ typedef enum spc_constraint {
     SPC_CONSTRAINT_ANGLE_DIFFERENCE = 1
 } spc_constraint;
 
-/* How light is averaged over what a pixel covers of a normal map. SEARCH is the one to use; the others are
+/* How glints are averaged over a pixel's footprint on a normal map. SEARCH is the one to use; the others are
  * there to compare with. */
 typedef enum spc_glint_method {
     SPC_GLINT_METHOD_SEARCH = 0,
@@ -415,7 +451,8 @@ typedef struct spc_render_settings {
     const char* chain_family;
 } spc_render_settings;
 
-/* Fills in the defaults (struct_size included). */
+/* Fills in the defaults (struct_size included): SPC_METHOD_AUTO, and limits and filter as in a new file of
+ * Blender's Cycles. */
 SPC_API void spc_render_settings_init(spc_render_settings* settings);
 
 /* Starts worker threads and returns at once. The scene must be committed and outlive the session. */
@@ -476,9 +513,9 @@ typedef struct spc_render_stats {
     uint64_t nan_samples;   /* samples and splats dropped for not being finite, or above 1e18 */
     uint64_t light_paths;   /* from lights; those that learned where to start included */
     uint64_t splats;        /* that light paths added to the picture */
-    /* Of light sheets and highlights: chains that were known to be worth looking for, different ones
-     * that were there, and others that walks found beside them, with the luminance that these gave. */
-    uint64_t leads, led_chains, missed_chains;
+    /* Of light sheets and camera chains: chain seeds that were shot, different chains that they found, and
+     * chains that only searches found, with the luminance that these gave. */
+    uint64_t chain_seeds, seeded_chains, missed_chains;
     double missed_energy;
     uint64_t glint_estimates; /* of the light of one direction, over a footprint */
     uint64_t glint_nodes;     /* parts of maps that they looked at, or slopes on walks */

@@ -19,7 +19,7 @@ spc_render_settings random_settings(Dice& dice, Spoiler& spoiler) {
     spc_render_settings s;
     spc_render_settings_init(&s);
     s.struct_size = spoiler.struct_size(s.struct_size);
-    s.method = spoiler.count(dice.below(7));
+    s.method = spoiler.count(dice.below(SPC_METHOD_AUTO + 1));
     s.light_tracing = spoiler.count(dice.below(3));
     s.constraint = spoiler.count(dice.below(2));
     s.two_stage = dice.below(2);

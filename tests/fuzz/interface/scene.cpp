@@ -214,6 +214,14 @@ private:
         refused([&] { return spc_scene_commit(scene_, 1); });  // no camera yet
         refused([&] { return spc_render_cancel(nullptr); });
         promises_.took([&] { return spc_scene_material_needs(scene_, dice_.below(6), &needs); }, "");
+        auto forecast = test::sized<spc_forecast>();
+        const uint32_t materials[2] = {dice_.below(6), dice_.below(6)};
+        promises_.took(
+            [&] {
+                return spc_scene_forecast(scene_, materials, dice_.below(3), dice_.below(33),
+                                          dice_.below(6), &forecast);
+            },
+            "");
     }
 
     void commit() {

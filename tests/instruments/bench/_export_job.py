@@ -18,6 +18,7 @@ import sys
 import bpy
 import numpy as np
 
+from specula.abi import PixelFilter
 from specula.export import desc
 from specula.export.log import ExportLog
 from specula.export.scene import export_scene
@@ -57,7 +58,7 @@ def main(job: dict) -> None:
         "warnings": log.warnings,
         "settings": {
             "bounces": settings.max_bounces,
-            "filter": [settings.pixel_filter.name, settings.filter_width],
+            "filter": [PixelFilter(settings.pixel_filter).name, settings.filter_width],
             "exposure": film_exposure(scene),
         },
     }

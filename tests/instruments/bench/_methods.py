@@ -46,7 +46,7 @@ GROUPS = {
     "variants": "constraints and stages",
     "sets": "numbers of walks of the biased method",
     "light": "manifold sampling, light tracing, and both",
-    "starts": "random walks and fixed starts",
+    "starts": "random walks and MNEE seeds",
     "luxcore": "LuxCore",
     "glints": "ways to average glints over a pixel (where none is named: the search of all parts)",
 }
@@ -143,7 +143,7 @@ def _biased(walks: int, color: str, marker: str, *groups: str, light_tracing="OF
     return _specula(name, label, groups, color, marker, **settings)
 
 
-def _fixed_starts(name, label, color, marker, method) -> Method:
+def _mnee_seeds(name, label, color, marker, method) -> Method:
     return _specula(name, label, ("starts",), color, marker, method=method, light_tracing="OFF")
 
 
@@ -230,11 +230,12 @@ METHODS = {
         _specula(
             "sheets-lt",
             "light sheets + LT",
-            ("best", "light", "luxcore", "glints"),
+            ("light", "glints"),
             *(GREEN, "*"),
             method="SHEETS",
             light_tracing="ON",
         ),
+        _specula("auto", "automatic", ("best", "luxcore"), GREEN, "P", method="AUTO"),
         _unbiased(
             "sms-one", "SMS, one stage", ("variants",), ORANGE, "p", "ANGLE_DIFFERENCE", False
         ),
@@ -250,8 +251,8 @@ METHODS = {
         _biased(16, GREEN, "D", "sets", "starts"),
         _biased(16, BLUE, "<", "light", light_tracing="ON"),
         _biased(32, PURPLE, "p", "sets"),
-        _fixed_starts("mnee", "MNEE unbiased", BLUE, "P", "MNEE"),
-        _fixed_starts("mnee-biased", "MNEE biased", SKY, "^", "MNEE_BIASED"),
+        _mnee_seeds("mnee", "MNEE unbiased", BLUE, "P", "MNEE"),
+        _mnee_seeds("mnee-biased", "MNEE biased", SKY, "^", "MNEE_BIASED"),
         _specula(
             "pt-plain",
             "plain path tracing",
@@ -281,7 +282,10 @@ METHODS = {
     )
 }
 
-QUICK = ("pt", "lt", "sms", "sheets-lt", "biased-16", "cycles-pt", "cycles-mnee", "lux-light")
+QUICK = (
+    *("pt", "lt", "sms", "sheets-lt", "auto", "biased-16"),
+    *("cycles-pt", "cycles-mnee", "lux-light"),
+)
 SMS, CYCLES = "sms", "cycles-pt"  # what each method is held against, beside the best of LuxCore
 
 

@@ -10,7 +10,6 @@ all (H, W, 3) float64 of those pixels, bottom row first) and `result` (the JSON 
 
 from __future__ import annotations
 
-import dataclasses
 import json
 import math
 import os
@@ -19,7 +18,7 @@ import sys
 import bpy
 import numpy as np
 
-from specula.export.desc import LightTracing, Method
+from specula import native
 from specula.export.log import ExportLog
 from specula.export.scene import export_scene
 from specula.export.settings import export_settings, film_exposure
@@ -41,17 +40,17 @@ def main(job: dict) -> None:
         set_border(scene.render, left, bottom, left + size[0], bottom + size[1])
     log = ExportLog()
     exported = export_scene(bpy.context.evaluated_depsgraph_get(), log)
-    settings = dataclasses.replace(
+    settings = native.changed(
         export_settings(scene),
-        method=Method[job["method"]],
-        light_tracing=LightTracing.AUTO,
+        method=job["method"],
+        light_tracing="AUTO",
         seed=job["seed"],
         threads=job["threads"],
         time_limit=0.0,
     )
 
     def rendered(native_scene, samples: int, **changes) -> dict:
-        changed = dataclasses.replace(settings, samples=samples, **changes)
+        changed = native.changed(settings, samples=samples, **changes)
         return render(native_scene, size, NAME, changed, {})
 
     with upload(exported) as native_scene:
@@ -60,7 +59,7 @@ def main(job: dict) -> None:
         probe = json.loads(rendered(native_scene, probe_samples)[f"{NAME}/stats"])
         samples = max(2, round(probe_samples * job["seconds"] / probe["seconds"]))
         arrays = rendered(native_scene, samples)
-        of_light_paths = rendered(native_scene, DIRECT_SAMPLES, method=Method.LT)
+        of_light_paths = rendered(native_scene, DIRECT_SAMPLES, method="LT")
         arrays[f"{NAME}/direct"] = of_light_paths[f"{NAME}/caustics"]
     stats = json.loads(arrays.pop(f"{NAME}/stats"))
     layers = {key.rpartition("/")[2]: value for key, value in arrays.items()}

@@ -8,7 +8,6 @@ file to write). Memory is in bytes, beyond what the process holds before there i
 
 from __future__ import annotations
 
-import dataclasses
 import json
 import os
 import sys
@@ -18,8 +17,7 @@ import bpy
 
 from blend_scenes.generators import stage
 from specula import native
-from specula.abi import RenderState
-from specula.export.desc import LightTracing, Method, RenderSettings
+from specula.abi import Method, RenderSettings, RenderState
 from specula.export.log import ExportLog
 from specula.export.scene import export_scene
 from specula.export.settings import export_settings
@@ -35,7 +33,7 @@ PROBE_FACTOR = 4  # by which a probe that was too short grows
 def rendered(native_scene, settings: RenderSettings, samples: int) -> dict:
     """Seconds of one render, by the clock and of all threads together, and its statistics."""
     cpu_start = time.process_time()
-    with native.Session(native_scene, dataclasses.replace(settings, samples=samples)) as session:
+    with native.Session(native_scene, native.changed(settings, samples=samples)) as session:
         while (progress := session.wait(POLL_MILLISECONDS)).state == RenderState.RUNNING:
             pass
         if progress.samples_done != samples:
@@ -58,7 +56,7 @@ def renders(native_scene, settings: RenderSettings, seconds: float) -> list[dict
     first = probe if fewer == probe["samples"] else rendered(native_scene, settings, fewer)
     rows = [first, rendered(native_scene, settings, 3 * fewer)]
     if settings.method != Method.PT and not rows[-1]["stats"]["walks_converged"]:
-        raise RuntimeError(f"{settings.method.name}: no walk found a path")
+        raise RuntimeError(f"{Method(settings.method).name}: no walk found a path")
     return rows
 
 
@@ -99,9 +97,7 @@ def main(job: dict) -> None:
         rows = {
             method: renders(
                 native_scene,
-                dataclasses.replace(
-                    settings, method=Method[method], light_tracing=LightTracing.OFF
-                ),
+                native.changed(settings, method=method, light_tracing="OFF"),
                 job["seconds"],
             )
             for method in job["methods"]

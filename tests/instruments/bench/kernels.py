@@ -9,7 +9,7 @@ is that of the repetitions. A kernel first proves that it does what its name say
 newton    Newton iterations of walks from seeds that stand ready, success and failure as it comes
 walk      whole random walks, seeds included
 seed      candidates for seeds
-surface   from a hit to closures; patch: to the local shape with derivatives, as walks ask for it
+surface   from a hit to closures; geometry: to the local shape with derivatives, as walks ask for it
 sample    of a material's closures; eval: their value and density
 closest   ray casts, from a hundred to a million triangles; occluded: shadow rays
 glints    light averaged over a footprint: by search, random walks, and Gaussians; prepare: what a
@@ -27,15 +27,15 @@ import re
 import subprocess
 import sys
 import time
-import types
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 from tests.instruments.bench import _children, _machine, _program, _ratios
 from tests.instruments.bench._ratios import MeasurementError, Spread, Target
+from tools import host
 from tools.build import build
-from tools.common import BUILD, ROOT
+from tools.common import BUILD
 
 FOLDER = BUILD / "bench" / "kernels"
 SECONDS = 0.5  # of each repetition, at least
@@ -169,22 +169,9 @@ def _held(promise: Promise, kernel: Kernel) -> str:
 # ----------------------------------------------------------------------------------- measuring
 
 
-def instruction_level() -> str:
-    """The level whose library the addon would load here."""
-    package = types.ModuleType("specula")  # without the addon's __init__, which needs Blender
-    package.__path__ = [str(ROOT / "addon")]
-    sys.modules.setdefault("specula", package)
-    from specula import native
-
-    try:
-        return native.supported_levels(native.processor_flags(native.CPUINFO.read_text()))[0]
-    except native.NativeError as error:
-        raise MeasurementError(str(error)) from None
-
-
 def build_program() -> Path:
     """The program for this processor."""
-    program = f"specula_kernels-{instruction_level()}"
+    program = f"specula_kernels-{host.instruction_level()}"
     return build("bench", quiet=True, target=program).parent / "bin" / program
 
 

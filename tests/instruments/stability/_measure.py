@@ -12,15 +12,14 @@ from statistics import NormalDist
 import numpy as np
 
 from specula import native
-from specula.abi import Pass, RenderState
-from specula.export import desc
+from specula.abi import Pass, RenderSettings, RenderState
 from specula.upload import upload
 from tests.instruments.stability._cases import BRUTE_FORCE, LIGHT_PATHS, Case
 from tests.instruments.stability._scenes import SIDE
 
 BLOCKS = 2  # along each side of the picture
 BRIGHTEST = 1e-3  # share of the pixels of a picture with one sample each
-FALSE_ALARMS = 1e-2  # chance that any comparison of a whole table fails though all is well
+FALSE_ALARMS = 1e-2  # probability that any comparison of a whole table fails though all is well
 POLL_MILLISECONDS = 100
 
 
@@ -36,9 +35,9 @@ class Method:
 
 def settings(method, light_tracing="OFF", **more) -> dict:
     return {
-        "method": desc.Method[method],
-        "light_tracing": desc.LightTracing[light_tracing],
-        "pixel_filter": desc.PixelFilter.BOX,
+        "method": method,
+        "light_tracing": light_tracing,
+        "pixel_filter": "BOX",
         "filter_width": 1.0,
         **more,
     }
@@ -57,12 +56,12 @@ METHODS = (
     Method("light paths", settings("LT")),
     Method(
         "half-vectors, one stage",
-        settings("SMS_UNBIASED", constraint=desc.Constraint.HALF_VECTOR, two_stage=False),
+        settings("SMS_UNBIASED", constraint="HALF_VECTOR", two_stage=False),
         excuse=HALF_VECTORS,
     ),
     Method(
         "half-vectors, two stages",
-        settings("SMS_UNBIASED", constraint=desc.Constraint.HALF_VECTOR),
+        settings("SMS_UNBIASED", constraint="HALF_VECTOR"),
         excuse=HALF_VECTORS,
     ),
     Method("angles, one stage", settings("SMS_UNBIASED", two_stage=False)),
@@ -72,9 +71,9 @@ METHODS = (
         excuse="solutions that no walk meets are lost",
     ),
     # What they miss is path tracing's: it takes as many samples.
-    Method("fixed starts", settings("MNEE"), 4096, needs_path_tracing=True),
+    Method("MNEE seeds", settings("MNEE"), 4096, needs_path_tracing=True),
     Method(
-        "fixed starts alone",
+        "MNEE seeds alone",
         settings("MNEE_BIASED"),
         excuse="one refraction and one reflection at most, whatever there are",
         needs_path_tracing=True,
@@ -100,7 +99,7 @@ def block_means(picture: np.ndarray) -> np.ndarray:
     return np.append(blocks, picture.mean())
 
 
-def render(scene: native.Scene, values: desc.RenderSettings):
+def render(scene: native.Scene, values: RenderSettings):
     """(H, W) means, (H, W) their variances, seconds of processors, statistics.
 
     Each path and each splat belongs to one pixel, so that errors of pixels are independent. The
@@ -126,7 +125,7 @@ def measure(case: Case, method: Method, seed: int) -> Pictures:
     samples = max(method.samples, case.least_samples)
     with upload(case.build()) as scene:
         scene.commit(0)
-        values = desc.RenderSettings(
+        values = native.render_settings(
             **method.settings,
             max_diffuse_bounces=case.diffuse_bounces,
             samples=samples,
@@ -134,7 +133,7 @@ def measure(case: Case, method: Method, seed: int) -> Pictures:
         )
         mean, variance, seconds, stats = render(scene, values)
         single = np.sort(
-            render(scene, dataclasses.replace(values, samples=1, seed=~seed & 0xFFFF))[0].ravel()
+            render(scene, native.changed(values, samples=1, seed=~seed & 0xFFFF))[0].ravel()
         )
     count = math.ceil(BRIGHTEST * single.size)
     total = single.sum()

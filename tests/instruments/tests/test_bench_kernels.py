@@ -6,7 +6,6 @@ import sys
 
 import pytest
 
-from specula import native
 from tests.instruments.bench import kernels
 from tests.instruments.bench._ratios import MeasurementError
 
@@ -145,10 +144,3 @@ def test_a_program_that_fails_is_quoted():
     assert kernels.run(sys.executable, "-c", "print('text')") == "text\n"
     with pytest.raises(MeasurementError, match=r"exit code 3: no lamp"):
         kernels.run(sys.executable, "-c", "import sys; print('no lamp', file=sys.stderr); exit(3)")
-
-
-def test_the_program_is_of_the_level_that_the_addon_loads():
-    flags = native.processor_flags(native.CPUINFO.read_text())
-    level = kernels.instruction_level()
-    assert native.LEVELS[level] <= flags
-    assert level == native.supported_levels(flags)[0]

@@ -15,6 +15,8 @@ from tests.images._reference import FOLDER, read
 from tools import venvs
 from tools.common import ROOT
 
+pytestmark = pytest.mark.slow  # they start Blender
+
 DEV = str(ROOT / "dev")
 DIM = 0.98  # on the light of the method pt-dim
 BIAS_Z = 4.0

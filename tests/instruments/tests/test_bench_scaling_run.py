@@ -11,6 +11,8 @@ import pytest
 
 from tools.common import ROOT
 
+pytestmark = pytest.mark.slow  # they start Blender
+
 TEXELS = [128**2, 256**2, 512**2]
 TEXEL_BYTES = 16  # four floats
 

@@ -12,6 +12,8 @@ import pytest
 from tests.instruments.field._measure import NEITHER, STILL, WELL
 from tools.common import ROOT
 
+pytestmark = pytest.mark.slow  # they start Blender
+
 DEV = str(ROOT / "dev")
 CORNELL = ROOT / "blend_scenes" / "cornell.blend"
 

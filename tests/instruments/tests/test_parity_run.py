@@ -11,6 +11,8 @@ import pytest
 from tests.instruments.parity import _verdict
 from tools.common import ROOT
 
+pytestmark = pytest.mark.slow  # it starts Blender
+
 ROWS = {
     "closure/diffuse/roughness=0": _verdict.ALIKE,
     "texture/image": _verdict.ALIKE,

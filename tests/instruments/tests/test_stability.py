@@ -43,9 +43,9 @@ def test_wrong_light_fails(wrong):
 
 
 @pytest.mark.parametrize(("case", "known"), [("point light", True), ("glass ball", False)])
-def test_fixed_starts_are_excused_where_path_tracing_is_blind(case, known):
+def test_mnee_seeds_are_excused_where_path_tracing_is_blind(case, known):
     found = compare(pictures(0.5, 2), pictures(1.0, 1), COMPARISONS)
-    method = next(method for method in METHODS if method.name == "fixed starts")
+    method = next(method for method in METHODS if method.name == "MNEE seeds")
     where = next(c for c in CASES if c.name == case)
     mark = _report.Result(where, method, pictures(0.5, 2), found).verdict
     assert mark == (_report.KNOWN if known else _report.FAILS)

@@ -183,11 +183,42 @@ TEST_F(MaterialMisuse, NamesMayBeMissing) {
 TEST_F(MaterialMisuse, NeedsAreTold) {
     auto needs = sized<spc_material_needs>();
     ASSERT_EQ(spc_scene_material_needs(scene.get(), 0, &needs), SPC_OK);
-    EXPECT_EQ(needs.uv, 1u);
-    EXPECT_EQ(needs.tangents, 0u);
+    ASSERT_EQ(needs.uv_layer_count, 1u);
+    EXPECT_EQ(needs.uv_layers[0].layer, std::string());
+    EXPECT_EQ(needs.uv_layers[0].tangents, 0u);
     ASSERT_EQ(spc_scene_material_needs(scene.get(), 1, &needs), SPC_OK);
-    EXPECT_EQ(needs.uv, 0u);
+    EXPECT_EQ(needs.uv_layer_count, 0u);
     EXPECT_NE(std::string(spc_node_kinds()).find("bsdf_diffuse: in Color:color"), std::string::npos);
+}
+
+TEST_F(MaterialMisuse, TheForecastIsWhatTheSceneThenIs) {
+    constexpr uint32_t kPlaster = 0, kSilver = 1;
+    for (const uint32_t material : {kPlaster, kSilver})
+        for (uint32_t role = SPC_CAUSTICS_AUTO; role <= SPC_CAUSTICS_BOTH; ++role)
+            for (const uint32_t visibility : {SPC_VISIBLE_ALL, SPC_VISIBLE_CAMERA}) {
+                const ScenePtr other = new_scene();
+                add_resources(other.get());
+                auto forecast = sized<spc_forecast>();
+                ASSERT_EQ(spc_scene_forecast(other.get(), &material, 1, visibility, role, &forecast),
+                          SPC_OK);
+                const bool casts = forecast.search != SPC_SEARCH_NONE;
+                const bool may_cast = role != SPC_CAUSTICS_OFF && role != SPC_CAUSTICS_RECEIVER;
+                EXPECT_EQ(forecast.reason[0] != 0, may_cast);
+                spc_instance_desc object = valid_instance(0, material);
+                object.visibility = visibility;
+                object.caustics_role = role;
+                ASSERT_EQ(spc_scene_add_instance(other.get(), &object, &index), SPC_OK);
+                const spc_camera_desc camera = valid_camera();
+                ASSERT_EQ(spc_scene_set_camera(other.get(), &camera), SPC_OK);
+                ASSERT_EQ(spc_scene_commit(other.get(), 1), SPC_OK);
+                auto stats = sized<spc_scene_stats>();
+                ASSERT_EQ(spc_scene_get_stats(other.get(), &stats), SPC_OK);
+                EXPECT_EQ(stats.casters, casts ? 1u : 0u);
+                EXPECT_EQ(stats.receivers, forecast.receives);
+                expect_refused(
+                    spc_scene_forecast(other.get(), &material, 1, visibility, role, &forecast),
+                    SPC_WRONG_STATE, {"committed"});
+            }
 }
 
 }  // namespace

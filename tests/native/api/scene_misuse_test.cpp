@@ -98,6 +98,28 @@ TEST_F(SceneMisuse, MissingArgumentsAndOtherVersions) {
     expect_refused(spc_scene_material_needs(scene, 0, &needs), SPC_INVALID_ARGUMENT,
                    {"struct_size"});
 
+    const auto refuses_forecast = [&](const std::string& word, spc_scene* of,
+                                      const uint32_t* materials, uint32_t count,
+                                      uint32_t visibility, uint32_t role, size_t size) {
+        auto forecast = sized<spc_forecast>();
+        forecast.struct_size = size;
+        expect_refused(spc_scene_forecast(of, materials, count, visibility, role, &forecast),
+                       SPC_INVALID_ARGUMENT, {word});
+    };
+    constexpr size_t kSize = sizeof(spc_forecast);
+    const uint32_t unknown = 99;
+    refuses_forecast("scene", nullptr, &material, 1, SPC_VISIBLE_ALL, SPC_CAUSTICS_AUTO, kSize);
+    refuses_forecast("materials", scene, nullptr, 1, SPC_VISIBLE_ALL, SPC_CAUSTICS_AUTO, kSize);
+    refuses_forecast("materials", scene, &material, 0, SPC_VISIBLE_ALL, SPC_CAUSTICS_AUTO, kSize);
+    refuses_forecast("99", scene, &unknown, 1, SPC_VISIBLE_ALL, SPC_CAUSTICS_AUTO, kSize);
+    refuses_forecast("visibility", scene, &material, 1, 32, SPC_CAUSTICS_AUTO, kSize);
+    refuses_forecast("role", scene, &material, 1, SPC_VISIBLE_ALL, 5, kSize);
+    refuses_forecast("struct_size", scene, &material, 1, SPC_VISIBLE_ALL, SPC_CAUSTICS_AUTO,
+                     kSize - 1);
+    expect_refused(
+        spc_scene_forecast(scene, &material, 1, SPC_VISIBLE_ALL, SPC_CAUSTICS_AUTO, nullptr),
+        SPC_INVALID_ARGUMENT, {"forecast"});
+
     expect_refused(spc_scene_create(nullptr), SPC_INVALID_ARGUMENT, {"scene is null"});
     expect_refused(spc_scene_commit(nullptr, 1), SPC_INVALID_ARGUMENT, {"scene"});
     auto stats = sized<spc_scene_stats>();
@@ -131,7 +153,6 @@ TEST(SceneAfterCommit, IsImmutable) {
     const uint32_t slot = 0;
     const spc_instance_desc instance = valid_instance(0, slot);
     const spc_light_desc light = valid_light(SPC_LIGHT_SUN);
-    const spc_camera_desc camera = valid_camera();
     auto world = sized<spc_environment_desc>();
     world.material = 2;
     expect_refused(spc_scene_add_image(scene, &image, &index), SPC_WRONG_STATE,
@@ -143,7 +164,6 @@ TEST(SceneAfterCommit, IsImmutable) {
                    {"committed already"});
     expect_refused(spc_scene_add_light(scene, &light, &index), SPC_WRONG_STATE,
                    {"committed already"});
-    expect_refused(spc_scene_set_camera(scene, &camera), SPC_WRONG_STATE, {"committed already"});
     expect_refused(spc_scene_set_environment(scene, &world), SPC_WRONG_STATE, {"committed already"});
     expect_refused(spc_scene_commit(scene, 1), SPC_WRONG_STATE, {"committed already"});
     EXPECT_EQ(index, 77u);

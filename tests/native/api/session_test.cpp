@@ -297,26 +297,6 @@ TEST(Session, TheShortestTimeLeavesNoPixelEmpty) {
     }
 }
 
-TEST(Session, ReadPolledAndCancelledFromManyThreads) {
-    const ScenePtr scene = committed_scene(valid_camera(64, 48));
-    const SessionPtr session = start(scene.get(), endless(2));
-    std::vector<std::thread> hosts;
-    for (uint32_t host = 0; host < 3; ++host)
-        hosts.emplace_back([&, host] {
-            for (uint32_t i = 0; i < 20; ++i) {
-                const std::vector<float> pixels =
-                    read_pass(session.get(), (host + i) % SPC_PASS_COUNT, 64, 48);
-                for (const float value : pixels) EXPECT_TRUE(std::isfinite(value));
-                auto stats = sized<spc_render_stats>();
-                EXPECT_EQ(spc_render_get_stats(session.get(), &stats), SPC_OK);
-                wait_for(session.get(), 1);
-            }
-            EXPECT_EQ(spc_render_cancel(session.get()), SPC_OK);
-        });
-    for (std::thread& host : hosts) host.join();
-    EXPECT_EQ(wait_for(session.get()).state, static_cast<uint32_t>(SPC_RENDER_CANCELLED));
-}
-
 // ---- the image is a function of scene, seed and samples
 
 TEST(Determinism, AnyNumberOfThreads) {
@@ -349,9 +329,35 @@ TEST(Determinism, TwoSessionsOnOneScene) {
     EXPECT_TRUE(same_bits(together_b, alone_b));
 }
 
+// A committed scene that is looked at from elsewhere is that scene with another camera.
+TEST(Determinism, MovedCameraIsAnotherScenes) {
+    spc_render_settings settings = quick_settings(4);
+    settings.method = SPC_METHOD_AUTO;
+    spc_camera_desc moved = valid_camera(20, 15);
+    moved.transform[3] = 0.3f;
+    moved.transform[11] = 3.0f;
+    const std::vector<float> wanted = render_all(committed_scene(moved).get(), settings, 20, 15);
+    const ScenePtr scene = committed_scene();
+    const std::vector<float> before = render_all(scene.get(), settings);
+    {
+        const SessionPtr session = start(scene.get(), settings);
+        expect_refused(spc_scene_set_camera(scene.get(), &moved), SPC_WRONG_STATE,
+                       {"being rendered"});
+    }
+    ASSERT_EQ(spc_scene_set_camera(scene.get(), &moved), SPC_OK) << spc_last_error();
+    EXPECT_TRUE(same_bits(render_all(scene.get(), settings, 20, 15), wanted));
+    spc_camera_desc bad = moved;
+    bad.clip_far = 0.0f;
+    expect_refused(spc_scene_set_camera(scene.get(), &bad), SPC_INVALID_ARGUMENT, {"clipping"});
+    EXPECT_TRUE(same_bits(render_all(scene.get(), settings, 20, 15), wanted));
+    const spc_camera_desc back = valid_camera();
+    ASSERT_EQ(spc_scene_set_camera(scene.get(), &back), SPC_OK);
+    EXPECT_TRUE(same_bits(render_all(scene.get(), settings), before));
+}
+
 TEST(Determinism, CropIsAWindow) {
     constexpr uint32_t kWidth = 40, kHeight = 24;
-    // Light paths and the chances of manifold estimates follow what is seen of the picture.
+    // Light paths and the probabilities of manifold estimates follow what is seen of the picture.
     spc_render_settings settings = quick_settings();
     settings.method = SPC_METHOD_PT;
     spc_camera_desc camera = valid_camera(kWidth, kHeight);
@@ -445,7 +451,7 @@ TEST(Determinism, HalvesAddUp) {
         }
         EXPECT_GT(energy, 0.0) << "pass " << pass << " is empty";
     }
-    // The chances of manifold estimates follow the samples before: halves and whole are then
+    // The probabilities of manifold estimates follow the samples before: halves and whole are then
     // different pictures of one mean. Light paths alone are a sum over their indices.
     for (const uint32_t method : {SPC_METHOD_SMS_UNBIASED, SPC_METHOD_LT}) {
         const auto all = mean_of(0, 16, SPC_PASS_COMBINED, method),
@@ -478,7 +484,7 @@ TEST(Settings, DefaultsAreValidAndComplete) {
     std::memset(&settings, 0xff, sizeof(settings));
     spc_render_settings_init(&settings);
     EXPECT_EQ(settings.struct_size, sizeof(settings));
-    EXPECT_EQ(settings.method, static_cast<uint32_t>(SPC_METHOD_SMS_UNBIASED));
+    EXPECT_EQ(settings.method, static_cast<uint32_t>(SPC_METHOD_AUTO));
     EXPECT_EQ(settings.light_tracing, static_cast<uint32_t>(SPC_LIGHT_TRACING_AUTO));
     EXPECT_EQ(settings.first_sample, 0u);
     EXPECT_EQ(settings.time_limit, 0.0f);

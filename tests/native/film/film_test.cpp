@@ -259,16 +259,16 @@ TEST(FilmOfLightPaths, CropIsAWindow) {
 TEST(FilmOfLightPaths, VarianceIsThatOfThePicture) {
     const PixelFilter box(FilterKind::box, 1.0f);
     constexpr uint64_t kPaths = 400;
-    constexpr double kPerPicture = 50.0, kChance = 0.1, kValue = 2.0;
+    constexpr double kPerPicture = 50.0, kProbability = 0.1, kValue = 2.0;
     test::Uniforms uniforms(5);
     test::MeanEstimate mean, squared, told;
-    const double expected = kPerPicture * kChance * kValue;
+    const double expected = kPerPicture * kProbability * kValue;
     for (int trial = 0; trial < 4000; ++trial) {
         Film film(1, 1);
         for (int batch = 0; batch < 2; ++batch) {
             std::vector<Splat> splats;
             for (uint64_t i = 0; i < kPaths / 2; ++i)
-                if (double(uniforms()) < kChance)
+                if (double(uniforms()) < kProbability)
                     splats.push_back({{0.5f, 0.5f}, Spectrum(float(kValue))});
             film.add_splats(SplatSource::light_paths, splats, box, kPaths / 2, kPerPicture);
         }
@@ -278,8 +278,8 @@ TEST(FilmOfLightPaths, VarianceIsThatOfThePicture) {
         squared.add((value - expected) * (value - expected));
         told.add(double(read(film, Pass::variance)[0]));
     }
-    const double variance =
-        kPerPicture * kPerPicture / double(kPaths) * kChance * (1.0 - kChance) * kValue * kValue;
+    const double variance = kPerPicture * kPerPicture / double(kPaths) * kProbability *
+                            (1.0 - kProbability) * kValue * kValue;
     const double significance = test::sidak(1e-3, 3);
     EXPECT_TRUE(test::is_mean(mean, expected, significance));
     EXPECT_TRUE(test::is_mean(squared, variance, significance));
@@ -287,13 +287,13 @@ TEST(FilmOfLightPaths, VarianceIsThatOfThePicture) {
 }
 
 // Each source has its own number of estimates: one that never varies has no variance beside another.
-// Highlights are no caustics.
-TEST(FilmOfHighlights, AreApartFromLightPaths) {
+// Camera chains are no caustics.
+TEST(FilmOfCameraChains, AreApartFromLightPaths) {
     const PixelFilter box(FilterKind::box, 1.0f);
     const std::vector<Splat> steady(64, Splat{{0.5f, 0.5f}, Spectrum(0.25f)}),
         rare(4, Splat{{0.5f, 0.5f}, Spectrum(2.0f)});
     Film film(1, 1), light_alone(1, 1);
-    film.add_splats(SplatSource::highlights, steady, box, 64, 8.0);
+    film.add_splats(SplatSource::camera_chains, steady, box, 64, 8.0);
     for (Film* each : {&film, &light_alone})
         each->add_splats(SplatSource::light_paths, rare, box, 100, 50.0);
     EXPECT_FLOAT_EQ(read(light_alone, Pass::combined)[0], 4.0f);

@@ -12,11 +12,11 @@ namespace {
 struct FilterCase {
     FilterKind kind;
     float width;
-    double reach;  // offsets lie within +-reach pixels
+    double radius;  // offsets lie within +-radius pixels
 };
 
 double density(const FilterCase& c, double x) {
-    if (std::abs(x) > c.reach) return 0.0;
+    if (std::abs(x) > c.radius) return 0.0;
     const double w = double(c.width), pi = std::numbers::pi;
     switch (c.kind) {
         case FilterKind::box: return 1.0;
@@ -47,7 +47,7 @@ TEST_P(Filters, HistogramFollowsTheDensity) {
     test::Uniforms uniforms(11);
     test::MeanEstimate product;
     const auto cell = [&](float offset) {
-        const double at = (double(offset) / c.reach + 1.0) / 2.0;
+        const double at = (double(offset) / c.radius + 1.0) / 2.0;
         return at < 0.0 || at > 1.0 ? size_t{kCells}
                                     : std::min(size_t(at * kCells), size_t{kCells - 1});
     };
@@ -58,19 +58,19 @@ TEST_P(Filters, HistogramFollowsTheDensity) {
         product.add(double(offset.x) * double(offset.y));
     }
     std::vector<double> expected(kCells + 1, 0.0);
-    const double norm = test::integrate([&](double x) { return density(c, x); }, -c.reach, c.reach,
-                                        1e-12 * c.reach);
+    const double norm = test::integrate([&](double x) { return density(c, x); }, -c.radius,
+                                        c.radius, 1e-12 * c.radius);
     for (int i = 0; i < kCells; ++i)
         expected[size_t(i)] =
             kSamples / norm *
             test::integrate([&](double x) { return density(c, x); },
-                            c.reach * (2.0 * i / kCells - 1),
-                            c.reach * (2.0 * (i + 1) / kCells - 1), 1e-12 * c.reach);
+                            c.radius * (2.0 * i / kCells - 1),
+                            c.radius * (2.0 * (i + 1) / kCells - 1), 1e-12 * c.radius);
     const double significance = test::sidak(1e-4, 3 * 6);
     for (const auto& observed : {observed_x, observed_y}) {
         const test::ChiSquare result = test::chi_square(observed, expected);
         EXPECT_TRUE(result.passes(significance)) << result.text();
-        EXPECT_EQ(observed[kCells], 0) << "offsets beyond the filter's reach";
+        EXPECT_EQ(observed[kCells], 0) << "offsets beyond the filter's radius";
     }
     EXPECT_TRUE(test::is_mean(product, 0.0, significance)) << "x and y are not independent";
 }
@@ -85,8 +85,8 @@ TEST_P(Filters, MomentsAreThoseOfTheDensity) {
         const double u = (i + 0.5) / kSteps;
         const auto at = [&](double v) { return double(filter.sample(Vec2(float(v), 0.5f)).x); };
         second += at(u) * at(u) / kSteps;
-        EXPECT_NEAR(at(u), -at(1.0 - u), 1e-4 * c.reach) << "not symmetric at " << u;
-        const double x = c.reach * (2.0 * u - 1.0), d = density(c, x);
+        EXPECT_NEAR(at(u), -at(1.0 - u), 1e-4 * c.radius) << "not symmetric at " << u;
+        const double x = c.radius * (2.0 * u - 1.0), d = density(c, x);
         expected_second += x * x * d;
         norm += d;
     }

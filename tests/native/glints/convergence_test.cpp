@@ -14,7 +14,7 @@ namespace {
 using test::GlintFloor;
 using test::SceneMaker;
 
-constexpr double kFamily = 1e-3;  // chance that any comparison of a test fails by chance
+constexpr double kFamily = 1e-3;  // probability that any comparison of a test fails by chance
 constexpr double kSlope = 0.2;    // of the map
 constexpr double kPixel = 0.1;    // m, its width on the floor
 constexpr FilterKind kFilter = FilterKind::blackman_harris;
@@ -26,14 +26,15 @@ struct Setting {
     float roughness;
     double texels;
     Vec2 place{0.0f, 0.0f};
-    uint32_t wave = 8;  // texels; there are 16 in a tile
+    uint32_t wave = 8;  // texels; there are 16 in a repeat
 
-    uint32_t tile() const { return 16 * wave; }
+    uint32_t period() const { return 16 * wave; }
     double alpha() const { return double(roughness) * double(roughness); }
-    double repeat() const { return texels / kPixel * 2.0 / tile(); }
+    double repeat() const { return texels / kPixel * 2.0 / period(); }
     Image map() const {
-        return relief == Relief::heights ? test::plane_heights(tile(), tile(), 1.0 / 16, kSlope, 5)
-                                         : test::plane_normals(tile(), 1.0 / 16, kSlope, 5);
+        return relief == Relief::heights
+                   ? test::plane_heights(period(), period(), 1.0 / 16, kSlope, 5)
+                   : test::plane_normals(period(), 1.0 / 16, kSlope, 5);
     }
 };
 
@@ -43,12 +44,12 @@ GlintFloor floor_of(const Setting& setting) {
         "bsdf_glossy", {{1, "Color", {1, 1, 1, 1}}, {1, "Roughness", {setting.roughness, 0, 0, 0}}},
         {{1, "distribution", "BECKMANN"}});
     const Vec2 tiles(static_cast<float>(setting.repeat()), static_cast<float>(setting.repeat()));
-    // The slopes of heights are those of the map for a distance of the width of a tile.
+    // The slopes of heights are those of the map for a distance of the width of a repeat.
     Graph graph = setting.relief == Relief::heights
                       ? test::bump_mapped(glossy, tiles, static_cast<float>(2.0 / setting.repeat()))
                       : test::normal_mapped(glossy, tiles);
     graph.inputs.push_back({4, "Location", {setting.place.x, setting.place.y, 0, 0}});
-    return {graph, setting.map(), 0.5 * kPixel * setting.tile(), 0.5f, [](SceneMaker& maker) {
+    return {graph, setting.map(), 0.5 * kPixel * setting.period(), 0.5f, [](SceneMaker& maker) {
                 maker.builder.add_light(test::sun_towards({0.15f, 0.58f, 0.88f}, 0.009f, 1.0f));
             }};
 }
@@ -64,8 +65,8 @@ public:
     const Vec3d& half() const { return half_; }
     double cos_o_h() const { return dot(half_, wo_); }
 
-    // Over a whole tile.
-    double of_tile() const {
+    // Over a whole repeat.
+    double of_period() const {
         constexpr int kSteps = 1024;
         double sum = 0.0;
         for (int y = 0; y < kSteps; ++y)
@@ -133,8 +134,8 @@ struct Measured {
 };
 Measured measure(Setting setting, uint32_t samples, GlintsMode mode = GlintsMode::on,
                  double excess = 1.0) {
-    // Of many tiles a pixel holds, places make no difference.
-    const bool wide = setting.texels > 7.0 * setting.tile();
+    // Of many repeats a pixel holds, places make no difference.
+    const bool wide = setting.texels > 7.0 * setting.period();
     const uint32_t places = wide ? 1 : 4;
     const uint32_t count = samples / places;
     test::Uniforms uniforms(7);
@@ -145,7 +146,8 @@ Measured measure(Setting setting, uint32_t samples, GlintsMode mode = GlintsMode
         const RenderScene world = test::finish(floor_of(setting), mode);
         const auto estimate = test::estimate_pixel(world, test::unlimited(), count, i + 1, kFilter);
         const Textbook textbook(setting, excess);
-        m.expected += (wide ? textbook.of_tile() : textbook.of_pixel(world.scene->camera)) / places;
+        m.expected +=
+            (wide ? textbook.of_period() : textbook.of_pixel(world.scene->camera)) / places;
         m.mean += estimate.radiance.mean() / places;
         variance += std::pow(estimate.radiance.standard_error(), 2) * count / places;
         m.estimates += estimate.stats.glints.estimates;
@@ -238,7 +240,7 @@ TEST(GlintConvergenceSlow, PathTracingGoesOnBeyondTheEnds) {
     }
 }
 
-// Of a footprint of many tiles the moments are those of all slopes, and what they promise is what
+// Of a footprint of many repeats the moments are those of all slopes, and what they promise is what
 // there is: but for angles of the lobe's width squared, and for slopes that are not quite Gaussian.
 // Between texels a normal map is less steep than at them, where the moments are from: of waves of 8
 // texels they promise 12 % too little.
@@ -253,7 +255,7 @@ TEST(GlintConvergence, MomentsPromiseTheSmoothLobe) {
             const SlopeField field =
                 bumped ? SlopeField::of_heights(map, 2) : *SlopeField::of_normals(map, 1.0f, 2);
             // Slopes are a normal's own x and y, or those of heights by texels.
-            const float up = bumped ? -static_cast<float>(setting.tile()) : 1.0f;
+            const float up = bumped ? -static_cast<float>(setting.period()) : 1.0f;
             GlintSite site{};
             site.frame = {{Vec3(up, 0, 0), Vec3(0, up, 0), Vec3(0, 0, 1)}};
             site.moments = field.moments(Vec2(-1e5f), Vec2(1e5f));
@@ -262,7 +264,7 @@ TEST(GlintConvergence, MomentsPromiseTheSmoothLobe) {
             const double promised =
                 double(site.normal_slopes_density(static_cast<float>(setting.alpha()), target)) /
                 (4.0 * textbook.cos_o_h());
-            EXPECT_NEAR(promised / textbook.of_tile(), 1.0, tolerance)
+            EXPECT_NEAR(promised / textbook.of_period(), 1.0, tolerance)
                 << (bumped ? "heights" : "normals") << ", waves of " << wave << ", roughness "
                 << roughness;
         }

@@ -78,7 +78,8 @@ std::optional<Landing> land(const RenderScene& world, const Vec2& film, const Ve
                                      next->wi, next->kind == BounceKind::diffuse, next->refracted,
                                      eta});
         }
-        if (!pass_bounce(scene, surface, *next, distance, differential)) return std::nullopt;
+        if (!propagate_through_bounce(scene, surface, *next, distance, differential))
+            return std::nullopt;
         ray = {offset_origin({surface.p, surface.ng, surface.p_error}, next->wi), next->wi, 0.0f,
                kInfinity};
     }
@@ -222,7 +223,7 @@ std::optional<std::array<Vec2, 2>> differences(const Landing& middle, const Vec2
             after->triangles != middle.triangles)
             return std::nullopt;
         const Vec2 d = after->at - before->at;
-        // Between them a tile may begin.
+        // Between them a repeat may begin.
         result[static_cast<size_t>(axis)] =
             (d - Vec2(std::round(d.x / 64.0f), std::round(d.y / 64.0f)) * 64.0f) / (2.0f * kStep);
     }
@@ -406,7 +407,7 @@ TEST(Footprint, LobeIsAShareOfTheSpreadOfDirections) {
                          kInfinity};
             const std::optional<Hit> floor = scene.accel->intersect(on, kVisibleCamera);
             if (!floor || floor->surface.instance != 0 ||
-                !pass_bounce(scene, first, next, double(hit.t), path))
+                !propagate_through_bounce(scene, first, next, double(hit.t), path))
                 return std::nullopt;
             Surface surface;
             evaluate_surface(scene, floor->surface, next.wi * -1.0f, surface);

@@ -12,7 +12,7 @@ namespace {
 using test::GlintFloor;
 using test::SceneMaker;
 
-constexpr double kFamily = 1e-3;  // chance that any comparison of a test fails by chance
+constexpr double kFamily = 1e-3;  // probability that any comparison of a test fails by chance
 
 struct Case {
     const char* name;
@@ -214,10 +214,10 @@ Comparison compare(const std::string& name, const GlintFloor& floor, FilterKind 
 }
 
 // Of a |z| as large by chance.
-double chance_of(double z) { return std::erfc(std::abs(z) / std::sqrt(2.0)); }
-double least_chance(const Comparison& c) {
+double p_value(double z) { return std::erfc(std::abs(z) / std::sqrt(2.0)); }
+double least_p_value(const Comparison& c) {
     double least = 1.0;
-    for (const double z : c.z_channels) least = std::min(least, chance_of(z));
+    for (const double z : c.z_channels) least = std::min(least, p_value(z));
     return least;
 }
 
@@ -231,7 +231,7 @@ void expect_agreement(const std::vector<Case>& all) {
             const std::string name = std::string(c.name) + (mirrored ? ", in a mirror" : "");
             const Comparison result =
                 compare(name, c.floor, c.filter, samples, kReference, mirrored);
-            EXPECT_GT(least_chance(result), significance)
+            EXPECT_GT(least_p_value(result), significance)
                 << name << ": " << result.on.radiance.mean() << " and "
                 << result.off.radiance.mean() << " +- " << result.error << ", z of the channels "
                 << ::testing::PrintToString(result.z_channels);
@@ -256,7 +256,7 @@ TEST(Glints, ComparisonNoticesALittleLight) {
         floor.light = sun(0.1f, 1.08f);
         const auto off =
             test::path_traced_pixel(c.name, test::finish(floor, GlintsMode::off), 200000, 2);
-        EXPECT_LT(chance_of(z_of(on.radiance, off.radiance)), significance) << c.name;
+        EXPECT_LT(p_value(z_of(on.radiance, off.radiance)), significance) << c.name;
     }
 }
 
@@ -270,7 +270,7 @@ TEST(Glints, ComparisonNoticesASwappedTint) {
                                  test::finish(floor({kGold.y, kGold.x, kGold.z}), GlintsMode::off),
                                  FilterKind::blackman_harris, 8000, 200000);
     EXPECT_LT(std::abs(c.z), 4.0);
-    EXPECT_LT(least_chance(c), test::sidak(kFamily, 2 * 3 * int(cases().size())));
+    EXPECT_LT(least_p_value(c), test::sidak(kFamily, 2 * 3 * int(cases().size())));
 }
 
 // What it is for: a hundredth of the variance for each sample, under a sun of half a degree and
@@ -286,7 +286,7 @@ TEST(Glints, HaveLittleNoise) {
 
 // However closely a sample looks, it has the same mean: of several lamps, among which it chooses.
 // Four estimates take most of the noise of one away, and what may be left to chance costs less.
-TEST(Glints, EffortChangesNoiseAlone) {
+TEST(Glints, SamplingChangesNoiseAlone) {
     constexpr uint32_t kSamples = 12000;
     GlintFloor floor = cases()[0].floor;
     floor.light = [](SceneMaker& maker) {
@@ -294,9 +294,9 @@ TEST(Glints, EffortChangesNoiseAlone) {
             maker.builder.add_light(test::sun_towards({x - 0.5f, 0.2f, 1.0f}, 0.02f, 1.0f + x));
     };
     const RenderScene world = test::finish(floor, GlintsMode::on);
-    const auto with = [&](uint32_t seed, const GlintEffort& effort) {
+    const auto with = [&](uint32_t seed, const GlintSampling& sampling) {
         return test::estimate_pixel(world, test::unlimited(), kSamples, seed,
-                                    FilterKind::blackman_harris, effort);
+                                    FilterKind::blackman_harris, sampling);
     };
     const test::PixelEstimate once = with(1, {}), often = with(2, {4, 0.0f}),
                               roughly = with(3, {1, float(once.radiance.mean())});
@@ -337,7 +337,7 @@ TEST(GlintsSlow, FurnaceUnderAnEvenSky) {
                     fmt::format("{}{}, {}", f.name, is_image ? "" : ", uniform", texels);
                 const Comparison c = compare(name, test::finish(floor, GlintsMode::on), off,
                                              FilterKind::blackman_harris, 20000, 100000);
-                EXPECT_GT(least_chance(c), significance)
+                EXPECT_GT(least_p_value(c), significance)
                     << name << ": " << c.on.radiance.mean() << " and " << c.off.radiance.mean();
                 EXPECT_LT(c.error, 0.004) << name << ": too little power";
                 EXPECT_EQ(c.on.stats.glints.estimates, 0u) << name;

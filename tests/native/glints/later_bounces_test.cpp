@@ -13,7 +13,7 @@ namespace {
 
 using test::SceneMaker;
 
-constexpr double kFamily = 1e-3;  // chance that any comparison of a test fails by chance
+constexpr double kFamily = 1e-3;  // probability that any comparison of a test fails by chance
 
 Graph glossy(float roughness) {
     return test::single_shader("bsdf_glossy", {{1, "Roughness", {roughness, 0, 0, 0}}});
@@ -126,7 +126,7 @@ RenderScene scene_of(const Via& via, const Floor& floor, GlintsMode mode) {
     return maker.finish();
 }
 
-double chance_of_difference(const test::MeanEstimate& a, const test::MeanEstimate& b) {
+double p_value_of_difference(const test::MeanEstimate& a, const test::MeanEstimate& b) {
     const double z = (a.mean() - b.mean()) / std::hypot(a.standard_error(), b.standard_error());
     return std::erfc(std::abs(z) / std::sqrt(2.0));
 }
@@ -155,15 +155,15 @@ TEST(LaterGlintsSlow, AgreeWithPathTracing) {
                                             kSamples, 1);
             };
             const auto on = with(1.0f), twin = with(1.1f);
-            EXPECT_GT(chance_of_difference(on.radiance, off.radiance), significance)
+            EXPECT_GT(p_value_of_difference(on.radiance, off.radiance), significance)
                 << name << ": " << on.radiance.mean() << " and " << off.radiance.mean();
             EXPECT_GT(on.stats.glints.estimates, kSamples / 3) << name;
             EXPECT_EQ(off.stats.glints.estimates, 0u) << name;
             EXPECT_LT(off.radiance.standard_error(), 0.015 * off.radiance.mean())
                 << name << ": too little power";
-            const double chance = chance_of_difference(twin.radiance, off.radiance);
-            EXPECT_LT(chance, 1e-2) << name << ": the comparison notices nothing";
-            least_of_twins = std::min(least_of_twins, chance);
+            const double p_value = p_value_of_difference(twin.radiance, off.radiance);
+            EXPECT_LT(p_value, 1e-2) << name << ": the comparison notices nothing";
+            least_of_twins = std::min(least_of_twins, p_value);
         }
     EXPECT_LT(least_of_twins, significance);
 }

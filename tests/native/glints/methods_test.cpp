@@ -13,7 +13,7 @@ using test::GlintFloor;
 using test::MeanEstimate;
 using test::SceneMaker;
 
-constexpr double kFamily = 1e-3;  // chance that any comparison of a test fails by chance
+constexpr double kFamily = 1e-3;  // probability that any comparison of a test fails by chance
 
 // A floor, the pixels that look at it, and directions of light.
 class Site {
@@ -186,20 +186,20 @@ std::vector<double> all_z_of_search(float excess) {
             all.push_back(z_of_search(strength, distance, excess, light));
     return all;
 }
-double least_chance(const std::vector<double>& all) {
+double least_p_value(const std::vector<double>& all) {
     double most = 0.0;
     for (const double z : all) most = std::max(most, std::abs(z));
     return std::erfc(most / std::sqrt(2.0));
 }
 TEST(GlintSearchSlow, AgreesWithRaysOnBumps) {
     const std::vector<double> all = all_z_of_search(1.0f);
-    EXPECT_GT(least_chance(all), test::sidak(kFamily, int(all.size())))
+    EXPECT_GT(least_p_value(all), test::sidak(kFamily, int(all.size())))
         << ::testing::PrintToString(all);
 }
 // Its twin: a relief that is 3 % higher.
 TEST(GlintSearchSlow, NoticesALittleRelief) {
     const std::vector<double> all = all_z_of_search(1.03f);
-    EXPECT_LT(least_chance(all), test::sidak(kFamily, int(all.size())))
+    EXPECT_LT(least_p_value(all), test::sidak(kFamily, int(all.size())))
         << ::testing::PrintToString(all);
 }
 

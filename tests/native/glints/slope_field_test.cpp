@@ -185,7 +185,7 @@ void check_moments(const Map& map) {
     };
     check({-200, -200}, {200, 200}, 0, 0, 64, 64);
     check({9, 17}, {10, 18}, 8, 16, 16, 24);
-    check({9 + 64, 17 - 128}, {10 + 64, 18 - 128}, 8, 16, 16, 24);  // other tiles
+    check({9 + 64, 17 - 128}, {10 + 64, 18 - 128}, 8, 16, 16, 24);  // other repeats
 }
 TEST(SlopeField, MomentsAreThoseOfTheTexels) {
     check_moments(maps()[0]);

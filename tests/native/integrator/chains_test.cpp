@@ -13,7 +13,7 @@
 namespace spc::test {
 namespace {
 
-constexpr double kFamily = 1e-3;  // chance that right estimators differ somewhere in a test
+constexpr double kFamily = 1e-3;  // probability that right estimators differ somewhere in a test
 constexpr float kAlbedo = 0.8f;
 // Lights show by way of casters alone.
 constexpr uint32_t kNotDirectly = kVisibleGlossy | kVisibleTransmission | kVisibleShadow;
@@ -47,10 +47,10 @@ public:
         settings_.manifold.finder = method->finder;
         settings_.manifold.longest_chain = method->longest;
         if (method->finder != ChainFinder::sheets) return;
-        constexpr uint32_t kSeed = 5, kTiles = 256;
+        constexpr uint32_t kSeed = 5, kEmissionCells = 256;
         constexpr float kSure = 0.2f;  // leaves many chains to chance
         sheets_ = build_sheets(*world.scene, world.lights, world.casters, settings_.manifold, kSeed,
-                               kTiles, 1);
+                               kEmissionCells, 1);
         state_.sheets = {sheets_, kSure};
     }
 
@@ -75,7 +75,7 @@ private:
     const RenderScene& world_;
     IntegratorSettings settings_;
     SheetPool sheets_;
-    PassState state_;
+    RoundState state_;
 };
 
 void add_floor(SceneMaker& maker) {

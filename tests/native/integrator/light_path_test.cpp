@@ -271,7 +271,7 @@ std::vector<Setup> absorbing_media() {
 void expect_agreement(const std::vector<Setup>& setups,
                       const IntegratorSettings& settings = few_bounces(),
                       CausticsRole floor = CausticsRole::receiver, uint32_t factor = 12,
-                      bool from_fixed_starts = false) {
+                      bool from_mnee_seeds = false) {
     constexpr uint32_t kRounds = 2000;
     const uint32_t rounds = power(kRounds / 2, kRounds);
     for (const Setup& setup : setups) {
@@ -283,7 +283,7 @@ void expect_agreement(const std::vector<Setup>& setups,
         const Picture expected = path_traced(setup.name, world, settings, factor * kRounds);
         Picture light_paths;
         std::vector<Method> methods{kManifold, kLightPaths, kAll, kSheets};
-        if (from_fixed_starts) methods.insert(methods.end(), {kMnee, kMneeAndLight});
+        if (from_mnee_seeds) methods.insert(methods.end(), {kMnee, kMneeAndLight});
         for (const Method& method : methods) {
             const Picture actual = render(world, settings, method, rounds, 1u << 20);
             const std::string what = std::string(setup.name) + " by " + method.name;
@@ -317,8 +317,9 @@ void expect_agreement_of_missed(const std::vector<Setup>& setups) {
 TEST(LightPathsSlow, AgreeWithPathTracingForWhatSheetsMiss) {
     expect_agreement_of_missed(casters_under_a_bulb());
 }
-// Trials for the light that light paths find, beside sheets of so many tiles.
-double effort_beside_sheets(const std::function<void(SceneMaker&)>& add_caster, uint32_t tiles) {
+// Trials for the light that light paths find, beside sheets of so many emission cells.
+double search_trials_beside_sheets(const std::function<void(SceneMaker&)>& add_caster,
+                                   uint32_t emission_cells) {
     constexpr uint32_t kSeed = 3;
     SceneMaker maker;
     set_camera(maker);
@@ -329,12 +330,12 @@ double effort_beside_sheets(const std::function<void(SceneMaker&)>& add_caster, 
     IntegratorSettings settings = few_bounces();
     settings.manifold = unbiased_manifold();
     settings.manifold.finder = ChainFinder::sheets;
-    const SheetPool pool =
-        build_sheets(*world.scene, world.lights, world.casters, settings.manifold, kSeed, tiles, 1);
+    const SheetPool pool = build_sheets(*world.scene, world.lights, world.casters,
+                                        settings.manifold, kSeed, emission_cells, 1);
     LightPathStats stats;
     const std::unique_ptr<const LightPilot> pilot =
         learn_emission(world, settings, {pool}, 0.0f, kLeastPilotPaths, kSeed, 1, Budget(), stats);
-    return pilot ? pilot->effort : 0.0;
+    return pilot ? pilot->mean_search_trials : 0.0;
 }
 
 // That light paths learn from beside a ball, told to take `paths`.
@@ -367,8 +368,8 @@ TEST(LightPathsSlow, KnowWhatItTakesToFindWhatSheetsMiss) {
         add_caster(m, with_sphere_uvs(sphere(48, 0.4), 48),
                    normal_mapped(glass(1.5f), Vec2(1.0f, 1.0f)), translation({0, 0, 0.6f}));
     };
-    const double of_plain = effort_beside_sheets(mirror_ball, 64),
-                 of_hammered = effort_beside_sheets(hammered_ball, 64);
+    const double of_plain = search_trials_beside_sheets(mirror_ball, 64),
+                 of_hammered = search_trials_beside_sheets(hammered_ball, 64);
     EXPECT_GE(of_plain, 1.0);
     EXPECT_LE(of_plain, 2.0);
     EXPECT_GE(of_hammered, 20.0);

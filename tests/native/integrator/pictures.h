@@ -12,8 +12,9 @@
 
 namespace spc::test {
 
-inline constexpr double kFamily = 1e-3;  // chance that right estimators differ somewhere in a test
-inline constexpr uint32_t kSide = 8;     // pixels
+inline constexpr double kFamily =
+    1e-3;  // probability that right estimators differ somewhere in a test
+inline constexpr uint32_t kSide = 8;  // pixels
 inline constexpr uint32_t kHalf = kSide / 2;
 
 // One diffuse scattering is enough: what comes after only adds noise.
@@ -36,15 +37,15 @@ struct Method {
     const char* name;
     bool manifold, light_paths;
     ChainFinder finder = ChainFinder::walks;
-    uint32_t tiles = 512;  // 0: there is no sheet, and all chains are missed
+    uint32_t emission_cells = 512;  // 0: there is no sheet, and all chains are missed
 };
 inline constexpr Method kPathTracing{"path tracing", false, false},
     kManifold{"manifold", true, false}, kLightPaths{"light paths", false, true},
     kAll{"manifold and light paths", true, true},
     kSheets{"light sheets and light paths", true, true, ChainFinder::sheets},
     kMissed{"walks beside no sheets", true, true, ChainFinder::sheets, 0},
-    kMnee{"fixed starts", true, false, ChainFinder::mnee},
-    kMneeAndLight{"fixed starts and light paths", true, true, ChainFinder::mnee};
+    kMnee{"MNEE seeds", true, false, ChainFinder::mnee},
+    kMneeAndLight{"MNEE seeds and light paths", true, true, ChainFinder::mnee};
 
 // `rounds` samples of each pixel under a box filter; all rounds independent of each other.
 inline Picture render(const RenderScene& world, IntegratorSettings settings, const Method& method,
@@ -53,12 +54,12 @@ inline Picture render(const RenderScene& world, IntegratorSettings settings, con
     if (method.manifold) settings.manifold = unbiased_manifold();
     settings.manifold.finder = method.finder;
     SheetPool sheets;
-    PassState state;
+    RoundState state;
     if (method.finder == ChainFinder::sheets) {
         constexpr float kSure = 0.2f;  // leaves many chains to chance
-        if (method.tiles > 0)
+        if (method.emission_cells > 0)
             sheets = build_sheets(*world.scene, world.lights, world.casters, settings.manifold,
-                                  seed, method.tiles, 1);
+                                  seed, method.emission_cells, 1);
         state.sheets = {sheets, kSure};
     }
     std::unique_ptr<const LightPilot> pilot;
@@ -69,7 +70,7 @@ inline Picture render(const RenderScene& world, IntegratorSettings settings, con
                                Budget(), stats);
         EXPECT_TRUE(pilot) << "no light path finds the picture";
         settings.light_tracing.guide = &pilot->guide;
-        settings.light_tracing.effort = pilot->effort;
+        settings.light_tracing.mean_search_trials = pilot->mean_search_trials;
         settings.light_tracing.manifold_share = pilot->manifold_share;
     }
     Picture picture;

@@ -25,7 +25,7 @@ constexpr double kPaths = 0.1;  // of light: so few that all techniques have a s
 // Where a path scatters, or turns.
 struct Visit {
     Surface at;
-    CameraApproach approach;
+    CameraSubpath camera_subpath;
     std::optional<CausticPath> before;  // RoughVisit::before
     Vec3 wi;
     bool rough;
@@ -93,9 +93,10 @@ public:
 
     Receiver receiver(const Visit& visit, const Media& media) const {
         const Surface& at = visit.at;
-        return {at.p,           at.p_error, at.ng,  at.wo,
-                &at.closures,   16,         &media, at.hit,
-                visit.approach, {},         1.0f,   visit.before ? &*visit.before : nullptr};
+        return {at.p,   at.p_error,   at.ng,
+                at.wo,  &at.closures, 16,
+                &media, at.hit,       visit.camera_subpath,
+                {},     1.0f,         visit.before ? &*visit.before : nullptr};
     }
 
 private:
@@ -103,10 +104,10 @@ private:
         const Surface& at = visit.at;
         PathHistory& history = path.history;
         history.set_next(scene(), at.p);
-        visit.approach = history.approach_to(scene(), settings_.limits, at);
+        visit.camera_subpath = history.camera_subpath_to(scene(), settings_.limits, at);
         if (path.visits.empty())
-            visit.approach.film_per_area =
-                scene().camera.view(at.p, kLens)->film_per_area * std::abs(dot(at.ng, at.wo));
+            visit.camera_subpath.film_density =
+                scene().camera.view(at.p, kLens)->film_density * std::abs(dot(at.ng, at.wo));
         if (const CausticPath* before = history.chain_so_far()) visit.before = *before;
         visit.wi = next.wi;
         visit.rough = !next.delta;
@@ -125,8 +126,8 @@ private:
             if (!vertex) return false;
         }
         history.append_rough(vertex);
-        history.append_smooth(scene(), at, next, true, visit.approach, {});
-        history.keep(at, visit.approach);
+        history.append_smooth(scene(), at, next, true, visit.camera_subpath, {});
+        history.keep(at, visit.camera_subpath);
         return true;
     }
 
@@ -240,8 +241,8 @@ std::optional<double> sum_of_thrown_on(const Bench& bench, const Traced& path) {
     }
     auto arrival = history.arrive(scene, end.end, kVisibleAll, seen);
     if (!arrival) return std::nullopt;
-    arrival->path.film_per_area *=
-        scene.camera.view(z.at.p, kLens)->film_per_area * std::abs(dot(seen.ng, eye));
+    arrival->path.film_density *=
+        scene.camera.view(z.at.p, kLens)->film_density * std::abs(dot(seen.ng, eye));
     const auto by_light = caustic_densities(bench.techniques(), arrival->path, end);
     return by_path->path_tracing / by_path->sum() + by_connection->direct / by_connection->sum() +
            by_light->light_tracing / by_light->sum();

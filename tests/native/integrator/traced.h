@@ -20,13 +20,14 @@ inline constexpr uint32_t kInCasters = kVisibleGlossy | kVisibleTransmission | k
 inline constexpr Vec3 kEye(0.0f, -3.0f, 2.0f);
 inline constexpr Vec2 kLens(0.5f);
 inline constexpr double kPaths = 0.03;  // of light: so few that all techniques have a share
-inline constexpr double kEffort = 3.0;  // sheets take to find what light paths find
+inline constexpr double kMeanSearchTrials = 3.0;  // sheets take to find what light paths find
 inline constexpr double kWalks = 0.25;  // of the receivers to which light paths come have walks
 
 inline constexpr BounceLimits kLimits{16, 3, 16, 16, 16};
 
-// Chance that a dielectric, or what only reflects or refracts, turns unpolarised light so.
-inline double chance_of(const Scene& scene, const Surface& surface, const ClosureSample& next) {
+// Probability that a dielectric, or what only reflects or refracts, turns unpolarised light so.
+inline double lobe_probability(const Scene& scene, const Surface& surface,
+                               const ClosureSample& next) {
     const SpecularInterface& interface = scene.material_of(surface.hit).interface();
     if (!(interface.reflects && interface.refracts)) return 1.0;
     const Vec3 front = front_normal(scene, surface.hit.instance, surface.hit.triangle);
@@ -54,15 +55,15 @@ struct Traced : Stretch {
     PathHistory history;
     LightPoint y;
     double share;     // of path tracing, by what it makes of the path itself
-    double p_camera;  // of its scattering at the receiver, 1/sr, times the chances of its lobes
+    double p_camera;  // of its scattering at the receiver, 1/sr, times the probabilities of its lobes
 };
 
 class Bench {
 public:
-    // With sheets there are some `tiles` parts of them: the fewer there are, the more they miss.
-    Bench(SceneMaker& maker, ChainFinder finder, uint32_t tiles)
-        : Bench(maker.finish(), finder, tiles) {}
-    Bench(RenderScene world, ChainFinder finder, uint32_t tiles)
+    // With sheets there are some `emission_cells` parts of them: the fewer there are, the more they miss.
+    Bench(SceneMaker& maker, ChainFinder finder, uint32_t emission_cells)
+        : Bench(maker.finish(), finder, emission_cells) {}
+    Bench(RenderScene world, ChainFinder finder, uint32_t emission_cells)
         : world_(std::move(world)),
           guide_(aim_at_casters(*world_.scene, world_.lights, world_.casters, Squares::of_beams)) {
         settings_.limits = kLimits;
@@ -70,11 +71,11 @@ public:
         settings_.manifold.two_stage = false;
         settings_.manifold.finder = finder;
         settings_.manifold.trial_cap = 1;  // else sums of weights are one on average alone
-        settings_.light_tracing = {&guide_, kPaths, 1.0, kEffort, 1.0, kWalks};
+        settings_.light_tracing = {&guide_, kPaths, 1.0, kMeanSearchTrials, 1.0, kWalks};
         if (finder != ChainFinder::sheets) return;
         constexpr uint32_t kSeed = 5;
         sheets_ = build_sheets(*world_.scene, world_.lights, world_.casters, settings_.manifold,
-                               kSeed, tiles, 1);
+                               kSeed, emission_cells, 1);
     }
 
     const RenderScene& world() const { return world_; }
@@ -121,16 +122,18 @@ private:
         path.history.set_next(*world_.scene, surface.p);
         if (!next.delta) {
             if (path.smooth.size() == 3) return false;
-            CameraApproach approach = path.history.approach_to(*world_.scene, kLimits, surface);
+            CameraSubpath camera_subpath =
+                path.history.camera_subpath_to(*world_.scene, kLimits, surface);
             if (!path.smooth.empty()) {
                 path.between.push_back(path);
                 static_cast<Stretch&>(path) = {};
             } else {
                 const std::optional<CameraView> view = world_.scene->camera.view(surface.p, kLens);
-                approach.film_per_area = view->film_per_area * std::abs(dot(surface.ng, surface.wo));
+                camera_subpath.film_density =
+                    view->film_density * std::abs(dot(surface.ng, surface.wo));
             }
-            path.history.append_smooth(*world_.scene, surface, next, true, approach, {});
-            path.history.keep(surface, approach);
+            path.history.append_smooth(*world_.scene, surface, next, true, camera_subpath, {});
+            path.history.keep(surface, camera_subpath);
             path.smooth.push_back(surface);
             path.p_camera = double(next.pdf_omega);
             return true;
@@ -140,7 +143,7 @@ private:
             {surface.hit, next.refracted ? Interaction::refraction : Interaction::reflection});
         path.corners.push_back(surface.p);
         path.history.append_delta(surface.hit, next, world_.casters);
-        path.p_camera *= chance_of(*world_.scene, surface, next);
+        path.p_camera *= lobe_probability(*world_.scene, surface, next);
         return true;
     }
 
@@ -156,7 +159,7 @@ private:
         size_t vertices = path.smooth.size() + path.chain.size();
         for (const Stretch& stretch : path.between) vertices += stretch.chain.size();
         const auto bounces = static_cast<uint32_t>(vertices);
-        const PassState no_estimates{{0.0f, 0.0f, 0.0f}, sheets()};
+        const RoundState no_estimates{{0.0f, 0.0f, 0.0f}, sheets()};
         const auto radiance = [&](IntegratorSettings settings, uint32_t total) {
             settings.limits.total = total;
             PathStats stats;
@@ -188,8 +191,8 @@ inline bool finds(const Bench& bench, const Traced& path) {
     const ManifoldSettings& settings = bench.settings().manifold;
     const Surface& x = path.smooth.back();
     ManifoldStats stats;
-    const auto is_corner = [&](const CasterPatch& patch, size_t i) {
-        return length(patch.p - path.corners[i]) < 1e-4f;
+    const auto is_corner = [&](const DifferentialGeometry& geometry, size_t i) {
+        return length(geometry.p - path.corners[i]) < 1e-4f;
     };
     if (settings.finder == ChainFinder::walks && path.chain.size() == 1) {
         const uint32_t caster = bench.world().casters.of_instance[path.chain[0].hit.instance];
@@ -197,7 +200,8 @@ inline bool finds(const Bench& bench, const Traced& path) {
         const std::optional<Seed> seed = seed_at(scene, settings, query, path.chain[0].hit);
         const std::optional<ChainRoot> root =
             seed ? walk_from(scene, settings, query, *seed, stats) : std::nullopt;
-        return root && root->interaction == path.chain[0].interaction && is_corner(root->patch, 0);
+        return root && root->interaction == path.chain[0].interaction &&
+               is_corner(root->geometry, 0);
     }
     ChainKind kind;
     for (const CausticVertex& vertex : path.chain)
@@ -208,7 +212,7 @@ inline bool finds(const Bench& bench, const Traced& path) {
               settings.max_halvings, stats);
     if (!at) return false;
     for (size_t i = 0; i < path.corners.size(); ++i)
-        if (!is_corner(at->chain.vertices[i].patch, i)) return false;
+        if (!is_corner(at->chain.vertices[i].geometry, i)) return false;
     return true;
 }
 
@@ -229,21 +233,21 @@ inline std::optional<ByManifold> by_manifold(const Bench& bench, const Traced& p
     // As path tracing comes to its receiver.
     PathHistory before;
     BounceCounts bounces{};
-    CameraApproach approach{};
+    CameraSubpath camera_subpath{};
     for (size_t i = 0; i < path.smooth.size(); ++i) {
         const Surface& surface = path.smooth[i];
-        approach = before.approach_to(scene, kLimits, surface);
+        camera_subpath = before.camera_subpath_to(scene, kLimits, surface);
         if (i == 0)
-            approach.film_per_area = scene.camera.view(surface.p, kLens)->film_per_area *
-                                     std::abs(dot(surface.ng, surface.wo));
+            camera_subpath.film_density = scene.camera.view(surface.p, kLens)->film_density *
+                                          std::abs(dot(surface.ng, surface.wo));
         if (&surface == &x) break;
         const Stretch& stretch = path.between[i];
         ClosureSample next{};
         next.wi = normalize((stretch.corners.empty() ? path.smooth[i + 1].p : stretch.corners[0]) -
                             surface.p);
         next.pdf_omega = eval(surface.closures, surface.ng, surface.wo, next.wi).pdf_omega;
-        before.append_smooth(scene, surface, next, true, approach, bounces);
-        before.keep(surface, approach);
+        before.append_smooth(scene, surface, next, true, camera_subpath, bounces);
+        before.keep(surface, camera_subpath);
         before.set_direction(scene, next.wi);
         bounces.add(BounceKind::diffuse);
         for (const CausticVertex& vertex : stretch.chain) {
@@ -255,8 +259,8 @@ inline std::optional<ByManifold> by_manifold(const Bench& bench, const Traced& p
         }
     }
     const Media media{};
-    const Receiver receiver{x.p,    x.p_error, x.ng,     x.wo,    &x.closures, 16,
-                            &media, x.hit,     approach, bounces, 1.0f,        nullptr};
+    const Receiver receiver{x.p,    x.p_error, x.ng,           x.wo,    &x.closures, 16,
+                            &media, x.hit,     camera_subpath, bounces, 1.0f,        nullptr};
     const Vec3 wi = normalize(path.corners[0] - x.p);
     CausticPath record = caustic_path(scene, receiver, eval(x.closures, x.ng, x.wo, wi), wi);
     for (const CausticVertex& vertex : path.chain) record.append(vertex);
@@ -328,9 +332,8 @@ inline std::optional<CausticDensities> by_light(const Bench& bench, const Traced
             history.arrive(scene, end.end, kVisibleAll, from_camera);
         if (!arrival) return std::nullopt;
         if (i == 0) {
-            arrival->path.film_per_area *= wrong *
-                                           scene.camera.view(surface.p, kLens)->film_per_area *
-                                           std::abs(dot(surface.ng, towards));
+            arrival->path.film_density *= wrong * scene.camera.view(surface.p, kLens)->film_density *
+                                          std::abs(dot(surface.ng, towards));
             return caustic_densities(bench.techniques(), arrival->path, end);
         }
         const float pdf = eval(surface.closures, surface.ng, surface.wo, towards).pdf_omega;

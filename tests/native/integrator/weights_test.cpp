@@ -41,12 +41,12 @@ std::optional<Weighed> weigh(const Bench& bench, const Traced& path) {
     return weighed;
 }
 
-bool turns_between(const Traced& path) {
+bool has_specular_transfer(const Traced& path) {
     return std::any_of(path.between.begin(), path.between.end(),
                        [](const Stretch& stretch) { return !stretch.chain.empty(); });
 }
 
-Paths weighed_paths(ChainFinder finder, uint32_t tries, uint32_t tiles = 64) {
+Paths weighed_paths(ChainFinder finder, uint32_t tries, uint32_t emission_cells = 64) {
     Paths result;
     for (const CasterCase& caster : casters())
         for (const LightCase& light : lights()) {
@@ -54,14 +54,14 @@ Paths weighed_paths(ChainFinder finder, uint32_t tries, uint32_t tiles = 64) {
             add_receivers(maker);
             caster.add(maker);
             light.add(maker);
-            const Bench bench(maker, finder, tiles);
+            const Bench bench(maker, finder, emission_cells);
             int found = 0, failed = 0;
             for (uint32_t i = 0; i < tries; ++i) {
                 const std::optional<Traced> path = bench.trace(i);
                 if (!path) continue;
                 ++found;
                 if (const std::optional<Weighed> weighed = weigh(bench, *path))
-                    result[{path->smooth.size(), turns_between(*path) ? 0 : path->chain.size()}]
+                    result[{path->smooth.size(), has_specular_transfer(*path) ? 0 : path->chain.size()}]
                         .push_back(*weighed);
                 else
                     ++failed;
@@ -184,12 +184,12 @@ TEST(CausticWeights, TrialsThatTellEndWhereSearchesHaveNextToNothing) {
         EXPECT_LE(p.share_of_directions(kMost), 1.0 / 16 * p.shared_by_camera());
     }
     p.path_tracing = 1.0;
-    p.missed = 0.0;  // fixed starts
+    p.missed = 0.0;  // MNEE seeds
     EXPECT_EQ(p.telling_trials(kMost), 1u);
 }
 
-// What fixed starts miss is path tracing's alone, but for the share of light paths.
-TEST(CausticWeightsSlow, OfChainsThatFixedStartsMissSumToOne) {
+// What MNEE seeds miss is path tracing's alone, but for the share of light paths.
+TEST(CausticWeightsSlow, OfChainsThatMneeSeedsMissSumToOne) {
     CausticDensities p;
     p.geometry = 0.7;
     p.light_tracing = 0.2;

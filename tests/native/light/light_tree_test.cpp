@@ -11,15 +11,15 @@ namespace {
 constexpr double kSignificance = 0.01;
 constexpr double kEvenShare = 0.1;
 
-LightReach point(float strength, const Vec3& center) {
+LightBounds point(float strength, const Vec3& center) {
     return {.strength = strength, .center = center};
 }
 
 // Of every kind, anywhere in a cube of 4 m; some never chosen.
-std::vector<LightReach> mixed_lights(uint32_t count, uint64_t seed) {
+std::vector<LightBounds> mixed_lights(uint32_t count, uint64_t seed) {
     Uniforms uniforms(seed);
-    std::vector<LightReach> lights(count);
-    for (LightReach& light : lights) {
+    std::vector<LightBounds> lights(count);
+    for (LightBounds& light : lights) {
         light.strength = uniforms() < 0.1f ? 0.0f : 0.1f + 10.0f * uniforms();
         light.distant = uniforms() < 0.05f;
         light.center = (uniforms.three() - Vec3(0.5f)) * 4.0f;
@@ -35,7 +35,7 @@ std::vector<LightReach> mixed_lights(uint32_t count, uint64_t seed) {
 
 TEST(LightTree, ProbabilitiesAddUpEverywhere) {
     for (const uint32_t count : {1u, 2u, 3u, 40u, 700u}) {
-        const std::vector<LightReach> lights = mixed_lights(count, 10 + count);
+        const std::vector<LightBounds> lights = mixed_lights(count, 10 + count);
         const LightTree tree(lights);
         Uniforms uniforms(1);
         for (int i = 0; i < 200; ++i) {
@@ -108,7 +108,7 @@ TEST(LightTree, TwoSamplesHaveTheMeanOfOne) {
 
 // Where importance is right, two samples differ by next to nothing, one by a tenth.
 TEST(LightTree, OfOneLightThatShinesTheFirstOfTwoHasNearlyAll) {
-    const std::vector<LightReach> lights = {
+    const std::vector<LightBounds> lights = {
         point(1, {0, 0, 1}), {.strength = 1, .center = {3, 0, 1}, .beam = {Vec3(0, 0, 1), 0.1f}}};
     const LightTree tree(lights);
     const LitPoint at(Vec3(0.0f), Vec3(0, 0, 1));
@@ -119,10 +119,10 @@ TEST(LightTree, OfOneLightThatShinesTheFirstOfTwoHasNearlyAll) {
 }
 
 TEST(LightTree, NearLightsAreChosenByTheSquareOfTheirDistance) {
-    const std::vector<LightReach> two = {point(1, {0, 0, 1}), point(1, {0, 0, -3})};
+    const std::vector<LightBounds> two = {point(1, {0, 0, 1}), point(1, {0, 0, -3})};
     const LightTree tree(two);
     EXPECT_NEAR(tree.probability(0, Vec3(0.0f)), 0.5 * kEvenShare + (1 - kEvenShare) * 0.9, 1e-5);
-    const std::vector<LightReach> with_sun = {
+    const std::vector<LightBounds> with_sun = {
         point(1, {0, 0, 1}), {.distant = true, .strength = 3, .center = {0, 0.8f, 0.6f}}};
     const LightTree beside_sun(with_sun);
     EXPECT_NEAR(beside_sun.probability(0, Vec3(0.0f)), 0.5 * kEvenShare + (1 - kEvenShare) * 0.25,
@@ -137,17 +137,17 @@ TEST(LightTree, NearLightsAreChosenByTheSquareOfTheirDistance) {
 // No bound of a node hides a light: wherever it shines, it has more than its part of the even share.
 TEST(LightTree, WhatShinesOnAPointIsFoundByTheTreeThere) {
     constexpr uint32_t kCount = 300;
-    const std::vector<LightReach> lights = mixed_lights(kCount, 5);
+    const std::vector<LightBounds> lights = mixed_lights(kCount, 5);
     const LightTree tree(lights);
     const auto chosen = static_cast<double>(std::count_if(
-        lights.begin(), lights.end(), [](const LightReach& l) { return l.strength > 0.0f; }));
+        lights.begin(), lights.end(), [](const LightBounds& l) { return l.strength > 0.0f; }));
     Uniforms uniforms(6);
     int lit = 0, dark = 0;
     for (int i = 0; i < 2000; ++i) {
         const Vec3 p = (uniforms.three() - Vec3(0.5f)) * 8.0f;
         const LitPoint at(p, i % 3 == 0 ? Vec3(0.0f) : normalize(uniforms.three() - Vec3(0.5f)));
         for (uint32_t light = 0; light < kCount; ++light) {
-            const LightReach& l = lights[light];
+            const LightBounds& l = lights[light];
             if (l.distant || !(l.strength > 0.0f)) continue;
             // From a point of its sphere.
             const Vec3 y = l.center + uniform_sphere(uniforms.two()) * (0.999f * l.radius);
@@ -170,7 +170,7 @@ TEST(LightTree, WhatShinesOnAPointIsFoundByTheTreeThere) {
 }
 
 TEST(LightTree, StandsLightsInOnePlaceAndExtremes) {
-    std::vector<LightReach> lights(1000, point(1, {1, 2, 3}));
+    std::vector<LightBounds> lights(1000, point(1, {1, 2, 3}));
     lights[7].strength = 1e12f;
     lights[8].strength = 1e-12f;
     const LightTree tree(lights);
@@ -183,10 +183,10 @@ TEST(LightTree, StandsLightsInOnePlaceAndExtremes) {
     }
     // Strengths whose sums and quotients by squared distances single precision cannot hold.
     for (const float unit : {1e-30f, 1e20f, 1e37f}) {
-        std::vector<LightReach> alike;
+        std::vector<LightBounds> alike;
         for (int i = 0; i < 20; ++i) alike.push_back(point(1, Vec3(0.1f * float(i), 0, 0)));
         const LightTree plain(alike);
-        for (LightReach& light : alike) light.strength *= unit;
+        for (LightBounds& light : alike) light.strength *= unit;
         const LightTree scaled(alike);
         for (const Vec3& p : {Vec3(0.0f), Vec3(1e-5f, 0, 0), Vec3(1, 2, 3), Vec3(1e8f, 0, 0)})
             for (uint32_t light = 0; light < 20; ++light)
@@ -194,8 +194,8 @@ TEST(LightTree, StandsLightsInOnePlaceAndExtremes) {
                     << unit << " " << light << " " << p;
     }
     EXPECT_TRUE(LightTree().empty());
-    EXPECT_TRUE(LightTree(std::vector<LightReach>(3)).empty());
-    EXPECT_EQ(LightTree(std::vector<LightReach>(3)).probability(1, Vec3(0.0f)), 0.0f);
+    EXPECT_TRUE(LightTree(std::vector<LightBounds>(3)).empty());
+    EXPECT_EQ(LightTree(std::vector<LightBounds>(3)).probability(1, Vec3(0.0f)), 0.0f);
 }
 
 }  // namespace

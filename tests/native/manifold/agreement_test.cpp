@@ -244,8 +244,8 @@ void for_random_chains(size_t count, const std::function<void(const Chain3&, dou
     }
 }
 
-void expect_vertex(const CasterPatch& patch, const Facet& facet, const Vec2d& root) {
-    EXPECT_LT(length(Vec3d(patch.p) - facet.position(root)), kPrecision);
+void expect_vertex(const DifferentialGeometry& geometry, const Facet& facet, const Vec2d& root) {
+    EXPECT_LT(length(Vec3d(geometry.p) - facet.position(root)), kPrecision);
 }
 
 TEST(Solvers, BlockTridiagonalStaysAtTracedLight) {
@@ -280,7 +280,7 @@ TEST(Solvers, ShotsFindTheRootsOfTheBlockTridiagonalSystem) {
         ++found;
         ASSERT_EQ(at->chain.count, chain.facets.size());
         for (uint32_t i = 0; i < at->chain.count; ++i)
-            expect_vertex(at->chain.vertices[i].patch, chain.facets[i], chain.root[i]);
+            expect_vertex(at->chain.vertices[i].geometry, chain.facets[i], chain.root[i]);
         const auto derivative =
             chain_derivative(x.p, {at->chain.vertices.data(), at->chain.count}, end);
         ASSERT_TRUE(derivative);
@@ -308,10 +308,10 @@ TEST(Solvers, WalksFindTheSameRoots) {
                 if (!root) continue;
                 // There may be others on the same facet.
                 const Facet& facet = chain.facets[0];
-                if (!(length(Vec3d(root->patch.p) - facet.position(chain.root[0])) < kPrecision))
+                if (!(length(Vec3d(root->geometry.p) - facet.position(chain.root[0])) < kPrecision))
                     continue;
                 is_found = true;
-                const ChainVertex vertex{root->interaction, root->eta, root->patch};
+                const ChainVertex vertex{root->interaction, root->eta, root->geometry};
                 EXPECT_EQ(root->interaction, facet.interaction);
                 if (facet.interaction == Interaction::refraction) {
                     EXPECT_NEAR(root->eta, static_cast<float>(facet.eta), 1e-6f);

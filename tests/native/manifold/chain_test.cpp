@@ -29,9 +29,9 @@ ManifoldSettings settings_with(Constraint constraint, bool two_stage = false) {
 }
 
 // Of one interaction.
-double geometry_of(Interaction interaction, float eta, const Vec3& x, const CasterPatch& patch,
-                   const ChainEnd& end) {
-    const ChainVertex vertex{interaction, eta, patch};
+double geometry_of(Interaction interaction, float eta, const Vec3& x,
+                   const DifferentialGeometry& geometry, const ChainEnd& end) {
+    const ChainVertex vertex{interaction, eta, geometry};
     return chain_derivative(x, {&vertex, 1}, end).value().geometry;
 }
 
@@ -74,15 +74,15 @@ TEST_P(BothConstraints, PlaneMirrorIsItsMirrorImage) {
     EXPECT_GT(found.converged, 60);
     const Vec3d image(y.x, y.y, -y.z), along = image - Vec3d(x);
     const Vec3d expected = Vec3d(x) + along * (1.0 / 3.0);
-    EXPECT_LT(length(Vec3d(found.root->patch.p) - expected), kRelative * length(along));
-    expect_relative(geometry_of(Interaction::reflection, 1.0f, x, found.root->patch, end),
+    EXPECT_LT(length(Vec3d(found.root->geometry.p) - expected), kRelative * length(along));
+    expect_relative(geometry_of(Interaction::reflection, 1.0f, x, found.root->geometry, end),
                     1.0 / dot(along, along), "G");
     // A sun: the angle at x is the angle at the light.
     const ChainEnd sun{true, {}, normalize(Vec3(1, 0, 2))};
     const Found sunlit = find_root(world, settings_with(GetParam()), x, sun);
     ASSERT_TRUE(sunlit.root);
-    EXPECT_LT(length(sunlit.root->patch.p - Vec3(-0.5f, 0.3f, 0.0f)), 1e-4f);
-    expect_relative(geometry_of(Interaction::reflection, 1.0f, x, sunlit.root->patch, sun), 1.0,
+    EXPECT_LT(length(sunlit.root->geometry.p - Vec3(-0.5f, 0.3f, 0.0f)), 1e-4f);
+    expect_relative(geometry_of(Interaction::reflection, 1.0f, x, sunlit.root->geometry, sun), 1.0,
                     "G of a sun");
 }
 
@@ -121,17 +121,17 @@ TEST_P(BothConstraints, MirrorSphereIsAlhazensPointWithCoddingtonsTerm) {
     const Found found = find_root(world, settings_with(GetParam()), Vec3(x), end);
     ASSERT_TRUE(found.root);
     EXPECT_EQ(found.others, 0);
-    EXPECT_LT(length(Vec3d(found.root->patch.p) - p), kRelative);
+    EXPECT_LT(length(Vec3d(found.root->geometry.p) - p), kRelative);
     const double d1 = length(x - p), d2 = length(y - p), cosine = dot(normalize(x - p), p);
     const double tangential = d1 + d2 + 2 * d1 * d2 / cosine,
                  sagittal = d1 + d2 + 2 * d1 * d2 * cosine;
     // The term needs the sphere itself: corner normals 5e-5 apart hold its curvature to some 1e-3
     // in single precision.
     const Frame frame = Frame::around(Vec3(p));
-    const CasterPatch exact{Vec3(p), frame.x, frame.y, Vec3(p), frame.x, frame.y, Vec3(p)};
+    const DifferentialGeometry exact{Vec3(p), frame.x, frame.y, Vec3(p), frame.x, frame.y, Vec3(p)};
     expect_relative(geometry_of(Interaction::reflection, 1.0f, Vec3(x), exact, end),
                     1.0 / (tangential * sagittal), "G");
-    EXPECT_NEAR(geometry_of(Interaction::reflection, 1.0f, Vec3(x), found.root->patch, end) *
+    EXPECT_NEAR(geometry_of(Interaction::reflection, 1.0f, Vec3(x), found.root->geometry, end) *
                     tangential * sagittal,
                 1.0, 1e-2);
 }
@@ -153,14 +153,15 @@ TEST_P(BothConstraints, FlatRefractionIsSnellsPoint) {
     const Found found = find_root(world, settings_with(GetParam()), x, end);
     ASSERT_TRUE(found.root);
     EXPECT_EQ(found.others, 0);
-    EXPECT_LT(length(found.root->patch.p - Vec3(float(low), 0, 0)), 1e-4f);
+    EXPECT_LT(length(found.root->geometry.p - Vec3(float(low), 0, 0)), 1e-4f);
     EXPECT_EQ(found.root->interaction, Interaction::refraction);
     EXPECT_FLOAT_EQ(found.root->eta, 1.0f / float(ior));
     const double sin1 = low / std::hypot(low, depth), cos1 = std::sqrt(1 - sin1 * sin1);
     const double sin2 = ior * sin1, cos2 = std::sqrt(1 - sin2 * sin2);
     const double dx_dtheta = depth / (cos1 * cos1) + height / (cos2 * cos2) * (ior * cos1 / cos2);
-    expect_relative(geometry_of(Interaction::refraction, found.root->eta, x, found.root->patch, end),
-                    1.0 / (across / sin1 * cos2 * dx_dtheta), "G");
+    expect_relative(
+        geometry_of(Interaction::refraction, found.root->eta, x, found.root->geometry, end),
+        1.0 / (across / sin1 * cos2 * dx_dtheta), "G");
 }
 
 // Without a change of index light goes straight on, and wi + eta wo has no direction.
@@ -174,7 +175,7 @@ TEST_P(BothConstraints, FindsTheStraightLineAtAnIndexOfOne) {
             find_root(world, settings_with(GetParam()), Vec3(0.0f, 0.0f, -1.0f), end);
         ASSERT_TRUE(found.root) << ior;
         EXPECT_EQ(found.others, 0);
-        EXPECT_LT(length(found.root->patch.p - Vec3(0.5f, 0.0f, 0.0f)), 1e-3f) << ior;
+        EXPECT_LT(length(found.root->geometry.p - Vec3(0.5f, 0.0f, 0.0f)), 1e-3f) << ior;
     }
 }
 
@@ -189,21 +190,21 @@ TEST_P(BothConstraints, NoChainWhereTotalReflectionForbidsIt) {
 }
 
 // A smooth analytic surface around (u, v) = (0, 0), for derivatives.
-CasterPatch curved_patch(double u, double v, const std::array<double, 12>& k) {
-    CasterPatch patch;
+DifferentialGeometry curved_geometry(double u, double v, const std::array<double, 12>& k) {
+    DifferentialGeometry geometry;
     const Vec3d p(u + k[0] * v * v, v + k[1] * u * v, k[2] * u + k[3] * v + k[4] * u * u);
     const Vec3d raw(k[5] * u + k[6] * v * v, k[7] * v + k[8] * u, 1.0 + k[9] * u * v);
     const Vec3d raw_u(k[5], k[8], k[9] * v), raw_v(2 * k[6] * v, k[7], k[9] * u);
     const Vec3d n = normalize(raw);
     const auto derivative = [&](const Vec3d& d) { return Vec3((d - n * dot(n, d)) / length(raw)); };
-    patch.p = Vec3(p);
-    patch.dp_du = Vec3(1, float(k[1] * v), float(k[2] + 2 * k[4] * u));
-    patch.dp_dv = Vec3(float(2 * k[0] * v), float(1 + k[1] * u), float(k[3]));
-    patch.n = Vec3(n);
-    patch.dn_du = derivative(raw_u);
-    patch.dn_dv = derivative(raw_v);
-    patch.ng = normalize(cross(patch.dp_du, patch.dp_dv));
-    return patch;
+    geometry.p = Vec3(p);
+    geometry.dp_du = Vec3(1, float(k[1] * v), float(k[2] + 2 * k[4] * u));
+    geometry.dp_dv = Vec3(float(2 * k[0] * v), float(1 + k[1] * u), float(k[3]));
+    geometry.n = Vec3(n);
+    geometry.dn_du = derivative(raw_u);
+    geometry.dn_dv = derivative(raw_v);
+    geometry.ng = normalize(cross(geometry.dp_du, geometry.dp_dv));
+    return geometry;
 }
 
 // A chain in double, traced through the patches' first-order models: planes whose normals turn
@@ -216,15 +217,17 @@ struct TracedChain {
     // rays from its first side, where the ray must come from.
     std::pair<Vec3d, Vec3d> trace(Vec3d from, Vec3d d) const {
         for (const ChainVertex& vertex : vertices) {
-            const CasterPatch& patch = vertex.patch;
-            const Vec3d p0(patch.p), pu(patch.dp_du), pv(patch.dp_dv), ng = normalize(cross(pu, pv));
+            const DifferentialGeometry& geometry = vertex.geometry;
+            const Vec3d p0(geometry.p), pu(geometry.dp_du), pv(geometry.dp_dv),
+                ng = normalize(cross(pu, pv));
             from += d * (dot(p0 - from, ng) / dot(d, ng));
             const Vec3d r = from - p0;
             const double uu = dot(pu, pu), uv = dot(pu, pv), vv = dot(pv, pv),
                          det = uu * vv - uv * uv;
             const double du = (dot(r, pu) * vv - dot(r, pv) * uv) / det,
                          dv = (dot(r, pv) * uu - dot(r, pu) * uv) / det;
-            Vec3d n = normalize(Vec3d(patch.n) + Vec3d(patch.dn_du) * du + Vec3d(patch.dn_dv) * dv);
+            Vec3d n = normalize(Vec3d(geometry.n) + Vec3d(geometry.dn_du) * du +
+                                Vec3d(geometry.dn_dv) * dv);
             if (dot(d, n) > 0.0) n = n * -1.0;
             const double c = -dot(d, n), ratio = 1.0 / double(vertex.eta);
             d = vertex.interaction == Interaction::refraction
@@ -239,8 +242,8 @@ struct TracedChain {
             if (vertex.interaction == Interaction::refraction) vertex.eta = 1.0f / vertex.eta;
         return other;
     }
-    Vec3d leaving_x() const { return normalize(Vec3d(vertices.front().patch.p) - x); }
-    Vec3d to_light() const { return normalize(y - Vec3d(vertices.back().patch.p)); }
+    Vec3d leaving_x() const { return normalize(Vec3d(vertices.front().geometry.p) - x); }
+    Vec3d to_light() const { return normalize(y - Vec3d(vertices.back().geometry.p)); }
 
     // |d solid angle at x / d area at y| across the ray, or by solid angle at a distant light.
     double geometry(bool distant = false) const {
@@ -292,24 +295,24 @@ std::optional<TracedChain> random_chain(int count, bool mapped, Pcg& pcg) {
         const bool enters = pcg.one() < 0.5f;
         const double ior = uniform(1.1, 1.7), eta = enters ? ior : 1.0 / ior;
         vertex.eta = float(eta);
-        CasterPatch& patch = vertex.patch;
+        DifferentialGeometry& geometry = vertex.geometry;
         const Vec3d n = normalize(d * -1.0 + random_vector(0.5));  // towards where light comes from
         const Vec3d ng = normalize(n + random_vector(mapped ? 0.15 : 0.0));
         const Frame frame = Frame::around(Vec3(ng));
         const double front = pcg.one() < 0.5f ? 1.0 : -1.0;  // whether it sees the front
-        patch.p = Vec3(p);
-        patch.dp_du = frame.x * float(uniform(0.5, 2)) + frame.y * float(uniform(-0.4, 0.4));
-        patch.dp_dv = frame.y * float(uniform(0.5, 2));
-        patch.n = Vec3(n * front);
-        patch.ng = Vec3(ng * front);
+        geometry.p = Vec3(p);
+        geometry.dp_du = frame.x * float(uniform(0.5, 2)) + frame.y * float(uniform(-0.4, 0.4));
+        geometry.dp_dv = frame.y * float(uniform(0.5, 2));
+        geometry.n = Vec3(n * front);
+        geometry.ng = Vec3(ng * front);
         const auto lean = [&] {
             const Vec3d change = random_vector(0.4);
             return Vec3(change - n * dot(change, n));
         };
-        patch.dn_du = lean();
-        patch.dn_dv = lean();
-        const double c = -dot(d, Vec3d(patch.n) * front), inv = 1.0 / double(vertex.eta);
-        const Vec3d normal = Vec3d(patch.n) * front;
+        geometry.dn_du = lean();
+        geometry.dn_dv = lean();
+        const double c = -dot(d, Vec3d(geometry.n) * front), inv = 1.0 / double(vertex.eta);
+        const Vec3d normal = Vec3d(geometry.n) * front;
         if (vertex.interaction == Interaction::refraction) {
             const double cos2 = 1 - (1 - c * c) * inv * inv;
             if (cos2 < 0.05) return std::nullopt;
@@ -423,8 +426,8 @@ TEST_P(BothConstraints, DerivativesMatchCentralDifferencesAtRoots) {
         for (double& value : k) value = uniform(-0.5, 0.5);
         const bool refracts = trial % 2 == 1;
         const double u = uniform(-0.2, 0.2), v = uniform(-0.2, 0.2), ior = uniform(1.1, 1.8);
-        const CasterPatch patch = curved_patch(u, v, k);
-        const Vec3d n(patch.n), p(patch.p);
+        const DifferentialGeometry geometry = curved_geometry(u, v, k);
+        const Vec3d n(geometry.n), p(geometry.p);
         const Vec3d wi = normalize(n + Vec3d(uniform(-0.6, 0.6), uniform(-0.6, 0.6), 0.0));
         const double c = dot(wi, n);
         const Vec3d wo =
@@ -436,7 +439,7 @@ TEST_P(BothConstraints, DerivativesMatchCentralDifferencesAtRoots) {
         const auto at = [&](double du, double dv) {
             return evaluate_constraint(GetParam(),
                                        refracts ? Interaction::refraction : Interaction::reflection,
-                                       float(ior), x, curved_patch(u + du, v + dv, k), end);
+                                       float(ior), x, curved_geometry(u + du, v + dv, k), end);
         };
         const auto value = at(0, 0);
         ASSERT_TRUE(value);
@@ -465,10 +468,11 @@ TEST(ChainDerivative, MatchesDifferencesOfTheTracedMap) {
     constexpr double ior = 1.45;
     const std::array<double, 12> k{0.1, -0.2, 0.3, 0.1, 0.0, 0.2, 0.1, -0.3, 0.15, 0.1, 0, 0};
     for (const bool refracts : {false, true}) {
-        const CasterPatch patch = curved_patch(0.0, 0.0, k);
+        const DifferentialGeometry geometry = curved_geometry(0.0, 0.0, k);
         const Vec3d x(0.4, -0.3, 1.5);
         // Only first order counts: the plane of the patch, with the normal's linear model.
-        const Vec3d p0(patch.p), pu(patch.dp_du), pv(patch.dp_dv), ng = normalize(cross(pu, pv));
+        const Vec3d p0(geometry.p), pu(geometry.dp_du), pv(geometry.dp_dv),
+            ng = normalize(cross(pu, pv));
         const auto scatter = [&](const Vec3d& d, Vec3d& hit) {
             hit = x + d * (dot(p0 - x, ng) / dot(d, ng));
             const Vec3d r = hit - p0;
@@ -476,8 +480,8 @@ TEST(ChainDerivative, MatchesDifferencesOfTheTracedMap) {
                          det = uu * vv - uv * uv;
             const double du = (dot(r, pu) * vv - dot(r, pv) * uv) / det,
                          dv = (dot(r, pv) * uu - dot(r, pu) * uv) / det;
-            const Vec3d n =
-                normalize(Vec3d(patch.n) + Vec3d(patch.dn_du) * du + Vec3d(patch.dn_dv) * dv);
+            const Vec3d n = normalize(Vec3d(geometry.n) + Vec3d(geometry.dn_du) * du +
+                                      Vec3d(geometry.dn_dv) * dv);
             const double c = -dot(d, n);
             return refracts ? d / ior + n * (c / ior - std::sqrt(1 - (1 - c * c) / (ior * ior)))
                             : d + n * (2 * c);
@@ -497,7 +501,7 @@ TEST(ChainDerivative, MatchesDifferencesOfTheTracedMap) {
         const Vec2 a = (landing(Vec3d(frame.x) * h) - landing(Vec3d(frame.x) * -h)) * float(0.5 / h);
         const Vec2 b = (landing(Vec3d(frame.y) * h) - landing(Vec3d(frame.y) * -h)) * float(0.5 / h);
         const double g = geometry_of(refracts ? Interaction::refraction : Interaction::reflection,
-                                     float(ior), Vec3(x), patch, {false, Vec3(y), {}});
+                                     float(ior), Vec3(x), geometry, {false, Vec3(y), {}});
         EXPECT_NEAR(g * std::abs(double(a.x * b.y - a.y * b.x)), 1.0, 2e-4);
     }
 }

@@ -35,12 +35,12 @@ Coverage measure(const RenderScene& world, const ManifoldSettings& settings, Rec
         const std::optional<Hit> hit =
             world.scene->accel->intersect_caster(caster.instance, {x, d, 1e-4f, kInfinity});
         if (!hit) continue;
-        const CasterPatch patch = evaluate_caster(*world.scene, hit->surface, false);
+        const DifferentialGeometry geometry = evaluate_caster(*world.scene, hit->surface, false);
         const SpecularInterface& specular = world.scene->material_of(hit->surface).specular;
-        const Vec3 n = dot(patch.n, d) < 0.0f ? patch.n : patch.n * -1.0f;
-        const Vec3 ng = dot(patch.ng, d) < 0.0f ? patch.ng : patch.ng * -1.0f;
+        const Vec3 n = dot(geometry.n, d) < 0.0f ? geometry.n : geometry.n * -1.0f;
+        const Vec3 ng = dot(geometry.ng, d) < 0.0f ? geometry.ng : geometry.ng * -1.0f;
         if (dot(n, ng) <= 0.0f) continue;
-        const float c = -dot(n, d), eta = eta_seen_from(patch.ng, d * -1.0f, specular.ior);
+        const float c = -dot(n, d), eta = eta_seen_from(geometry.ng, d * -1.0f, specular.ior);
         const bool refracts = specular.refracts && (!specular.reflects || pcg.one() < 0.5f);
         Vec3 out = d + n * (2.0f * c);
         if (refracts) {
@@ -50,8 +50,8 @@ Coverage measure(const RenderScene& world, const ManifoldSettings& settings, Rec
         }
         if ((dot(out, ng) < 0.0f) != refracts) continue;
         const bool distant = pcg.one() < 0.2f;
-        const ChainEnd end{distant, patch.p + out * (caster.radius * lerp(0.3f, 3.0f, pcg.one())),
-                           out};
+        const ChainEnd end{distant,
+                           geometry.p + out * (caster.radius * lerp(0.3f, 3.0f, pcg.one())), out};
         ++coverage.chains;
         const ChainQuery query{x, end, &caster};
         const std::optional<Seed> seed = seed_at(*world.scene, settings, query, hit->surface);
@@ -59,7 +59,7 @@ Coverage measure(const RenderScene& world, const ManifoldSettings& settings, Rec
             seed ? walk_from(*world.scene, settings, query, *seed, stats) : std::nullopt;
         if (!found)
             ++coverage.missed;
-        else if (length(found->patch.p - patch.p) > 1e-3f * caster.radius)
+        else if (length(found->geometry.p - geometry.p) > 1e-3f * caster.radius)
             ++coverage.elsewhere;
     }
     return coverage;

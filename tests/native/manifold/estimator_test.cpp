@@ -13,7 +13,7 @@ namespace {
 
 using test::SceneMaker;
 
-constexpr double kFamily = 1e-3;  // chance that a right estimator fails somewhere in a test
+constexpr double kFamily = 1e-3;  // probability that a right estimator fails somewhere in a test
 
 Transform shining_down_from(const Vec3& p) { return test::translation(p); }
 
@@ -301,9 +301,9 @@ TEST(ManifoldEstimatorSlow, BiasedComesFromBelow) {
     }
 }
 
-// ---- fixed starts [Hanika15]
+// ---- MNEE seeds [Hanika15]
 
-ManifoldSettings fixed_starts(bool biased) {
+ManifoldSettings mnee_seeds(bool biased) {
     ManifoldSettings settings = test::unbiased_manifold();
     settings.finder = ChainFinder::mnee;
     settings.biased = biased;
@@ -374,7 +374,7 @@ std::vector<CausticCase> caustic_cases() {
          0.5, 1.0, 0.8}};
 }
 
-TEST(ManifoldEstimatorSlow, FixedStartsAgreeWithPathTracing) {
+TEST(ManifoldEstimatorSlow, MneeSeedsAgreeWithPathTracing) {
     const std::vector<CausticCase> cases = caustic_cases();
     constexpr uint32_t kSamples = 150000;
     const double significance = test::sidak(kFamily, int(cases.size()));
@@ -388,7 +388,7 @@ TEST(ManifoldEstimatorSlow, FixedStartsAgreeWithPathTracing) {
         const test::MeanEstimate truth =
             test::path_traced(c.name, world, settings_for({}), 10 * kSamples, ray_under_casters);
         const auto mean_of = [&](bool biased) {
-            return test::estimate(world, settings_for(fixed_starts(biased)), kSamples,
+            return test::estimate(world, settings_for(mnee_seeds(biased)), kSamples,
                                   ray_under_casters, 2);
         };
         const test::RadianceEstimate all = mean_of(false), some = mean_of(true);
@@ -396,7 +396,7 @@ TEST(ManifoldEstimatorSlow, FixedStartsAgreeWithPathTracing) {
         const double lost = 1.0 - some.radiance.mean() / truth.mean(),
                      noise = std::hypot(some.radiance.standard_error(), truth.standard_error()) /
                              truth.mean();
-        std::cout << c.name << ": fixed starts find " << all.caustics.mean() / truth.mean()
+        std::cout << c.name << ": MNEE seeds find " << all.caustics.mean() / truth.mean()
                   << " of the light, without path tracing's remainder " << lost << " is lost, +- "
                   << noise << std::endl;
         EXPECT_GT(lost, c.least_lost - 4.0 * noise) << c.name;
@@ -409,7 +409,7 @@ TEST(ManifoldEstimatorSlow, FixedStartsAgreeWithPathTracing) {
 }
 
 // Under a slab a ring of light between two cones becomes a ring on the floor: I sin t dt = E r dr.
-TEST(ManifoldEstimator, FixedStartsGiveTheLightUnderASlabWithoutNoise) {
+TEST(ManifoldEstimator, MneeSeedsGiveTheLightUnderASlabWithoutNoise) {
     constexpr double kPower = 100.0, kIor = 1.5, kThickness = 0.3, kHeight = 2.2;
     const Vec3 above(0.2f, -0.7f, 2.2f);
     SceneMaker maker;
@@ -421,7 +421,7 @@ TEST(ManifoldEstimator, FixedStartsGiveTheLightUnderASlabWithoutNoise) {
     const RenderScene world = maker.finish();
     for (const Vec3& x : {Vec3(0.3f, 0.1f, 0.0f), Vec3(-0.4f, 0.2f, 0.0f)}) {
         const test::RadianceEstimate found = test::estimate(
-            world, test::unlimited(fixed_starts(true)), 16, test::ray_to({0.0f, -0.8f, 0.3f}, x));
+            world, test::unlimited(mnee_seeds(true)), 16, test::ray_to({0.0f, -0.8f, 0.3f}, x));
         const double r = std::hypot(double(x.x - above.x), double(x.y - above.y));
         const auto radius = [&](double t) {
             return (kHeight - kThickness) * std::tan(t) +

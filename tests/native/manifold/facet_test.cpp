@@ -21,15 +21,15 @@ SpecularInterface rough(MicrofacetModel model, float alpha, float ior = 1.5f) {
 constexpr MicrofacetModel kModels[] = {MicrofacetModel::ggx, MicrofacetModel::beckmann};
 
 // Of a surface that bends and twists, at (u, v).
-CasterPatch bent_patch(float u, float v) {
+DifferentialGeometry bent_geometry(float u, float v) {
     const Vec3 n0(0.3f, -0.2f, 0.9f), a(0.4f, 0.1f, -0.2f), b(-0.1f, 0.5f, 0.3f);
     const Vec3 sum = n0 + a * u + b * v;
     const float l = length(sum);
-    CasterPatch patch{};
-    patch.n = sum * (1.0f / l);
-    patch.dn_du = (a - patch.n * dot(patch.n, a)) * (1.0f / l);
-    patch.dn_dv = (b - patch.n * dot(patch.n, b)) * (1.0f / l);
-    return patch;
+    DifferentialGeometry geometry{};
+    geometry.n = sum * (1.0f / l);
+    geometry.dn_du = (a - geometry.n * dot(geometry.n, a)) * (1.0f / l);
+    geometry.dn_dv = (b - geometry.n * dot(geometry.n, b)) * (1.0f / l);
+    return geometry;
 }
 
 Vec3 mirrored(const Vec3& w, const Vec3& m) { return m * (2.0f * dot(w, m)) - w; }
@@ -61,13 +61,13 @@ TEST(Facets, AreFoundAgainBetweenTheirDirections) {
     Pcg pcg(5);
     for (int i = 0; i < 200; ++i) {
         const Vec2 slope = (pcg.two() - Vec2(0.5f, 0.5f)) * 0.4f;
-        const CasterPatch patch = bent_patch(pcg.one(), pcg.one());
-        CasterPatch leaning = patch;
+        const DifferentialGeometry geometry = bent_geometry(pcg.one(), pcg.one());
+        DifferentialGeometry leaning = geometry;
         lean(leaning, slope);
         EXPECT_NEAR(length(leaning.n), 1.0f, 1e-6f);
         const Vec3 wi = normalize(leaning.n + Vec3(pcg.one(), pcg.one(), pcg.one()) * 0.3f);
         const std::optional<Vec2> reflecting =
-            facet_between(patch, Interaction::reflection, 1.5f, wi, mirrored(wi, leaning.n));
+            facet_between(geometry, Interaction::reflection, 1.5f, wi, mirrored(wi, leaning.n));
         ASSERT_TRUE(reflecting);
         EXPECT_LT((*reflecting - slope).length(), 1e-5f);
         // Snell's law: wo = -wi / eta + (cos_i / eta - cos_t) m.
@@ -75,7 +75,7 @@ TEST(Facets, AreFoundAgainBetweenTheirDirections) {
         const float cos_t = std::sqrt(1.0f - (1.0f - cos_i * cos_i) / (eta * eta));
         const Vec3 wo = wi * (-1.0f / eta) + leaning.n * (cos_i / eta - cos_t);
         const std::optional<Vec2> refracting =
-            facet_between(patch, Interaction::refraction, eta, wi, wo);
+            facet_between(geometry, Interaction::refraction, eta, wi, wo);
         ASSERT_TRUE(refracting);
         EXPECT_LT((*refracting - slope).length(), 2e-5f);
     }
@@ -87,11 +87,11 @@ TEST(Facets, TurnWithTheSurface) {
     for (int i = 0; i < 50; ++i) {
         const Vec2 slope = (pcg.two() - Vec2(0.5f, 0.5f)) * 0.6f, at = pcg.two();
         const auto facet = [&](float u, float v) {
-            CasterPatch patch = bent_patch(u, v);
-            lean(patch, slope);
-            return patch;
+            DifferentialGeometry geometry = bent_geometry(u, v);
+            lean(geometry, slope);
+            return geometry;
         };
-        const CasterPatch here = facet(at.x, at.y);
+        const DifferentialGeometry here = facet(at.x, at.y);
         const Vec3 by_u =
                        (facet(at.x + kStep, at.y).n - facet(at.x - kStep, at.y).n) * (0.5f / kStep),
                    by_v =
@@ -106,8 +106,8 @@ TEST(Facets, TurnWithTheSurface) {
 TEST(Facets, ScatterWithTheirDensity) {
     constexpr int kCount = 200000;
     constexpr float kEta = 1.4f;
-    const CasterPatch patch = bent_patch(0.2f, 0.7f);
-    const Frame frame = Frame::around(patch.n);
+    const DifferentialGeometry geometry = bent_geometry(0.2f, 0.7f);
+    const Frame frame = Frame::around(geometry.n);
     for (const MicrofacetModel model : kModels)
         for (const Interaction interaction : {Interaction::reflection, Interaction::refraction}) {
             const SpecularInterface interface = rough(model, 0.1f, kEta);
@@ -119,17 +119,17 @@ TEST(Facets, ScatterWithTheirDensity) {
                 return wi * (-1.0f / kEta) + m * (cos_i / kEta - cos_t);
             };
             // Beside the peak.
-            const Vec3 axis = normalize(scattered(patch.n) + frame.x * 0.08f);
+            const Vec3 axis = normalize(scattered(geometry.n) + frame.x * 0.08f);
             constexpr float kCone = 1e-3f;  // 1 - cos
             Pcg pcg(11);
             int inside = 0;
             double integral = 0.0;
             for (int i = 0; i < kCount; ++i) {
-                CasterPatch leaning = patch;
+                DifferentialGeometry leaning = geometry;
                 lean(leaning, sample_facet(interface, pcg.two()));
                 inside += dot(scattered(leaning.n), axis) > 1.0f - kCone;
                 const Vec3 wo = Frame::around(axis).to_world(uniform_cone(pcg.two(), kCone));
-                integral += double(facet_pdf(interface, patch, interaction, kEta, wi, wo));
+                integral += double(facet_pdf(interface, geometry, interaction, kEta, wi, wo));
             }
             const double expected = integral / kCount / double(uniform_cone_pdf(kCone));
             const double share = double(inside) / kCount;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What sheets there are, and what their leads promise.
+// What sheets there are, and what their chain seeds promise.
 #include "manifold/sheet_pool.h"
 #include "support/casters.h"
 
@@ -33,8 +33,9 @@ ManifoldSettings settings() {
 }
 
 SheetPool sheets_of(const RenderScene& world) {
-    constexpr uint32_t kTiles = 1, kSeed = 3;  // as few as there can be
-    return build_sheets(*world.scene, world.lights, world.casters, settings(), kSeed, kTiles, 1);
+    constexpr uint32_t kEmissionCells = 1, kSeed = 3;  // as few as there can be
+    return build_sheets(*world.scene, world.lights, world.casters, settings(), kSeed,
+                        kEmissionCells, 1);
 }
 
 TEST(SheetPool, HasAsManySheetsAsALightIsLarge) {
@@ -94,13 +95,13 @@ TEST(LightSheet, PromisesTheIrradianceOfTheMirrorImage) {
         const float expected = max_component(radiance_at(world.lights, *world.scene, y, away)) *
                                cosine / sqr(distance);
         ASSERT_GT(expected, 0.0f);
-        const float worth = 0.25f / expected;  // so that it is a chance
-        std::vector<Lead> leads;
-        sheets[0]->find_leads(x, Vec3(0.0f), worth, 0.0f, leads);
-        ASSERT_FALSE(leads.empty());
-        EXPECT_TRUE(leads[0].inside);
-        for (const Lead& lead : leads) EXPECT_EQ(lead.kind->count, 1u);
-        ratios.push_back(leads[0].chance / 0.25f);
+        const float probability_per_density = 0.25f / expected;  // so that it is a probability
+        std::vector<SheetSeed> chain_seeds;
+        sheets[0]->find_seeds(x, Vec3(0.0f), probability_per_density, 0.0f, chain_seeds);
+        ASSERT_FALSE(chain_seeds.empty());
+        EXPECT_TRUE(chain_seeds[0].inside);
+        for (const SheetSeed& chain_seed : chain_seeds) EXPECT_EQ(chain_seed.kind->count, 1u);
+        ratios.push_back(chain_seeds[0].probability / 0.25f);
     }
     // Two beams share a cell of the light's square evenly, but on the diagonals, where the map from
     // the square to the cone has a crease.
@@ -134,33 +135,35 @@ TEST(LightSheet, LeadsToWhatOtherPointsOfANarrowLampShineAt) {
         ASSERT_TRUE(y);
         const LightSheet* sheet = nearest_sheet({sheets}, *y);
         ASSERT_NE(sheet, nullptr);
-        std::vector<Lead> leads;
-        sheet->find_leads({y->p.x, y->p.y, 0.0f}, shift_between(sheet->light_point(), *y), 1.0f,
-                          0.0f, leads);
-        EXPECT_FALSE(leads.empty());
+        std::vector<SheetSeed> chain_seeds;
+        sheet->find_seeds({y->p.x, y->p.y, 0.0f}, shift_between(sheet->light_point(), *y), 1.0f,
+                          0.0f, chain_seeds);
+        EXPECT_FALSE(chain_seeds.empty());
     }
 }
 
-TEST(LightSheet, LeavesLeadsToOneRandomNumber) {
+TEST(LightSheet, LeavesSeedsToOneRandomNumber) {
     const RenderScene world = below_a_mirror({kLamp}, 0.01f);
     const SheetPool sheets = sheets_of(world);
     ASSERT_EQ(sheets.size(), 1u);
     const Vec3 x(0.4f, 0.1f, 0.0f);
-    const auto leads = [&](float worth, float u) {
-        std::vector<Lead> found;
-        sheets[0]->find_leads(x, Vec3(0.0f), worth, u, found);
+    const auto chain_seeds = [&](float probability_per_density, float u) {
+        std::vector<SheetSeed> found;
+        sheets[0]->find_seeds(x, Vec3(0.0f), probability_per_density, u, found);
         return found;
     };
-    const std::vector<Lead> all = leads(std::numeric_limits<float>::max(), 0.999f);
+    const std::vector<SheetSeed> all = chain_seeds(std::numeric_limits<float>::max(), 0.999f);
     ASSERT_FALSE(all.empty());
-    for (const Lead& lead : all) EXPECT_EQ(lead.chance, 1.0f);
-    for (const Lead& lead : leads(1e-30f, 0.0f)) EXPECT_EQ(lead.chance, 1.0f / 512);
-    EXPECT_TRUE(leads(1e-30f, 1.0f / 512).empty());
-    float worth = 1.0f;
-    while (leads(worth, 0.0f)[0].chance > 0.5f) worth *= 0.5f;
-    const float chance = leads(worth, 0.0f)[0].chance;
-    EXPECT_FALSE(leads(worth, 0.99f * chance).empty());
-    EXPECT_TRUE(leads(worth, chance).empty());
+    for (const SheetSeed& chain_seed : all) EXPECT_EQ(chain_seed.probability, 1.0f);
+    for (const SheetSeed& chain_seed : chain_seeds(1e-30f, 0.0f))
+        EXPECT_EQ(chain_seed.probability, 1.0f / 512);
+    EXPECT_TRUE(chain_seeds(1e-30f, 1.0f / 512).empty());
+    float probability_per_density = 1.0f;
+    while (chain_seeds(probability_per_density, 0.0f)[0].probability > 0.5f)
+        probability_per_density *= 0.5f;
+    const float probability = chain_seeds(probability_per_density, 0.0f)[0].probability;
+    EXPECT_FALSE(chain_seeds(probability_per_density, 0.99f * probability).empty());
+    EXPECT_TRUE(chain_seeds(probability_per_density, probability).empty());
 }
 
 }  // namespace

@@ -114,8 +114,8 @@ RenderScene make(const CasterCase& c) {
 bool is_chain(const ChainSolution& solution, const ChainKind& kind, const Vec3& first,
               const Vec3& last) {
     const auto near = [](const Vec3& p, const Vec3& q) { return length(p - q) < 1e-3f; };
-    return solution.kind == kind && near(solution.chain.vertices[0].patch.p, first) &&
-           near(solution.chain.vertices[kind.count - 1].patch.p, last);
+    return solution.kind == kind && near(solution.chain.vertices[0].geometry.p, first) &&
+           near(solution.chain.vertices[kind.count - 1].geometry.p, last);
 }
 
 TEST(Shots, StayAtChainsThatExist) {
@@ -190,10 +190,10 @@ void expect_certain_shots(float thickness) {
                 shot(normalize(end.p - at.p), settings().max_halvings);
             if (!found) continue;
             ++chains;
-            const Vec3 w = normalize(found->chain.vertices[0].patch.p - at.p);
+            const Vec3 w = normalize(found->chain.vertices[0].geometry.p - at.p);
             const Frame frame = Frame::around(w);
             const Vec2 off = (pcg.two() - Vec2(0.5f, 0.5f)) * 1e-3f;
-            if (!shot(normalize(w + frame.x * off.x + frame.y * off.y), settings().lead_halvings))
+            if (!shot(normalize(w + frame.x * off.x + frame.y * off.y), settings().seed_halvings))
                 ++lost;
         }
         EXPECT_EQ(chains, kTries) << kind.count;
@@ -231,8 +231,8 @@ TEST(Shots, LeadToTheirEndHoweverMuchRoundingIsMagnified) {
             shoot(*world.scene, settings(), x, end, path->kind, w, settings().max_halvings, stats);
         if (!one) continue;
         ++found;
-        const CasterPatch& last = one->chain.vertices[1].patch;
-        const Vec3 d = normalize(last.p - one->chain.vertices[0].patch.p);
+        const DifferentialGeometry& last = one->chain.vertices[1].geometry;
+        const Vec3 d = normalize(last.p - one->chain.vertices[0].geometry.p);
         const Vec3 out = d - last.n * (2.0f * dot(d, last.n));
         EXPECT_LT(length(out - normalize(end.p - last.p)), kMiss);
     }
@@ -253,7 +253,7 @@ TEST(Shots, AcrossAFoldComeBack) {
     int pairs = 0, back = 0;
     for (int i = 0; i < 60000; ++i) {
         const RayStart x{{1.6f * pcg.one() - 0.8f, 1.6f * pcg.one() - 0.8f, 0.0f}, {0, 0, 1}, 1e-6f};
-        const std::optional<ChainStart> start =
+        const std::optional<ChainSeed> start =
             sample_chain(*world.scene, settings(), x, world.casters, 0, pcg, stats);
         if (!start) continue;
         const std::optional<ChainSolution> one = shoot(
@@ -277,11 +277,11 @@ TEST(Shots, AcrossAFoldComeBack) {
     EXPECT_GE(back, pairs * 9 / 10);
 }
 
-// ---- fixed starts
+// ---- MNEE seeds
 
 // A mirror ball beside a slab of glass of two instances, an opaque square between slab and lamp.
-struct FixedStarts : testing::Test {
-    FixedStarts() {
+struct MneeSeeds : testing::Test {
+    MneeSeeds() {
         SceneMaker maker;
         maker.add(test::sphere(48, 0.5), test::mirror(), test::translation({2.0f, 0, 0.8f}),
                   CausticsRole::caster);
@@ -293,7 +293,7 @@ struct FixedStarts : testing::Test {
         test::add_lamp(maker, end.p, {0.0f, 0.0f, 0.8f}, 0.05f);
         world = maker.finish();
     }
-    std::optional<ChainStart> straight(const RayStart& from, const ManifoldSettings& limits) const {
+    std::optional<ChainSeed> straight(const RayStart& from, const ManifoldSettings& limits) const {
         ManifoldStats stats;
         return straight_chain(*world.scene, limits, from, world.casters, end, stats);
     }
@@ -303,8 +303,8 @@ struct FixedStarts : testing::Test {
     RenderScene world;
 };
 
-TEST_F(FixedStarts, RefractWhereTheStraightLineCrossesCasters) {
-    const std::optional<ChainStart> start = straight(x, settings());
+TEST_F(MneeSeeds, RefractWhereTheStraightLineCrossesCasters) {
+    const std::optional<ChainSeed> start = straight(x, settings());
     ASSERT_TRUE(start);
     ChainKind expected;
     expected.append({1, Interaction::refraction});
@@ -312,7 +312,7 @@ TEST_F(FixedStarts, RefractWhereTheStraightLineCrossesCasters) {
     EXPECT_EQ(start->kind, expected);
     EXPECT_LT(length(start->w - normalize(end.p - x.p)), 1e-6f);
     // From within the slab, beside it, and where a chain would be too long.
-    const std::optional<ChainStart> within =
+    const std::optional<ChainSeed> within =
         straight({{0.1f, 0.2f, 0.7f}, {0, 0, 1}, 1e-6f}, settings());
     ASSERT_TRUE(within);
     EXPECT_EQ(within->kind, expected.reversed().first(1));
@@ -322,36 +322,36 @@ TEST_F(FixedStarts, RefractWhereTheStraightLineCrossesCasters) {
     EXPECT_FALSE(straight(x, single));
 }
 
-TEST_F(FixedStarts, AreNotWhereOnlyMirrorsAreCrossed) {
+TEST_F(MneeSeeds, AreNotWhereOnlyMirrorsAreCrossed) {
     const Vec3 p = Vec3(2.0f, 0, 0.8f) * 2.0f - end.p;
     EXPECT_FALSE(straight({p, {0, 0, 1}, 1e-6f}, settings()));
 }
 
 // Snell's law in a slab: the ray leaves it as it came, shifted.
-TEST_F(FixedStarts, LeadToTheOneChainOfASlab) {
-    const std::optional<ChainStart> start = straight(x, settings());
+TEST_F(MneeSeeds, LeadToTheOneChainOfASlab) {
+    const std::optional<ChainSeed> start = straight(x, settings());
     ASSERT_TRUE(start);
     ManifoldStats stats;
     const std::optional<ChainSolution> found = shoot(*world.scene, settings(), x, end, start->kind,
                                                      start->w, settings().max_halvings, stats);
     ASSERT_TRUE(found);
-    const Vec3 below = normalize(found->chain.vertices[0].patch.p - x.p),
-               above = normalize(end.p - found->chain.vertices[1].patch.p),
-               inside =
-                   normalize(found->chain.vertices[1].patch.p - found->chain.vertices[0].patch.p);
+    const Vec3 below = normalize(found->chain.vertices[0].geometry.p - x.p),
+               above = normalize(end.p - found->chain.vertices[1].geometry.p),
+               inside = normalize(found->chain.vertices[1].geometry.p -
+                                  found->chain.vertices[0].geometry.p);
     EXPECT_LT(length(below - above), 1e-4f);
     EXPECT_NEAR(std::hypot(below.x, below.y), 1.5f * std::hypot(inside.x, inside.y), 1e-4f);
 }
 
-TEST_F(FixedStarts, ReflectFromTheMiddleOfABall) {
+TEST_F(MneeSeeds, ReflectFromTheMiddleOfABall) {
     const Caster& ball = world.casters.casters[0];
-    const std::optional<ChainStart> start = central_reflection(x, ball);
+    const std::optional<ChainSeed> start = central_reflection(x, ball);
     ASSERT_TRUE(start);
     ManifoldStats stats;
     const std::optional<ChainSolution> found = shoot(*world.scene, settings(), x, end, start->kind,
                                                      start->w, settings().max_halvings, stats);
     ASSERT_TRUE(found);
-    const CasterPatch& at = found->chain.vertices[0].patch;
+    const DifferentialGeometry& at = found->chain.vertices[0].geometry;
     EXPECT_EQ(found->chain.vertices[0].interaction, Interaction::reflection);
     const Vec3 half = normalize(normalize(x.p - at.p) + normalize(end.p - at.p));
     EXPECT_LT(length(half - at.n), 1e-3f);
@@ -370,7 +370,7 @@ std::optional<ChainSolution> shoot_back(const RenderScene& world, const RayStart
     return found;
 }
 
-// Rays that leave the light evenly carry even shares of its light: those whose chain no lead finds
+// Rays that leave the light evenly carry even shares of its light: those whose chain no chain seed finds
 // from where they land are light that walks would have to find.
 TEST(SheetsSlow, LeadToNearlyAllLight) {
     for (const CasterCase& c : cases()) {
@@ -383,13 +383,13 @@ TEST(SheetsSlow, LeadToNearlyAllLight) {
         const std::optional<LightPoint> y =
             sample_light_point(world.lights, *world.scene, {0.5f, 0.5f, 0.5f});
         ASSERT_TRUE(y);
-        constexpr uint32_t kTiles = 128;
-        constexpr float kWorth = 1.0f;
-        const LightSheet sheet(parts, *y, kTiles, 0.0f);
+        constexpr uint32_t kEmissionCells = 128;
+        constexpr float kProbabilityPerDensity = 1.0f;
+        const LightSheet sheet(parts, *y, kEmissionCells, 0.0f);
         Pcg pcg(7);
         ManifoldStats stats;
         int chains = 0, missed = 0;
-        double with_chance = 0.0;
+        double with_probability = 0.0;
         for (int i = 0; i < 40000 && chains < 4000; ++i) {
             const std::optional<Traced> path = follow(world, ray_at(guide, *y, pcg.two()), pcg);
             if (!path || std::isinf(path->ray.t_far)) continue;
@@ -398,31 +398,32 @@ TEST(SheetsSlow, LeadToNearlyAllLight) {
             if (std::abs(x.p.z) > 1e-4f) continue;
             ++chains;
             const std::optional<ChainSolution> own = shoot_back(world, x, {false, y->p, {}}, *path);
-            const auto best_chance = [&](float u) {
+            const auto best_probability = [&](float u) {
                 FoundChains found;
-                shoot_leads(*world.scene, settings(), sheet, x, *y, kWorth, u, found, stats);
+                shoot_seeds(*world.scene, settings(), sheet, x, *y, kProbabilityPerDensity, u,
+                            found, stats);
                 const FoundChain* one = own ? find_chain(settings(), found, *own) : nullptr;
-                return one != nullptr ? one->chance : 0.0f;
+                return one != nullptr ? one->probability : 0.0f;
             };
-            const float chance = best_chance(0.0f);
-            if (chance == 0.0f) {
+            const float probability = best_probability(0.0f);
+            if (probability == 0.0f) {
                 ++missed;
                 continue;
             }
             // A uniform u finds it with that chance, and it says so.
-            EXPECT_EQ(best_chance(0.99f * chance), chance);
-            EXPECT_EQ(best_chance(chance), 0.0f);
-            with_chance += chance < 1.0f ? 1.0 : 0.0;
+            EXPECT_EQ(best_probability(0.99f * probability), probability);
+            EXPECT_EQ(best_probability(probability), 0.0f);
+            with_probability += probability < 1.0f ? 1.0 : 0.0;
         }
         std::cout << c.name << ": " << chains << " chains, missed " << missed << ", weak "
-                  << with_chance << std::endl;
+                  << with_probability << std::endl;
         EXPECT_GT(chains, 500) << c.name;
         EXPECT_LE(missed, c.missed_by_sheets * chains) << c.name;
     }
 }
 
 // Of the light that comes through a pane from all points of a lamp, past the edge of a board, the
-// share whose chains no lead of its sheets finds.
+// share whose chains no chain seed of its sheets finds.
 double missed_beside_a_board(float lamp_radius) {
     SceneMaker maker;
     maker.add(test::square(3.0f), test::diffuse(0.8f));
@@ -459,7 +460,7 @@ double missed_beside_a_board(float lamp_radius) {
         ++chains;
         const LightSheet* sheet = nearest_sheet({pool}, *y);
         FoundChains found;
-        shoot_leads(*world.scene, settings(), *sheet, x, *y, 1.0f, 0.0f, found, stats);
+        shoot_seeds(*world.scene, settings(), *sheet, x, *y, 1.0f, 0.0f, found, stats);
         const std::optional<ChainSolution> own = shoot_back(world, x, {false, y->p, {}}, *path);
         if (!own || find_chain(settings(), found, *own) == nullptr) ++missed;
     }
@@ -504,14 +505,14 @@ TEST(Sheets, TellTheSignOfDeterminants) {
             const std::optional<LightPoint> y =
                 sample_light_point(world.lights, *world.scene, {u.x, u.y, pcg.one()});
             const LightSheet* sheet = nearest_sheet({pool}, *y);
-            std::vector<Lead> leads;
-            sheet->find_leads(x.p, shift_between(sheet->light_point(), *y), 1.0f, 0.0f, leads);
-            for (const Lead& lead : leads) {
+            std::vector<SheetSeed> chain_seeds;
+            sheet->find_seeds(x.p, shift_between(sheet->light_point(), *y), 1.0f, 0.0f, chain_seeds);
+            for (const SheetSeed& chain_seed : chain_seeds) {
                 const std::optional<ChainSolution> found =
-                    shoot(*world.scene, settings(), x, end_of(*y), *lead.kind, lead.w,
+                    shoot(*world.scene, settings(), x, end_of(*y), *chain_seed.kind, chain_seed.w,
                           settings().max_halvings, stats);
-                if (found && lead.inside)
-                    ++((found->determinant > 0.0f) == lead.positive ? right : wrong);
+                if (found && chain_seed.inside)
+                    ++((found->determinant > 0.0f) == chain_seed.positive ? right : wrong);
             }
         }
         EXPECT_GT(right, 1000) << name;
@@ -560,8 +561,9 @@ TEST(Folds, DirectionsHaveTheDensityOfTheirSamples) {
         squares += (integral - counted) * (integral - counted);
     }
     EXPECT_GT(next_to_folds, 1000);
-    EXPECT_LE(beside,
-              next_to_folds / 1000);  // of the patch drawn, by rounding: no light is taken there
+    EXPECT_LE(
+        beside,
+        next_to_folds / 1000);  // of the parallelogram drawn, by rounding: no light is taken there
     EXPECT_GT(inside, 0.1 * next_to_folds);
     EXPECT_LT(inside, 0.95 * next_to_folds);
     EXPECT_LT(std::abs(sum), 4.0 * std::sqrt(squares));

@@ -5,7 +5,7 @@
 namespace spc::test {
 namespace {
 
-TEST(StudentsT, HasTheChancesOfItsTables) {
+TEST(StudentsT, HasTheProbabilitiesOfItsTables) {
     struct Row {
         size_t degrees;
         double t, p;

@@ -123,7 +123,7 @@ TEST(Preparation, EndsWhereItsBudgetIsSpent) {
 }
 
 // Two ways to count that have nothing in common: slopes and distances, and the overlap of beams.
-TEST(Crowding, MapsMakeAsManyChainsAsSheetsHaveLeads) {
+TEST(Crowding, MapsMakeAsManyChainsAsSheetsHaveSeeds) {
     for (const double wave : {0.25, 0.12, 0.06}) {
         const RenderScene world = beside_a_mirror(wave);
         const double by_map =

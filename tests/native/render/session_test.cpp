@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A session with light paths: what it promises of its image, its ends, and the chances that it
+// A session with light paths: what it promises of its image, its ends, and the probabilities that it
 // gives to manifold estimates.
 #include "render/session.h"
 
@@ -191,23 +191,24 @@ TEST(SessionWithLightPaths, ThreadsDoNotShow) {
 }
 
 // Through glass and in the mirror the lamp is a fraction of a pixel.
-RenderSettings settings_with_highlights(ChainFinder finder, bool light_paths, uint32_t threads = 1) {
+RenderSettings settings_with_camera_chains(ChainFinder finder, bool light_paths,
+                                           uint32_t threads = 1) {
     RenderSettings settings = settings_with(12, threads);
     settings.integrator.manifold.finder = finder;
     settings.light_tracing = light_paths;
     return settings;
 }
 
-TEST(SessionWithHighlights, ThreadsDoNotShow) {
+TEST(SessionWithCameraChains, ThreadsDoNotShow) {
     const RenderScene world = scene_of(true);
     for (const auto& [finder, light_paths] : {std::pair(ChainFinder::sheets, true),
                                               {ChainFinder::sheets, false},
                                               {ChainFinder::walks, true}}) {
-        const Rendered one = render(world, settings_with_highlights(finder, light_paths));
-        EXPECT_GT(one.stats.path.manifold.leads, 0u);
+        const Rendered one = render(world, settings_with_camera_chains(finder, light_paths));
+        EXPECT_GT(one.stats.path.manifold.chain_seeds, 0u);
         for (const uint32_t threads : {2u, 5u}) {
             const Rendered many =
-                render(world, settings_with_highlights(finder, light_paths, threads));
+                render(world, settings_with_camera_chains(finder, light_paths, threads));
             EXPECT_EQ(many.combined, one.combined) << threads;
             EXPECT_EQ(many.caustics, one.caustics) << threads;
             EXPECT_EQ(many.variance, one.variance) << threads;
@@ -216,17 +217,17 @@ TEST(SessionWithHighlights, ThreadsDoNotShow) {
     }
 }
 
-// Of walks, which shoot no other leads.
-TEST(SessionWithHighlights, AreBesideLightPathsAndNotBesideWalksAlone) {
+// Of walks, which shoot no other chain seeds.
+TEST(SessionWithCameraChains, AreBesideLightPathsAndNotBesideWalksAlone) {
     const RenderScene world = scene_of(true);
-    const auto leads_of = [&](const RenderSettings& settings) {
-        return render(world, settings).stats.path.manifold.leads;
+    const auto chain_seeds_of = [&](const RenderSettings& settings) {
+        return render(world, settings).stats.path.manifold.chain_seeds;
     };
-    EXPECT_GT(leads_of(settings_with_highlights(ChainFinder::walks, true)), 0u);
-    EXPECT_EQ(leads_of(settings_with_highlights(ChainFinder::walks, false)), 0u);
-    RenderSettings light_paths_alone = settings_with_highlights(ChainFinder::walks, true);
+    EXPECT_GT(chain_seeds_of(settings_with_camera_chains(ChainFinder::walks, true)), 0u);
+    EXPECT_EQ(chain_seeds_of(settings_with_camera_chains(ChainFinder::walks, false)), 0u);
+    RenderSettings light_paths_alone = settings_with_camera_chains(ChainFinder::walks, true);
     light_paths_alone.integrator.manifold.enabled = false;
-    EXPECT_EQ(leads_of(light_paths_alone), 0u);
+    EXPECT_EQ(chain_seeds_of(light_paths_alone), 0u);
 }
 
 TEST(SessionWithLightPaths, NeedsCastersAndLight) {
@@ -298,21 +299,21 @@ TEST(SessionWithLightPathsSlow, ShortAndLongRendersHaveOneMean) {
     alone.light_tracing = false;
     alone.integrator.manifold.enabled = false;
     const auto expected = parts_of(world, alone, 10, 1000);
-    RenderSettings first_pass = settings_with(64);
-    first_pass.time_limit = 1e-6f;
-    expect_same(parts_of(world, first_pass, 56, 1), expected, "the first pass");
-    // Long enough for chances of manifold estimates to fall below one.
-    expect_same(parts_of(world, settings_with(32), 28, 300), expected, "with chances");
+    RenderSettings first_round = settings_with(64);
+    first_round.time_limit = 1e-6f;
+    expect_same(parts_of(world, first_round, 56, 1), expected, "the first pass");
+    // Long enough for probabilities of manifold estimates to fall below one.
+    expect_same(parts_of(world, settings_with(32), 28, 300), expected, "with probabilities");
     RenderSettings manifold = settings_with(32);
     manifold.light_tracing = false;
-    expect_same(parts_of(world, manifold, 28, 400), expected, "manifold with chances");
+    expect_same(parts_of(world, manifold, 28, 400), expected, "manifold with probabilities");
     // Sample ranges: [0, 8) and [8, 16) are pictures of one mean.
     RenderSettings later = settings_with(8);
     later.first_sample = 8;
     expect_same(parts_of(world, later, 36, 500), expected, "samples from the eighth on");
 }
 
-// ---- the chances themselves, by hand
+// ---- the probabilities themselves, by hand
 
 // Half of the samples of each pixel are 0, the others 2 a: mean a, variance n / (n - 1) a^2.
 std::vector<PixelSums> pixels_with(double a, uint32_t n, size_t count = 4) {
@@ -351,11 +352,11 @@ TEST(Activation, IsOneWithoutVariance) {
 }
 
 TEST(Activation, IsLeastWhereTheManifoldGivesNothing) {
-    const Activation chances =
+    const Activation probabilities =
         activation_for(evidence_of(64, 200, 0.0, 1000.0), pixels_with(1.0, 16), kAlways);
     Activation expected = kAlways;  // other estimates cost nothing
     expected[0] = 0.25f;
-    EXPECT_EQ(chances, expected);
+    EXPECT_EQ(probabilities, expected);
     TileEvidence rough = evidence_of(64, 200, 0.0, 0.0);
     rough.manifold[kReceiverDepths] = {0.0, 1000.0};
     EXPECT_EQ(activation_for(rough, pixels_with(1.0, 16), kAlways)[kReceiverDepths], 0.25f);
@@ -363,19 +364,19 @@ TEST(Activation, IsLeastWhereTheManifoldGivesNothing) {
 
 TEST(Activation, IsOneWhereTheManifoldIsTheNoise) {
     // All of the variance, at no more cost than that of the rest.
-    const Activation chances = activation_for(evidence_of(64, 200, 64 * 16.0 / 15.0, 200.0),
-                                              pixels_with(1.0, 16), kAlways);
-    EXPECT_EQ(chances[0], 1.0f);
+    const Activation probabilities = activation_for(evidence_of(64, 200, 64 * 16.0 / 15.0, 200.0),
+                                                    pixels_with(1.0, 16), kAlways);
+    EXPECT_EQ(probabilities[0], 1.0f);
 }
 
 // sqrt((V_m / C_m) / (V_r / C_r)).
 TEST(Activation, BalancesVarianceAndCost) {
     const double variance = 16.0 / 15.0, moment = 0.4, rays = 2.0, cost = 10.0;
-    const Activation chances = activation_for(
+    const Activation probabilities = activation_for(
         evidence_of(64, uint64_t(64 * rays), 64 * moment, 64 * cost), pixels_with(1.0, 16), kAlways);
-    EXPECT_NEAR(chances[0], std::sqrt(moment / cost / ((variance - moment) / rays)), 1e-5);
-    EXPECT_GT(chances[0], 0.26f);
-    EXPECT_LT(chances[0], 0.9f);
+    EXPECT_NEAR(probabilities[0], std::sqrt(moment / cost / ((variance - moment) / rays)), 1e-5);
+    EXPECT_GT(probabilities[0], 0.26f);
+    EXPECT_LT(probabilities[0], 0.9f);
 }
 
 }  // namespace

@@ -217,7 +217,7 @@ TEST_P(Cameras, SeeWhatLiesBetweenTheClips) {
 }
 
 // Rays of neighbouring points of the film, through the same point of the lens, meet a plane that
-// faces the middle one: their distances there are the inverse of film_per_area.
+// faces the middle one: their distances there are the inverse of film_density.
 TEST_P(Cameras, FilmPerAreaIsTheDerivativeOfTheFilm) {
     constexpr float kStep = 0.25f;  // pixels
     test::Uniforms uniforms(11);
@@ -238,11 +238,11 @@ TEST_P(Cameras, FilmPerAreaIsTheDerivativeOfTheFilm) {
                     by_y = (hit(0, kStep) - hit(0, -kStep)) * (1.0 / step);
         const std::optional<CameraView> view = camera.view(Vec3(p), lens);
         ASSERT_TRUE(view);
-        const double film_per_area = 1.0 / length(cross(by_x, by_y));
-        EXPECT_NEAR_REL(view->film_per_area, film_per_area, 1e-3);
+        const double film_density = 1.0 / length(cross(by_x, by_y));
+        EXPECT_NEAR_REL(view->film_density, film_density, 1e-3);
         if (camera.projection == Projection::perspective) {
-            EXPECT_NEAR_REL(camera.film_per_solid_angle(ray.direction),
-                            film_per_area * std::pow(length(p - Vec3d(ray.origin)), 2), 1e-3);
+            EXPECT_NEAR_REL(camera.film_density_omega(ray.direction),
+                            film_density * std::pow(length(p - Vec3d(ray.origin)), 2), 1e-3);
         }
     }
 }

@@ -3,6 +3,7 @@
 #include "scene/transmittance.h"
 
 #include "support/numerics.h"
+#include "support/radiance.h"
 #include "support/scenes.h"
 
 #include <gtest/gtest.h>
@@ -154,6 +155,69 @@ TEST(FarEnd, OfACameraIsItsClip) {
     };
     EXPECT_TRUE(from_clip(-2e-4f));
     EXPECT_FALSE(from_clip(2e-4f));
+}
+
+// Panes one above the other, each lets through a share of its own; the ray crosses both of a pane's
+// triangles on their common edge.
+class Panes : public ::testing::TestWithParam<bool> {
+protected:
+    static constexpr int kCount = 40;  // more than a ray notes at once
+    static float share(int pane) { return 1.0f - 0.005f * static_cast<float>(pane); }
+
+    // `solid`: of the panes, one that lets nothing through, or none.
+    std::unique_ptr<Scene> scene(int solid = -1) const {
+        test::SceneMaker maker;
+        const bool shared = GetParam();
+        const uint32_t mesh = maker.builder.add_mesh(test::square(1.0f));
+        for (int i = 0; i < kCount; ++i) {
+            Instance pane;
+            pane.mesh = shared ? mesh : maker.builder.add_mesh(test::square(1.0f));
+            pane.object_to_world.translation = Vec3(0, 0, 1.0f + 0.25f * static_cast<float>(i));
+            pane.materials = {maker.builder.add_material(i == solid ? test::diffuse(0.5f)
+                                                                    : test::transparent(share(i)))};
+            maker.builder.add_instance(pane);
+        }
+        return maker.builder.freeze(1);
+    }
+    static float through(const Scene& scene, const Vec3& to, uint32_t most, uint32_t& left) {
+        Media media{};
+        uint64_t rays = 0;
+        left = most;
+        const Vec3 from(0.25f, 0.25f, 0.0f);
+        return transmittance(scene, {from, Vec3(0, 0, 1), 0.0f},
+                             {{false, to, Vec3(0.0f)}, Vec3(0.0f)}, kVisibleShadow, left, media,
+                             rays)
+            .x;
+    }
+};
+INSTANTIATE_TEST_SUITE_P(Shared, Panes, ::testing::Bool());
+
+TEST_P(Panes, LetThroughTheProductOfTheirShares) {
+    const std::unique_ptr<Scene> clear = scene();
+    for (const Vec3& to : {Vec3(0.25f, 0.25f, 20.0f), Vec3(0.3f, -0.4f, 20.0f)}) {
+        uint32_t left;
+        double product = 1.0;
+        for (int i = 0; i < kCount; ++i) product *= static_cast<double>(share(i));
+        EXPECT_NEAR(through(*clear, to, 64, left), product, 1e-5);
+        EXPECT_EQ(left, 64u - kCount);
+        EXPECT_NEAR(through(*clear, to, kCount, left), product, 1e-5);
+        EXPECT_EQ(through(*clear, to, kCount - 1, left), 0.0f) << "one more blocks";
+    }
+    uint32_t left;
+    EXPECT_FLOAT_EQ(through(*clear, Vec3(0.25f, 0.25f, 1.3f), 8, left), share(0) * share(1));
+    EXPECT_EQ(left, 6u);
+}
+
+TEST_P(Panes, ASolidOneAmongThemBlocks) {
+    for (const int solid : {0, 20, kCount - 1}) {
+        uint32_t left;
+        const std::unique_ptr<Scene> mixed = scene(solid);
+        EXPECT_EQ(through(*mixed, Vec3(0.25f, 0.25f, 20.0f), 64, left), 0.0f);
+        // Up to it all is clear.
+        const float below = 0.9f + 0.25f * static_cast<float>(solid);
+        EXPECT_GT(through(*mixed, Vec3(0.25f, 0.25f, below), 64, left), 0.01f);
+        EXPECT_EQ(left, 64u - static_cast<uint32_t>(solid));
+    }
 }
 
 }  // namespace

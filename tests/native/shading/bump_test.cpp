@@ -47,7 +47,7 @@ Vec3 normal_on_square(const Graph& graph, const Transform& transform = {}, float
     maker.add(square(1.0f), graph, transform, CausticsRole::caster);
     const RenderScene world = maker.finish();
     const SurfaceHit hit{0, 0, 0.05f, 0.45f};
-    const CasterPatch patch = evaluate_caster(*world.scene, hit, false);
+    const DifferentialGeometry patch = evaluate_caster(*world.scene, hit, false);
     Surface surface;
     evaluate_surface(*world.scene, hit, patch.ng * side, surface);
     const Vec3 n = std::get<MicrofacetReflection>(surface.closures.closures[0].kind).n;

@@ -229,9 +229,11 @@ inline ScenePtr committed_scene(const spc_camera_desc& camera = valid_camera()) 
     return scene;
 }
 
+// By walks, which need next to no preparation.
 inline spc_render_settings quick_settings(uint32_t samples = 2) {
     spc_render_settings settings;
     spc_render_settings_init(&settings);
+    settings.method = SPC_METHOD_SMS_UNBIASED;
     settings.samples = samples;
     settings.threads = 1;
     return settings;

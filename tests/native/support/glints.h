@@ -91,10 +91,10 @@ struct PixelEstimate {
 inline PixelEstimate estimate_pixel(const RenderScene& world, const IntegratorSettings& settings,
                                     uint32_t samples, uint32_t seed,
                                     FilterKind kind = FilterKind::blackman_harris,
-                                    const GlintEffort& effort = {}) {
+                                    const GlintSampling& sampling = {}) {
     const PixelFilter filter(kind, 1.5f);
     const Camera& camera = world.scene->camera;
-    const PassState state{kAlways, {}, effort};
+    const RoundState state{kAlways, {}, sampling};
     PixelEstimate result;
     for (uint32_t i = 0; i < samples; ++i) {
         const Sampler sampler(seed, i, 0);

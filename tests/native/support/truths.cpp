@@ -64,7 +64,7 @@ void keep(const std::string& name, const Estimates& estimates) {
 // By the variance of the truth: a few samples may know nothing of theirs. These may be some of the
 // truth's own, which makes the difference smaller than is allowed for.
 void expect_agreement(const std::string& name, const Estimates& found, const Estimates& kept) {
-    constexpr double kFamily = 1e-4;  // chance that a truth fails though nothing has changed
+    constexpr double kFamily = 1e-4;  // probability that a truth fails though nothing has changed
     ASSERT_EQ(found.size(), kept.size()) << "truth of " << name << kRemedy;
     const double significance = sidak(kFamily, static_cast<int>(kept.size()));
     for (size_t i = 0; i < kept.size(); ++i) {

@@ -112,7 +112,7 @@ void surface(benchmark::State& state, const Looks& looks) {
     });
 }
 
-void patch(benchmark::State& state, const Looks& looks) {
+void geometry(benchmark::State& state, const Looks& looks) {
     const Scene& scene = *looks.world.scene;
     double tilt = 0;
     for (const SurfaceHit& hit : looks.hits)
@@ -122,9 +122,9 @@ void patch(benchmark::State& state, const Looks& looks) {
     if (!holds(state, is_mapped == (&looks == &mapped()),
                "the normal is mapped where it should not be, or the other way round"))
         return;
-    time_passes(state, "patch", looks.hits.size(), [&] {
+    time_passes(state, "geometry", looks.hits.size(), [&] {
         for (const SurfaceHit& hit : looks.hits) {
-            const CasterPatch one = evaluate_caster(scene, hit, false);
+            const DifferentialGeometry one = evaluate_caster(scene, hit, false);
             benchmark::DoNotOptimize(one);
         }
     });
@@ -140,8 +140,8 @@ void add_surfaces() {
     add("surface/smooth", surface, smooth);
     add("surface/mapped", surface, mapped);
     add("surface/nodes", surface, nodes);
-    add("patch/smooth", patch, smooth);
-    add("patch/mapped", patch, mapped);
+    add("geometry/smooth", geometry, smooth);
+    add("geometry/mapped", geometry, mapped);
 }
 
 }  // namespace spc::bench

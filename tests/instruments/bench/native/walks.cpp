@@ -43,9 +43,10 @@ std::vector<Start> draw_starts(const CausticScene& scene, const ManifoldSettings
 bool obeys_law(const ChainQuery& query, const ChainRoot& root) {
     constexpr float kTolerance = 1e-3f;  // radians; walks end at the noise of single precision
     float distance = 0.0f;
-    const Vec3 wi = normalize(query.x - root.patch.p), wo = query.end.from(root.patch.p, distance);
+    const Vec3 wi = normalize(query.x - root.geometry.p),
+               wo = query.end.from(root.geometry.p, distance);
     const float scale = root.interaction == Interaction::reflection ? 1.0f : root.eta;
-    return length(cross(normalize(wi + wo * scale), root.patch.n)) < kTolerance;
+    return length(cross(normalize(wi + wo * scale), root.geometry.n)) < kTolerance;
 }
 
 struct Tally {

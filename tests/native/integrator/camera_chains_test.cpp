@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Lights that the camera sees in casters, by chains from the camera beside path tracing: against a
 // closed form, and against path tracing alone.
-#include "integrator/highlights.h"
+#include "integrator/camera_chains.h"
 #include "integrator/pictures.h"
 
 #include <fmt/format.h>
@@ -25,36 +25,36 @@ void set_wide_camera(SceneMaker& maker, const Vec3& from, const std::function<vo
     maker.builder.set_camera(camera);
 }
 
-enum class By { rays, leads, searches };
+enum class By { rays, chain_seeds, searches };
 
-// In the place of all leads one that comes to nothing, and so many searches that they have their share
+// In the place of all chain seeds one that comes to nothing, and so many searches that they have their share
 // beside rays, which find the lamps of this test easily.
-void blind(Highlights& highlights) {
-    highlights.searches = 16.0;
-    for (std::vector<HighlightLead>& leads : highlights.leads) {
-        if (leads.empty()) continue;
-        leads.resize(1);
-        leads[0].w = leads[0].w * -1.0f;
+void blind(CameraChains& camera_chains) {
+    camera_chains.searches = 16.0;
+    for (std::vector<ChainSeed>& chain_seeds : camera_chains.chain_seeds) {
+        if (chain_seeds.empty()) continue;
+        chain_seeds.resize(1);
+        chain_seeds[0].w = chain_seeds[0].w * -1.0f;
     }
 }
 
 // The whole picture without what lights show by themselves.
-Picture render_highlights(const RenderScene& world, By by, uint32_t rounds, uint32_t seed,
-                          const BounceLimits& limits = {16, 0, 16, 16, 16}, uint32_t walks = kWalks,
-                          ChainFinder finder = ChainFinder::sheets) {
+Picture render_camera_chains(const RenderScene& world, By by, uint32_t rounds, uint32_t seed,
+                             const BounceLimits& limits = {16, 0, 16, 16, 16},
+                             uint32_t walks = kWalks, ChainFinder finder = ChainFinder::sheets) {
     IntegratorSettings settings;
     settings.limits = limits;
     PathStats stats;
-    std::optional<Highlights> highlights;
+    std::optional<CameraChains> camera_chains;
     if (by != By::rays) {
         settings.manifold = unbiased_manifold();
         settings.manifold.finder = finder;
-        const std::unique_ptr<const Highlights> learned =
-            learn_highlights(world, settings, walks, seed, 1, Budget(), stats);
+        const std::unique_ptr<const CameraChains> learned =
+            learn_camera_chains(world, settings, walks, seed, 1, Budget(), stats);
         EXPECT_TRUE(learned) << "no chain from the camera to a light";
-        if (learned) highlights = *learned;
-        if (by == By::searches) blind(*highlights);
-        settings.highlights = &*highlights;
+        if (learned) camera_chains = *learned;
+        if (by == By::searches) blind(*camera_chains);
+        settings.camera_chains = &*camera_chains;
     }
     const Camera& camera = world.scene->camera;
     const auto& [x0, y0, width, height] = camera.crop;
@@ -80,12 +80,13 @@ Picture render_highlights(const RenderScene& world, By by, uint32_t rounds, uint
                                 .radiance));
             }
         splats.clear();
-        const auto count = highlights ? static_cast<uint64_t>(highlights->estimates) : 0u;
+        const auto count = camera_chains ? static_cast<uint64_t>(camera_chains->estimates) : 0u;
         for (uint64_t i = 0; i < count; ++i)
-            estimate_highlights(world, settings, 0.0f, seed, round * count + i, splats, stats);
-        const uint64_t searches = highlights ? highlight_searches(camera, *highlights, 0.0f) : 0u;
+            estimate_camera_chains(world, settings, 0.0f, seed, round * count + i, splats, stats);
+        const uint64_t searches =
+            camera_chains ? camera_chain_searches(camera, *camera_chains, 0.0f) : 0u;
         for (uint64_t i = 0; i < searches; ++i)
-            search_highlights(world, settings, 0.0f, seed, round * searches + i, splats, stats);
+            search_camera_chains(world, settings, 0.0f, seed, round * searches + i, splats, stats);
         for (const Splat& splat : splats) {
             add(splat.film.x, splat.film.y, average(splat.value));
             splatted += average(splat.value);
@@ -98,7 +99,7 @@ Picture render_highlights(const RenderScene& world, By by, uint32_t rounds, uint
 
 // In a flat mirror the picture of a lamp is that of a lamp behind it: its radiance over the solid
 // angle of a sphere.
-TEST(Highlights, OfASphereInAMirrorAreInClosedForm) {
+TEST(CameraChains, OfASphereInAMirrorAreInClosedForm) {
     constexpr float kRadius = 0.003f;
     const Vec3 eye = kEye, at(0.1f, 2.0f, 1.4f);
     SceneMaker maker;
@@ -118,8 +119,8 @@ TEST(Highlights, OfASphereInAMirrorAreInClosedForm) {
     const double expected = radiance * solid_angle * pixels_per_sr;
 
     for (const ChainFinder finder : {ChainFinder::sheets, ChainFinder::walks, ChainFinder::mnee}) {
-        const Picture picture =
-            render_highlights(world, By::leads, 500, 3, {16, 0, 16, 16, 16}, kWalks, finder);
+        const Picture picture = render_camera_chains(world, By::chain_seeds, 500, 3,
+                                                     {16, 0, 16, 16, 16}, kWalks, finder);
         const double error = picture.mean[4].standard_error();
         EXPECT_LT(error, 0.005 * expected);
         EXPECT_NEAR(picture.mean[4].mean(), expected, 4.0 * error);
@@ -129,7 +130,7 @@ TEST(Highlights, OfASphereInAMirrorAreInClosedForm) {
 
 // Between two mirrors, seen down a row of pictures: the one behind n reflections, the floor's first,
 // lies n below for odd n, for a distance of 1 between them.
-TEST(Highlights, BetweenMirrorsAreInClosedFormForAllReflections) {
+TEST(CameraChains, BetweenMirrorsAreInClosedFormForAllReflections) {
     constexpr float kRadius = 0.003f;
     constexpr uint32_t kMost = kLongestChain, kMiddle = 9;
     const Vec3 eye(0.0f, -0.8f, 0.5f), at(0.0f, 0.8f, 0.4f);
@@ -167,7 +168,8 @@ TEST(Highlights, BetweenMirrorsAreInClosedFormForAllReflections) {
     EXPECT_GE(seen, 5u);
 
     const BounceLimits limits{kMost - 1, 0, kMost - 1, kMost - 1, 16};
-    const Picture picture = render_highlights(world, By::leads, 500, 3, limits, 32 * kWalks);
+    const Picture picture =
+        render_camera_chains(world, By::chain_seeds, 500, 3, limits, 32 * kWalks);
     const double error = picture.mean[4].standard_error();
     EXPECT_LT(error, 0.02 * expected);
     EXPECT_NEAR(picture.mean[4].mean(), expected, 4.0 * error);
@@ -183,15 +185,15 @@ struct Case {
 };
 
 // Path tracing has to find the lamps often enough for a comparison: some pixels wide.
-void expect_agreement(std::vector<Case> cases, By by = By::leads) {
+void expect_agreement(std::vector<Case> cases, By by = By::chain_seeds) {
     for (Case& one : cases) {
         const Picture expected = true_picture(one.name, one.rounds,
                                               [&](uint32_t rounds) {
-                                                  return render_highlights(one.world, By::rays,
-                                                                           rounds, 11, one.limits);
+                                                  return render_camera_chains(
+                                                      one.world, By::rays, rounds, 11, one.limits);
                                               }),
-                      actual = render_highlights(one.world, by, one.rounds / 16, 12, one.limits,
-                                                 kWalks, one.finder);
+                      actual = render_camera_chains(one.world, by, one.rounds / 16, 12, one.limits,
+                                                    kWalks, one.finder);
         for (size_t i = 0; i < actual.mean.size(); ++i) {
             // Of less than some ten hits nothing follows for a part.
             const MeanEstimate& traced = expected.mean[i];
@@ -229,7 +231,7 @@ void add_unseen(SceneMaker& maker, const Mesh& mesh, const Graph& graph, const V
 void add_mirror_ball(SceneMaker& maker) { add_seen(maker, sphere(24, 0.5), mirror(), {0, 0, 0}); }
 void add_glass_ball(SceneMaker& maker) { add_seen(maker, sphere(24, 0.5), glass(1.5f), {0, 0, 0}); }
 
-TEST(HighlightsSlow, AgreeWithPathTracingForEveryCaster) {
+TEST(CameraChainsSlow, AgreeWithPathTracingForEveryCaster) {
     std::vector<Case> cases;
     cases.push_back(with_bulb("mirror ball", add_mirror_ball, 0.1f));
     cases.push_back(with_bulb("glass ball", add_glass_ball, 0.1f));
@@ -259,7 +261,7 @@ TEST(HighlightsSlow, AgreeWithPathTracingForEveryCaster) {
 }
 
 // What the manifold does elsewhere is not to show in their weights.
-TEST(HighlightsSlow, AgreeWithPathTracingBesideEveryFinder) {
+TEST(CameraChainsSlow, AgreeWithPathTracingBesideEveryFinder) {
     std::vector<Case> cases;
     for (const ChainFinder finder : {ChainFinder::walks, ChainFinder::mnee})
         for (const auto& add_ball : {add_mirror_ball, add_glass_ball}) {
@@ -271,7 +273,7 @@ TEST(HighlightsSlow, AgreeWithPathTracingBesideEveryFinder) {
     expect_agreement(std::move(cases));
 }
 
-TEST(HighlightsSlow, AgreeWithPathTracingForEveryCamera) {
+TEST(CameraChainsSlow, AgreeWithPathTracingForEveryCamera) {
     std::vector<Case> cases;
     cases.push_back(with_bulb("lens", add_mirror_ball, 0.1f, [](Camera& camera) {
         camera.aperture_radius = 0.02f;
@@ -290,7 +292,7 @@ TEST(HighlightsSlow, AgreeWithPathTracingForEveryCamera) {
     expect_agreement(std::move(cases));
 }
 
-TEST(HighlightsSlow, AgreeWithPathTracingForEveryLight) {
+TEST(CameraChainsSlow, AgreeWithPathTracingForEveryLight) {
     std::vector<Case> cases;
     const auto with = [&](const char* name, const std::function<void(SceneMaker&)>& add_lights,
                           const std::function<void(SceneMaker&)>& add_ball = add_glass_ball) {
@@ -321,7 +323,7 @@ TEST(HighlightsSlow, AgreeWithPathTracingForEveryLight) {
     expect_agreement(std::move(cases));
 }
 
-TEST(HighlightsSlow, AgreeWithPathTracingWhereNoLeadComesToThem) {
+TEST(CameraChainsSlow, AgreeWithPathTracingWhereNoSeedComesToThem) {
     std::vector<Case> cases;
     cases.push_back(with_bulb("lens and window", add_mirror_ball, 0.1f, [](Camera& camera) {
         camera.aperture_radius = 0.02f;
@@ -347,7 +349,7 @@ TEST(HighlightsSlow, AgreeWithPathTracingWhereNoLeadComesToThem) {
     expect_agreement(std::move(cases), By::searches);
 }
 
-TEST(HighlightsSlow, AgreeWithPathTracingWithinLimits) {
+TEST(CameraChainsSlow, AgreeWithPathTracingWithinLimits) {
     const auto both_lamps = [](SceneMaker& maker) {
         add_glass_ball(maker);
         add_bulb(maker, kBehind, 0.012f);
@@ -362,7 +364,7 @@ TEST(HighlightsSlow, AgreeWithPathTracingWithinLimits) {
     expect_agreement(std::move(cases));
 }
 
-TEST(Highlights, AreNotLookedForWhereNoneCanBe) {
+TEST(CameraChains, AreNotLookedForWhereNoneCanBe) {
     const auto learned = [](const std::function<void(SceneMaker&)>& fill) {
         SceneMaker maker;
         set_wide_camera(maker, kEye, {});
@@ -372,7 +374,7 @@ TEST(Highlights, AreNotLookedForWhereNoneCanBe) {
         settings.manifold = unbiased_manifold();
         settings.manifold.finder = ChainFinder::sheets;
         PathStats stats;
-        return learn_highlights(world, settings, kWalks, 1, 1, Budget(), stats) != nullptr;
+        return learn_camera_chains(world, settings, kWalks, 1, 1, Budget(), stats) != nullptr;
     };
     const auto bulb = [](SceneMaker& maker, float radius) { add_bulb(maker, kBefore, radius); };
     EXPECT_TRUE(learned([&](SceneMaker& maker) {

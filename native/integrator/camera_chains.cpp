@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "integrator/highlights.h"
+#include "integrator/camera_chains.h"
 
 #include "core/parallel.h"
 
@@ -9,11 +9,11 @@ namespace {
 
 // Shots of all estimates of one sample of the picture, for each pixel, and searches.
 constexpr double kShots = 1.0 / 32, kSearches = 1.0 / 4;
-constexpr double kMostLeads = 1024.0;  // to one light
+constexpr double kMostSeeds = 1024.0;  // to one light
 constexpr uint32_t kChunk = 256;
 constexpr uint32_t kHopeless = 8;  // if this part of the walks found nothing, the others do not go
 
-Sampler highlight_sampler(uint32_t seed, uint64_t index) {
+Sampler camera_chain_sampler(uint32_t seed, uint64_t index) {
     return sampler_beside_pixels(seed, 0x686967686c69ull, index);
 }
 Sampler search_sampler(uint32_t seed, uint64_t index) {
@@ -73,25 +73,25 @@ struct FilmWindow {
 };
 
 // Leads to what random rays through the middle of the lens come near.
-class LeadSearch {
+class ChainSeedSearch {
 public:
-    LeadSearch(const RenderScene& world, const IntegratorSettings& settings, const CameraEye& eye,
-               uint32_t walks, size_t most_leads, uint32_t seed)
+    ChainSeedSearch(const RenderScene& world, const IntegratorSettings& settings,
+                    const CameraEye& eye, uint32_t walks, size_t most_seeds, uint32_t seed)
         : techniques_(techniques_of(world, settings)),
           eye_(eye),
           window_(eye.camera, 0.0f),
-          most_leads_(most_leads),
+          most_seeds_(most_seeds),
           seed_(seed),
-          leads_(world.lights.count()) {
-        constexpr double kReach = 4.0;  // of the distance between walks, but no less pixels
-        reach_ = static_cast<float>(kReach * std::sqrt(std::max(1.0, window_.pixels() / walks)));
+          chain_seeds_(world.lights.count()) {
+        constexpr double kRadius = 4.0;  // of the distance between walks, but no less pixels
+        radius_ = static_cast<float>(kRadius * std::sqrt(std::max(1.0, window_.pixels() / walks)));
     }
 
-    // Of the walks numbered from `first` to `end`. Returns whether there are any leads by now.
+    // Makes the walks from `first` to `end` - 1. Returns whether there are any chain seeds by now.
     bool walk(uint32_t first, uint32_t end, uint32_t threads, const Budget& budget,
               PathStats& stats) {
         const uint32_t chunks = (end - first + kChunk - 1) / kChunk;
-        std::vector<std::vector<RandomHighlight>> found(chunks);
+        std::vector<std::vector<RandomCameraChain>> found(chunks);
         std::vector<ManifoldStats> counted(chunks);
         parallel_for(threads, chunks, [&](uint32_t c) {
             const uint32_t begin = first + c * kChunk;
@@ -100,80 +100,81 @@ public:
         });
         for (uint32_t c = 0; c < chunks; ++c) {
             stats.manifold.add(counted[c]);
-            for (const RandomHighlight& one : found[c])
-                if (!budget.must_end()) add_lead(one, stats.manifold);
+            for (const RandomCameraChain& one : found[c])
+                if (!budget.must_end()) add_seed(one, stats.manifold);
         }
-        return std::any_of(leads_.begin(), leads_.end(),
-                           [](const std::vector<HighlightLead>& some) { return !some.empty(); });
+        return std::any_of(chain_seeds_.begin(), chain_seeds_.end(),
+                           [](const std::vector<ChainSeed>& some) { return !some.empty(); });
     }
 
-    std::vector<std::vector<HighlightLead>> take() { return std::move(leads_); }
+    std::vector<std::vector<ChainSeed>> take() { return std::move(chain_seeds_); }
 
 private:
-    // Appends those that the picture shows and that leads of earlier rounds do not come to.
-    void walk(uint32_t i, std::vector<RandomHighlight>& found, ManifoldStats& stats) const {
-        const Sampler sampler = highlight_sampler(~seed_, i);
-        std::vector<RandomHighlight> near;
-        add_random_highlights(techniques_, eye_.receiver, window_.at(sampler[Domain::film].two()),
-                              reach_, sampler, near, stats);
-        for (const RandomHighlight& one : near)
-            if (eye_.place(one.solution.chain.vertices[0].patch.p, 0.0f) && !is_known(one, stats))
+    // Appends the camera chains of walk `i` that the picture shows and that no seed of earlier rounds finds.
+    void walk(uint32_t i, std::vector<RandomCameraChain>& found, ManifoldStats& stats) const {
+        const Sampler sampler = camera_chain_sampler(~seed_, i);
+        std::vector<RandomCameraChain> near;
+        add_random_camera_chains(techniques_, eye_.receiver, window_.at(sampler[Domain::film].two()),
+                                 radius_, sampler, near, stats);
+        for (const RandomCameraChain& one : near)
+            if (eye_.place(one.solution.chain.vertices[0].geometry.p, 0.0f) && !is_known(one, stats))
                 found.push_back(one);
     }
 
-    // Whether one of the leads that begin nearest comes to it, or there are enough.
-    bool is_known(const RandomHighlight& highlight, ManifoldStats& stats) const {
+    // Whether one of the nearest chain seeds finds it, or its light has enough seeds.
+    bool is_known(const RandomCameraChain& camera_chain, ManifoldStats& stats) const {
         constexpr size_t kNearest = 4;
-        const std::vector<HighlightLead>& leads = leads_[highlight.y.light];
-        if (leads.size() >= most_leads_) return true;
-        const ChainSolution& solution = highlight.solution;
-        std::vector<const HighlightLead*> alike;
-        for (const HighlightLead& lead : leads)
-            if (lead.kind == solution.kind) alike.push_back(&lead);
+        const std::vector<ChainSeed>& chain_seeds = chain_seeds_[camera_chain.y.light];
+        if (chain_seeds.size() >= most_seeds_) return true;
+        const ChainSolution& solution = camera_chain.solution;
+        std::vector<const ChainSeed*> alike;
+        for (const ChainSeed& chain_seed : chain_seeds)
+            if (chain_seed.kind == solution.kind) alike.push_back(&chain_seed);
         const auto count = static_cast<ptrdiff_t>(std::min(kNearest, alike.size()));
         std::partial_sort(alike.begin(), alike.begin() + count, alike.end(),
-                          [&](const HighlightLead* a, const HighlightLead* b) {
+                          [&](const ChainSeed* a, const ChainSeed* b) {
                               return dot(a->w, solution.w) > dot(b->w, solution.w);
                           });
-        return std::any_of(alike.begin(), alike.begin() + count, [&](const HighlightLead* lead) {
-            return leads_to(techniques_, eye_.receiver, *lead, highlight, stats);
+        return std::any_of(alike.begin(), alike.begin() + count, [&](const ChainSeed* chain_seed) {
+            return seed_finds(techniques_, eye_.receiver, *chain_seed, camera_chain, stats);
         });
     }
 
-    void add_lead(const RandomHighlight& highlight, ManifoldStats& stats) {
-        if (is_known(highlight, stats)) return;
-        leads_[highlight.y.light].push_back({highlight.solution.kind, highlight.solution.w});
+    void add_seed(const RandomCameraChain& camera_chain, ManifoldStats& stats) {
+        if (is_known(camera_chain, stats)) return;
+        chain_seeds_[camera_chain.y.light].push_back(
+            {camera_chain.solution.kind, camera_chain.solution.w});
     }
 
     const Techniques techniques_;
     const CameraEye& eye_;
     const FilmWindow window_;
-    const size_t most_leads_;
+    const size_t most_seeds_;
     const uint32_t seed_;
-    float reach_;                                    // pixels
-    std::vector<std::vector<HighlightLead>> leads_;  // of each light
+    float radius_;                                     // pixels
+    std::vector<std::vector<ChainSeed>> chain_seeds_;  // of each light
 };
 
 }  // namespace
 
-std::unique_ptr<const Highlights> learn_highlights(const RenderScene& world,
-                                                   IntegratorSettings settings, uint32_t walks,
-                                                   uint32_t seed, uint32_t threads,
-                                                   const Budget& budget, PathStats& stats) {
+std::unique_ptr<const CameraChains> learn_camera_chains(const RenderScene& world,
+                                                        IntegratorSettings settings, uint32_t walks,
+                                                        uint32_t seed, uint32_t threads,
+                                                        const Budget& budget, PathStats& stats) {
     const Scene& scene = *world.scene;
     if (settings.casters_of(world).empty() || world.lights.caustic_selection.empty() ||
         scene.camera.projection != Projection::perspective)
         return nullptr;
     const double shots = std::max(1.0, kShots * pixel_count(scene.camera));
     const size_t lights = world.lights.count();
-    // As if one lead led to each light: what is not worth an estimate then never is.
-    const Highlights most{std::vector(lights, std::vector(1, HighlightLead{})), shots};
-    settings.highlights = &most;
+    // Weights as if each light had a single chain seed: chains that get no share then never do.
+    const CameraChains most{std::vector(lights, std::vector(1, ChainSeed{{}, Vec3(0.0f)})), shots};
+    settings.camera_chains = &most;
     settings.manifold.longest_chain = kLongestChain;
     const Vec2 middle(0.5f, 0.5f);
     const CameraEye eye(scene, settings, middle, stats.rays);
-    LeadSearch search(world, settings, eye, walks, static_cast<size_t>(std::min(kMostLeads, shots)),
-                      seed);
+    ChainSeedSearch search(world, settings, eye, walks,
+                           static_cast<size_t>(std::min(kMostSeeds, shots)), seed);
     // Each round has as many walks as all before, which spare it what they have found.
     uint32_t end = 0;
     const uint64_t work_before = stats.manifold.work();
@@ -184,48 +185,50 @@ std::unique_ptr<const Highlights> learn_highlights(const RenderScene& world,
         if (budget.is_spent(stats.manifold.work() - work_before)) break;
     }
     if (budget.is_cancelled()) return nullptr;
-    auto result = std::make_unique<Highlights>();
-    result->leads = search.take();
-    double leads = 0.0;  // that an estimate shoots on average
+    auto result = std::make_unique<CameraChains>();
+    result->chain_seeds = search.take();
+    double chain_seeds = 0.0;  // that an estimate shoots on average
     for (uint32_t light = 0; light < lights; ++light)
-        leads += static_cast<double>(world.lights.caustic_selection.probability(light)) *
-                 static_cast<double>(result->leads[light].size());
-    if (leads == 0.0) return nullptr;
-    result->estimates = std::ceil(std::min(shots / leads, pixel_count(scene.camera)));
+        chain_seeds += static_cast<double>(world.lights.caustic_selection.probability(light)) *
+                       static_cast<double>(result->chain_seeds[light].size());
+    if (chain_seeds == 0.0) return nullptr;
+    result->estimates = std::ceil(std::min(shots / chain_seeds, pixel_count(scene.camera)));
     result->searches = kSearches;
     return result;
 }
 
-void estimate_highlights(const RenderScene& world, const IntegratorSettings& settings, float margin,
-                         uint32_t seed, uint64_t index, std::vector<Splat>& splats,
-                         PathStats& stats) {
-    const Sampler sampler = highlight_sampler(seed, index);
+void estimate_camera_chains(const RenderScene& world, const IntegratorSettings& settings,
+                            float margin, uint32_t seed, uint64_t index, std::vector<Splat>& splats,
+                            PathStats& stats) {
+    const Sampler sampler = camera_chain_sampler(seed, index);
     const CameraEye eye(*world.scene, settings, sampler[Domain::lens].two(), stats.rays);
-    std::vector<Highlight> found;
-    find_highlights(techniques_of(world, settings), eye.receiver, sampler, found, stats.manifold);
-    for (const Highlight& one : found)
+    std::vector<CameraChain> found;
+    find_camera_chains(techniques_of(world, settings), eye.receiver, sampler, found, stats.manifold);
+    for (const CameraChain& one : found)
         if (const std::optional<Vec2> film = eye.place(one.p, margin))
             splats.push_back({*film, one.value});
 }
 
-uint64_t highlight_searches(const Camera& camera, const Highlights& highlights, float margin) {
+uint64_t camera_chain_searches(const Camera& camera, const CameraChains& camera_chains,
+                               float margin) {
     return static_cast<uint64_t>(
-        std::ceil(highlights.searches * FilmWindow(camera, margin).pixels()));
+        std::ceil(camera_chains.searches * FilmWindow(camera, margin).pixels()));
 }
 
-void search_highlights(const RenderScene& world, const IntegratorSettings& settings, float margin,
-                       uint32_t seed, uint64_t index, std::vector<Splat>& splats, PathStats& stats) {
+void search_camera_chains(const RenderScene& world, const IntegratorSettings& settings,
+                          float margin, uint32_t seed, uint64_t index, std::vector<Splat>& splats,
+                          PathStats& stats) {
     const Camera& camera = world.scene->camera;
     const FilmWindow window(camera, margin);
     const Sampler sampler = search_sampler(seed, index);
     const Vec2 film = window.at(sampler[Domain::film].two());
     const Vec2 pixel(std::floor(film.x), std::floor(film.y));
     const CameraEye eye(*world.scene, settings, sampler[Domain::lens].two(), stats.rays);
-    const std::optional<Highlight> one = search_highlight(
+    const std::optional<CameraChain> one = search_camera_chain(
         techniques_of(world, settings), eye.receiver, pixel, sampler, stats.manifold);
     if (!one) return;
     const auto searches =
-        static_cast<double>(highlight_searches(camera, *settings.highlights, margin));
+        static_cast<double>(camera_chain_searches(camera, *settings.camera_chains, margin));
     if (const std::optional<Vec2> place = eye.place(one->p, margin))
         splats.push_back({*place, one->value * static_cast<float>(window.pixels() / searches)});
 }

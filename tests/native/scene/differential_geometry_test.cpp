@@ -13,7 +13,7 @@ namespace {
 
 enum class Map { none, tangent_given, tangent_derived, no_uv, object_space, bump, both };
 
-struct PatchCase {
+struct GeometryCase {
     std::string name;
     Transform transform;
     bool smooth = true;
@@ -29,7 +29,7 @@ Vec3d slope_normal(double x, double y) {
     return normalize(Vec3d(-dx, -dy, 1.0));
 }
 
-Mesh bumpy_mesh(const PatchCase& c) {
+Mesh bumpy_mesh(const GeometryCase& c) {
     Mesh mesh = test::grid(
         3, [](double u, double v) { return Vec3d(u, v, height(u, v)); }, slope_normal);
     if (!c.smooth) mesh.normals.clear();
@@ -83,7 +83,7 @@ Graph mapped_mirror(Map map, float strength) {
 }
 
 // The instance under test is number 0.
-std::unique_ptr<Scene> patch_scene(const PatchCase& c) {
+std::unique_ptr<Scene> geometry_scene(const GeometryCase& c) {
     SceneBuilder builder;
     builder.set_camera(Camera{});
     builder.add_image(wavy_normals());
@@ -105,7 +105,7 @@ Transform scaled(Transform t, const Vec3& scale) {
     return t;
 }
 
-std::vector<PatchCase> all_cases() {
+std::vector<GeometryCase> all_cases() {
     const Transform turned = test::rotation_x(0.7f, Vec3(0.3f, -2.0f, 1.0f));
     const std::pair<const char*, Transform> transforms[] = {
         {"identity", {}},
@@ -124,7 +124,7 @@ std::vector<PatchCase> all_cases() {
         {"bump", Map::bump, 1.0f},
         {"bump, weak", Map::bump, 0.6f},
         {"bump over given tangents", Map::both, 0.8f}};
-    std::vector<PatchCase> cases;
+    std::vector<GeometryCase> cases;
     for (const auto& [where, transform] : transforms)
         for (const auto& [what, map, strength] : maps)
             for (const bool smooth : {true, false})
@@ -151,11 +151,11 @@ SurfaceHit random_hit(test::Uniforms& uniforms, const Scene& scene) {
                          : SurfaceHit{0, triangle, 0.97f - a, 0.97f - b};
 }
 
-TEST(CasterPatch, LiesOnTheTransformedMesh) {
-    for (const PatchCase& c : all_cases()) {
+TEST(DifferentialGeometry, LiesOnTheTransformedMesh) {
+    for (const GeometryCase& c : all_cases()) {
         SCOPED_TRACE(c.name);
         const Mesh mesh = bumpy_mesh(c);
-        const std::unique_ptr<Scene> scene = patch_scene(c);
+        const std::unique_ptr<Scene> scene = geometry_scene(c);
         EXPECT_EQ(scene->instances[0].world_positions.empty(), c.shared);
         test::Uniforms uniforms(1);
         for (int i = 0; i < 20; ++i) {
@@ -172,27 +172,27 @@ TEST(CasterPatch, LiesOnTheTransformedMesh) {
                                           mesh.normals[3 * hit.triangle + 1] * hit.u +
                                           mesh.normals[3 * hit.triangle + 2] * hit.v;
             for (const bool base : {false, true}) {
-                const CasterPatch patch = evaluate_caster(*scene, hit, base);
-                EXPECT_LT(length(patch.p - c.transform.point(p)), 1e-5f);
-                EXPECT_NEAR_ANGLE(patch.ng, by_inverse_transpose(c.transform, normalize(face)),
+                const DifferentialGeometry geometry = evaluate_caster(*scene, hit, base);
+                EXPECT_LT(length(geometry.p - c.transform.point(p)), 1e-5f);
+                EXPECT_NEAR_ANGLE(geometry.ng, by_inverse_transpose(c.transform, normalize(face)),
                                   1e-5);
-                EXPECT_NEAR(length(patch.n), 1.0f, 1e-5f);
+                EXPECT_NEAR(length(geometry.n), 1.0f, 1e-5f);
                 const Vec3 unmapped = by_inverse_transpose(c.transform, normalize(smooth));
                 if (base || c.map == Map::none) {
-                    EXPECT_NEAR_ANGLE(patch.n, unmapped, 1e-5);
+                    EXPECT_NEAR_ANGLE(geometry.n, unmapped, 1e-5);
                 } else if (c.map == Map::tangent_given || c.map == Map::bump) {
-                    EXPECT_GT(test::angle_between(patch.n, unmapped), 1e-4) << "no map";
+                    EXPECT_GT(test::angle_between(geometry.n, unmapped), 1e-4) << "no map";
                 }
             }
         }
     }
 }
 
-TEST(CasterPatch, DerivativesMatchDifferencesOfNeighbours) {
+TEST(DifferentialGeometry, DerivativesMatchDifferencesOfNeighbours) {
     constexpr float h = 1e-3f;
-    for (const PatchCase& c : all_cases()) {
+    for (const GeometryCase& c : all_cases()) {
         SCOPED_TRACE(c.name);
-        const std::unique_ptr<Scene> scene = patch_scene(c);
+        const std::unique_ptr<Scene> scene = geometry_scene(c);
         test::Uniforms uniforms(2);
         int kinks = 0, curved = 0;
         constexpr int kHits = 24;
@@ -205,7 +205,7 @@ TEST(CasterPatch, DerivativesMatchDifferencesOfNeighbours) {
                         (along_u ? near.u : near.v) += step;
                         return evaluate_caster(*scene, near, base);
                     };
-                    const CasterPatch here = at(0.0f), next = at(h), before = at(-h);
+                    const DifferentialGeometry here = at(0.0f), next = at(h), before = at(-h);
                     const Vec3 dp = along_u ? here.dp_du : here.dp_dv,
                                dn = along_u ? here.dn_du : here.dn_dv;
                     const Vec3 p_difference = (next.p - before.p) * (0.5f / h),
@@ -234,45 +234,45 @@ TEST(CasterPatch, DerivativesMatchDifferencesOfNeighbours) {
 
 // What transport sees at the same hit: the normal of its mirror is the walk's normal, on the side
 // of wo.
-TEST(CasterPatch, NormalIsTheClosuresNormal) {
-    for (const PatchCase& c : all_cases()) {
+TEST(DifferentialGeometry, NormalIsTheClosuresNormal) {
+    for (const GeometryCase& c : all_cases()) {
         SCOPED_TRACE(c.name);
-        const std::unique_ptr<Scene> scene = patch_scene(c);
+        const std::unique_ptr<Scene> scene = geometry_scene(c);
         test::Uniforms uniforms(3);
         for (int i = 0; i < 20; ++i) {
             const SurfaceHit hit = random_hit(uniforms, *scene);
-            const CasterPatch patch = evaluate_caster(*scene, hit, false),
-                              base = evaluate_caster(*scene, hit, true);
+            const DifferentialGeometry geometry = evaluate_caster(*scene, hit, false),
+                                       base = evaluate_caster(*scene, hit, true);
             for (const float side : {1.0f, -1.0f}) {
                 Surface surface;
-                evaluate_surface(*scene, hit, normalize(patch.ng + patch.n) * side, surface);
+                evaluate_surface(*scene, hit, normalize(geometry.ng + geometry.n) * side, surface);
                 EXPECT_EQ(surface.backfacing, side < 0.0f);
-                EXPECT_NEAR_ANGLE(surface.ng, patch.ng * side, 1e-6);
+                EXPECT_NEAR_ANGLE(surface.ng, geometry.ng * side, 1e-6);
                 EXPECT_NEAR_ANGLE(surface.n, base.n * side, 1e-5);
-                EXPECT_LT(length(surface.p - patch.p), 1e-5f);
+                EXPECT_LT(length(surface.p - geometry.p), 1e-5f);
                 ASSERT_EQ(surface.closures.count, 1);
                 const auto& mirror =
                     std::get<MicrofacetReflection>(surface.closures.closures[0].kind);
                 EXPECT_TRUE(surface.closures.closures[0].on_caster_normal);
-                EXPECT_NEAR_ANGLE(mirror.n, patch.n * side, 2e-5);
+                EXPECT_NEAR_ANGLE(mirror.n, geometry.n * side, 2e-5);
             }
         }
     }
 }
 
 // One user or many is the host's affair: the record must not show it.
-TEST(CasterPatch, SharedMeshesAreTheSameSurface) {
-    for (PatchCase c : all_cases()) {
+TEST(DifferentialGeometry, SharedMeshesAreTheSameSurface) {
+    for (GeometryCase c : all_cases()) {
         if (c.shared) continue;
         SCOPED_TRACE(c.name);
-        const std::unique_ptr<Scene> single = patch_scene(c);
+        const std::unique_ptr<Scene> single = geometry_scene(c);
         c.shared = true;
-        const std::unique_ptr<Scene> shared = patch_scene(c);
+        const std::unique_ptr<Scene> shared = geometry_scene(c);
         test::Uniforms uniforms(4);
         for (int i = 0; i < 10; ++i) {
             const SurfaceHit hit = random_hit(uniforms, *single);
-            const CasterPatch a = evaluate_caster(*single, hit, false),
-                              b = evaluate_caster(*shared, hit, false);
+            const DifferentialGeometry a = evaluate_caster(*single, hit, false),
+                                       b = evaluate_caster(*shared, hit, false);
             for (const auto& [x, y] : {std::pair{a.p, b.p},
                                        {a.dp_du, b.dp_du},
                                        {a.dp_dv, b.dp_dv},

@@ -10,7 +10,7 @@ namespace spc {
 // Place for values without their initialisation, which costs more than the few that are used: each
 // is written before it is read.
 template <class T, size_t kSize>
-class Room {
+class UninitializedArray {
 public:
     static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_destructible_v<T>);
     T* data() { return reinterpret_cast<T*>(storage_); }

@@ -1,0 +1,174 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A picture that is there at once and gets better: the renders behind a rendered viewport.
+
+Knows nothing of Blender. While the camera moves, one path-traced sample of a coarser picture is
+taken from each place. Once it rests, finer ones follow; then path tracing shows the full picture
+while the scene's method prepares, which takes over when it has a sample of each pixel.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import time
+
+import numpy as np
+
+from . import native
+from .abi import Method, Pass, RenderSettings, RenderState
+from .export.desc import CameraDesc
+from .upload import camera_struct
+
+COARSE_SECONDS = 0.05  # that one sample of the moving picture may take
+REST_SECONDS = 0.15  # without a change, before the full picture begins
+MOST_COARSE = 16  # pixels along the edge of a coarse one
+
+
+@dataclasses.dataclass(frozen=True)
+class Picture:
+    """A part of a region as it stands."""
+
+    pixels: np.ndarray  # (height, width, 4) float32, premultiplied, scene linear, bottom row first
+    crop: tuple[int, int, int, int]  # of the region that it covers: x0, y0, width, height
+
+
+class Refinement:
+    """Renders of one committed scene from one place at a time; `close` frees it with the scene."""
+
+    def __init__(self, scene: native.Scene):
+        """Owns `scene` from here on."""
+        self._scene = scene
+        self._settings: RenderSettings | None = None
+        self._exposure = 1.0
+        self._camera: CameraDesc | None = None
+        self._render: _Render | None = None
+        self._factor = 1  # pixels along the edge of one that is rendered
+        self._fast_factor = 4.0  # with which a sample of the picture takes COARSE_SECONDS
+        self._moved = 0.0  # when the camera did last, s
+
+    def look(self, camera: CameraDesc, settings: RenderSettings, exposure: float) -> None:
+        """Begins anew from there; what was under way is cancelled. `settings.samples` is how far
+        the picture gets, `exposure` a factor on it."""
+        self._camera, self._settings, self._exposure = camera, settings, exposure
+        self._moved = time.monotonic()
+        self._begin(max(1, round(self._fast_factor)))
+
+    def picture(self) -> Picture | None:
+        """What there is to show, None if that is no more than before; begins what comes next.
+
+        Raises NativeError if a render failed.
+        """
+        if self._render is None:
+            return None
+        picture = self._render.picture()
+        if self._factor > 1 and self._render.ended:
+            slower = np.sqrt(max(self._render.seconds, 1e-4) / COARSE_SECONDS)
+            if time.monotonic() - self._moved < REST_SECONDS:
+                self._fast_factor = float(np.clip(self._factor * slower, 1.0, MOST_COARSE))
+            else:
+                self._begin(self._factor // 2)
+        return picture
+
+    @property
+    def is_final(self) -> bool:
+        """Whether nothing better will come."""
+        return self._render is None or (self._factor == 1 and self._render.ended)
+
+    def progress(self) -> str:
+        """Such as "sample 12.3/256"; empty while a coarse picture is shown."""
+        if self._render is None or self._factor > 1:
+            return ""
+        return f"sample {self._render.samples:.1f}/{self._settings.samples}"
+
+    def close(self) -> None:
+        self._stop()
+        self._scene.close()
+
+    def _begin(self, factor: int) -> None:
+        self._stop()
+        self._factor = factor
+        path_traced = native.changed(self._settings, method=Method.PT)
+        if factor > 1:
+            wanted = [native.changed(path_traced, samples=1)]
+        elif self._settings.method == Method.PT:
+            wanted = [path_traced]
+        else:
+            wanted = [path_traced, self._settings]
+        camera = coarser(self._camera, factor) if factor > 1 else self._camera
+        self._render = _Render(self._scene, camera, self._camera.crop, wanted, self._exposure)
+
+    def _stop(self) -> None:
+        if self._render is not None:
+            self._render.close()
+            self._render = None
+
+
+class _Render:
+    """Sessions of one camera: of path tracing alone, or until the method has a sample, too."""
+
+    def __init__(self, scene, camera: CameraDesc, shown: tuple, wanted: list, exposure: float):
+        self._crop, self._shown, self._exposure = camera.crop, shown, exposure
+        self.seconds, self.samples, self.ended = 0.0, 0.0, False
+        self._read = (-1, 0.0)  # sessions and samples of the last picture
+        self._sessions: list[native.Session] = []
+        scene.set("camera", camera_struct(camera))
+        try:
+            for settings in wanted:
+                self._sessions.append(native.Session(scene, settings))
+        except BaseException:
+            self.close()
+            raise
+
+    def picture(self) -> Picture | None:
+        """Empty until each pixel has a sample."""
+        progress = self._sessions[-1].wait(0)
+        self.seconds = progress.seconds
+        self.ended = progress.state != RenderState.RUNNING
+        stats = [session.stats() for session in self._sessions]
+        pixels = self._crop[2] * self._crop[3]
+        self.samples = stats[-1]["samples"] / pixels
+        if len(stats) == 2 and stats[1]["first_sample_seconds"] > 0.0:
+            self._sessions[0].cancel()
+            if self.ended or stats[1]["samples"] >= stats[0]["samples"]:
+                # Path tracing does not find all light: it has served its turn.
+                self._sessions.pop(0).close()
+                stats.pop(0)
+        whole = [
+            (session, of["samples"])
+            for session, of in zip(self._sessions, stats, strict=True)
+            if of["first_sample_seconds"] > 0.0
+        ]
+        total = sum(samples for _, samples in whole)
+        if not whole or (len(whole), total) == self._read:
+            return None
+        self._read = (len(whole), total)
+        blend = sum(
+            np.float32(samples / total) * session.read(Pass.COMBINED, *self._crop[2:])
+            for session, samples in whole
+        )
+        blend[:, :3] *= self._exposure
+        return Picture(blend.reshape(self._crop[3], self._crop[2], 4), self._shown)
+
+    def close(self) -> None:
+        for session in self._sessions:
+            session.close()
+        self._sessions = []
+
+
+def coarser(camera: CameraDesc, factor: int) -> CameraDesc:
+    """The crop of `camera` as a whole frame of pixels `factor` times as large."""
+    x0, y0, width, height = camera.crop
+    left, right, bottom, top = camera.viewplane
+    across, up = (right - left) / camera.width, (top - bottom) / camera.height
+    fewer = (max(1, -(-width // factor)), max(1, -(-height // factor)))
+    return dataclasses.replace(
+        camera,
+        width=fewer[0],
+        height=fewer[1],
+        crop=(0, 0, *fewer),
+        viewplane=(
+            left + across * x0,
+            left + across * (x0 + width),
+            bottom + up * y0,
+            bottom + up * (y0 + height),
+        ),
+    )

@@ -106,6 +106,15 @@ class NodeOption(Structure):
     ]
 
 
+class NodeArray(Structure):
+    _fields_ = [
+        ("node", c_uint32),
+        ("name", c_char_p),
+        ("values", POINTER(c_float)),
+        ("count", c_uint32),
+    ]
+
+
 class NodeLink(Structure):
     _fields_ = [
         ("from_node", c_uint32),
@@ -131,6 +140,8 @@ class MaterialDesc(SizedStructure):
         ("input_count", c_uint32),
         ("options", POINTER(NodeOption)),
         ("option_count", c_uint32),
+        ("arrays", POINTER(NodeArray)),
+        ("array_count", c_uint32),
         ("links", POINTER(NodeLink)),
         ("link_count", c_uint32),
         ("glints", c_uint32),

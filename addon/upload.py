@@ -140,7 +140,7 @@ def material_struct(material: desc.MaterialDesc) -> abi.MaterialDesc:
         abi.NodeLink(link.from_node, _text(link.from_socket), link.to_node, _text(link.to_socket))
         for link in material.links
     ]
-    return abi.MaterialDesc(
+    struct = abi.MaterialDesc(
         name=_text(material.name),
         nodes=(abi.Node * len(nodes))(*nodes),
         node_count=len(nodes),
@@ -152,6 +152,14 @@ def material_struct(material: desc.MaterialDesc) -> abi.MaterialDesc:
         link_count=len(links),
         glints=material.glints,
     )
+    arrays = []
+    for index, node in enumerate(material.nodes):
+        for name, values in node.arrays.items():
+            arrays.append(abi.NodeArray(node=index, name=_text(name), count=values.size))
+            _point_to(struct, arrays[-1], "values", values, values.shape)
+    struct.arrays = (abi.NodeArray * len(arrays))(*arrays)
+    struct.array_count = len(arrays)
+    return struct
 
 
 def _mesh(mesh: desc.MeshDesc) -> abi.MeshDesc:

@@ -46,6 +46,7 @@ COMMAND_NEEDS = {
     "test asan": ["build", "native tests"],
     "test tsan": ["build", "native tests"],
     "test fuzz": ["build", "native tests"],
+    "test parity": ["build", "blender", "bpy", "python tests"],
     "test addon": ["header", "python tests"],
     "test blender": ["build", "blender", "python tests"],
     "test bpy": ["build", "bpy"],

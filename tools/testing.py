@@ -6,7 +6,7 @@ tests that are marked as slow: by Slow in their name (GoogleTest) or by `@pytest
 
     --quick     while working: five minutes on two cores
     (none)      before a merge: half an hour; statistics at the power that power.h gives them by day
-    --nightly   hours: statistics at full power, all truths found anew, long fuzzing
+    --nightly   hours: statistics at full power, all truths found anew, long fuzzing, parity
 """
 
 from __future__ import annotations
@@ -190,6 +190,12 @@ def run_fuzz(log: Path, selection: Selection) -> Result:
     return result
 
 
+def run_parity(log: Path, selection: Selection) -> Result:
+    """Every node, closure, lamp and setting beside Cycles."""
+    code, lines = run_logged([str(ROOT / "dev"), "parity"], log)
+    return Result("parity", "passed" if code == 0 else "failed", lines[-2:])
+
+
 def addon_environment() -> dict[str, str]:
     """Environment of a Python without Blender in which `import specula` finds addon/."""
     env = dict(os.environ)
@@ -256,6 +262,7 @@ SUITES = {
     "images": Suite(run_images, Tier.DAILY),
     "instruments": Suite(run_instruments, Tier.QUICK),
     "fuzz": Suite(run_fuzz, Tier.NIGHTLY),
+    "parity": Suite(run_parity, Tier.NIGHTLY),
 }
 
 

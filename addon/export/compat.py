@@ -92,6 +92,18 @@ OLD_IDENTIFIERS = {
     "Coat Normal": ("Clearcoat Normal",),
     "Sheen Weight": ("Sheen",),
     "Subsurface Weight": ("Subsurface",),
+    # Of the nodes that separated and combined colours until Separate Color and Combine Color.
+    "Color": ("Image",),
+    "Red": ("R", "H"),
+    "Green": ("G", "S"),
+    "Blue": ("B", "V"),
+    # Until 5.0.
+    "Fac": ("Factor",),
+}
+NEW_IDENTIFIERS = {
+    old: tuple(new for new, names in OLD_IDENTIFIERS.items() if old in names)
+    for names in OLD_IDENTIFIERS.values()
+    for old in names
 }
 
 
@@ -102,6 +114,12 @@ def find_input(node, name: str):
             if socket.identifier == identifier:
                 return socket
     return None
+
+
+def output_name(socket, names: tuple[str, ...]) -> str | None:
+    """Which of our names of a node's outputs is that of `socket`; None if none is."""
+    known = (socket.identifier, *NEW_IDENTIFIERS.get(socket.identifier, ()))
+    return next((name for name in names if name in known), None)
 
 
 def is_sharp(node) -> bool:

@@ -56,6 +56,7 @@ class NodeDesc:
     image: int = NONE
     inputs: dict[str, tuple[float, float, float, float]] = field(default_factory=dict)
     options: dict[str, str] = field(default_factory=dict)
+    arrays: dict[str, np.ndarray] = field(default_factory=dict)  # (rows, columns) float32
 
 
 @dataclass(frozen=True)

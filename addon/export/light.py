@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from . import compat, graph
+from . import compat, graph, ignored
 from .desc import AreaShape, LightDesc, LightType, Visibility
 from .log import ExportLog
 
@@ -34,6 +34,7 @@ def export_light(
         return None
     if compat.has_light_linking(obj):
         log.warn(owner, "light linking is not supported, it shines on and is blocked by everything")
+    ignored.warn_of_bounces(light, owner, log)
     if not compat.casts_shadows(light):
         visibility &= ~Visibility.SHADOW
     desc = LightDesc(

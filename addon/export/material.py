@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from operator import attrgetter
 
 from . import compat, graph
 from .desc import Glints, LinkDesc, MaterialDesc, NodeDesc
@@ -125,9 +126,9 @@ class Converter:
 
     def _output(self, source: graph.Output, reader) -> tuple[int, str] | None:
         """Node index and socket name for `source`; None if its value is not supported."""
-        node, name = source.node, source.socket.identifier
-        row = NODES.get(node.bl_idname)
-        if row is not None and name in row.outputs:
+        node, row = source.node, NODES.get(source.node.bl_idname)
+        name = compat.output_name(source.socket, row.outputs) if row else None
+        if name is not None:
             return self._node(node, row, source.path), name
         what = f"node type {node.bl_label}" if row is None else f"output {source.socket.name}"
         if reader.type == "SHADER" and self._in_volume:
@@ -149,16 +150,20 @@ class Converter:
         self._nodes.append(desc)
         for name in row.inputs:
             self._input(index, node, name, path)
-        for option, values in row.options.items():
-            desc.options[option] = self._option(node, option, values)
+        for path, values in row.options.items():
+            desc.options[path.split(".")[-1]] = self._option(node, path, values)
+        desc.options |= row.fixed_options
+        for name, values in row.arrays.items():
+            desc.arrays[name] = values(node)
         self._check_neutral(node, row)
         if row.adjust:
             row.adjust(self, node, desc)
         return index
 
-    def _option(self, node, option: str, values: tuple[str, ...]) -> str:
-        value = str(getattr(node, option))  # of booleans, too
+    def _option(self, node, path: str, values: tuple[str, ...]) -> str:
+        value = str(attrgetter(path)(node))  # of booleans, too
         if values and value not in values and not compat.is_sharp(node):
+            option = path.split(".")[-1]
             self.warn(node, f"{option} {value} is not supported, {values[0]} is used")
         return value if not values or value in values else values[0]
 

@@ -9,6 +9,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from . import compat
 
 WHITE = (1.0, 1.0, 1.0, 1.0)
@@ -24,11 +26,16 @@ class NodeKind:
     kind: str
     inputs: tuple[str, ...] = ()
     outputs: tuple[str, ...] = ()
-    # Option of the core = property of the node -> values the core knows; the first is the fallback.
+    # Property of the node, or of what it holds -> values that the core knows, of which the first is
+    # the fallback. The core's option is called as the property.
     options: dict[str, tuple[str, ...]] = field(default_factory=dict)
     # What Specula does not model, and the value at which that makes no difference.
     neutral_inputs: dict[str, float] = field(default_factory=dict)
     neutral_properties: dict[str, object] = field(default_factory=dict)
+    # Options of the core that the type of the node decides.
+    fixed_options: dict[str, str] = field(default_factory=dict)
+    # Array of the core -> its (rows, columns) numbers from the node.
+    arrays: dict[str, Callable] = field(default_factory=dict)
     # Changes the finished node: adjust(converter, blender_node, node_desc).
     adjust: Callable | None = None
 
@@ -87,6 +94,35 @@ def _old_principled(converter, node, desc) -> None:
     _clearcoat(converter, node, desc)
 
 
+def _ramp(node) -> np.ndarray:
+    """The colours (256, 4) of a ramp that Cycles, too, looks up."""
+    ramp = node.color_ramp
+    return np.array([ramp.evaluate(i / 255) for i in range(256)], np.float32)
+
+
+def _curves(node) -> np.ndarray:
+    """Rows (256, 1 + curves) of a place and what Cycles, too, looks up there.
+
+    Of colours the fourth curve, of all channels, comes before those of each.
+    """
+    mapping = node.mapping
+    mapping.initialize()
+    ends = [(curve.points[0].location.x, curve.points[-1].location.x) for curve in mapping.curves]
+    places = np.linspace(min(low for low, _ in ends), max(high for _, high in ends), 256)
+    *own, last = mapping.curves
+    if len(own) == 3:
+        inner = [mapping.evaluate(last, place) for place in places]
+    else:
+        own, inner = list(mapping.curves), places
+    columns = [[mapping.evaluate(curve, place) for place in inner] for curve in own]
+    return np.array([places, *columns], np.float32).T
+
+
+def _direction(converter, node, desc) -> None:
+    """A Normal node keeps its direction in its output socket."""
+    desc.inputs["Direction"] = (*node.outputs["Normal"].default_value, 1.0)
+
+
 def _image(converter, node, desc) -> None:
     """Exports the node's image."""
     desc.image = converter.images.add(node.image, node.image_user, converter.label(node))
@@ -100,6 +136,42 @@ _GLOSSY = NodeKind(
     neutral_inputs={"Anisotropy": 0.0},
     adjust=_sharp,
 )
+
+_BLENDS = (
+    "MIX",
+    "DARKEN",
+    "MULTIPLY",
+    "BURN",
+    "LIGHTEN",
+    "SCREEN",
+    "DODGE",
+    "ADD",
+    "OVERLAY",
+    "SOFT_LIGHT",
+    "LINEAR_LIGHT",
+    "DIFFERENCE",
+    "EXCLUSION",
+    "SUBTRACT",
+    "DIVIDE",
+    "HUE",
+    "SATURATION",
+    "COLOR",
+    "VALUE",
+)
+_CHANNELS = ("Red", "Green", "Blue")
+_SWITCH = ("False", "True")
+
+
+_EXTEND = {"mapping.extend": ("EXTRAPOLATED", "HORIZONTAL")}
+
+
+def _separate(**columns) -> NodeKind:
+    return NodeKind("separate_color", ("Color",), _CHANNELS, **columns)
+
+
+def _combine(**columns) -> NodeKind:
+    return NodeKind("combine_color", _CHANNELS, ("Color",), **columns)
+
 
 NODES = {
     "ShaderNodeBsdfDiffuse": NodeKind("bsdf_diffuse", ("Color", "Roughness", "Normal"), ("BSDF",)),
@@ -214,6 +286,119 @@ NODES = {
         ("Vector", "Location", "Rotation", "Scale"),
         ("Vector",),
         options={"vector_type": ("POINT", "TEXTURE", "VECTOR", "NORMAL")},
+    ),
+    "ShaderNodeMath": NodeKind(
+        "math",
+        ("Value", "Value_001", "Value_002"),
+        ("Value",),
+        options={"operation": ANY, "use_clamp": _SWITCH},
+    ),
+    "ShaderNodeVectorMath": NodeKind(
+        "vector_math",
+        ("Vector", "Vector_001", "Vector_002", "Scale"),
+        ("Vector", "Value"),
+        options={"operation": ANY},
+    ),
+    "ShaderNodeMix": NodeKind(
+        "mix",
+        (
+            "Factor_Float",
+            "Factor_Vector",
+            "A_Float",
+            "B_Float",
+            "A_Vector",
+            "B_Vector",
+            "A_Color",
+            "B_Color",
+        ),
+        ("Result_Float", "Result_Vector", "Result_Color"),
+        options={
+            "factor_mode": ("UNIFORM", "NON_UNIFORM"),
+            "blend_type": _BLENDS,
+            "clamp_factor": _SWITCH,
+            "clamp_result": _SWITCH,
+        },
+    ),
+    "ShaderNodeMixRGB": NodeKind(
+        "mix_rgb",
+        ("Fac", "Color1", "Color2"),
+        ("Color",),
+        options={"blend_type": _BLENDS, "use_clamp": _SWITCH},
+    ),
+    "ShaderNodeMapRange": NodeKind(
+        "map_range",
+        (
+            "Value",
+            "From Min",
+            "From Max",
+            "To Min",
+            "To Max",
+            "Steps",
+            "Vector",
+            "From_Min_FLOAT3",
+            "From_Max_FLOAT3",
+            "To_Min_FLOAT3",
+            "To_Max_FLOAT3",
+            "Steps_FLOAT3",
+        ),
+        ("Result", "Vector"),
+        options={
+            "interpolation_type": ("LINEAR", "STEPPED", "SMOOTHSTEP", "SMOOTHERSTEP"),
+            "clamp": _SWITCH,
+        },
+    ),
+    "ShaderNodeClamp": NodeKind(
+        "clamp", ("Value", "Min", "Max"), ("Result",), options={"clamp_type": ("MINMAX", "RANGE")}
+    ),
+    "ShaderNodeSeparateXYZ": NodeKind("separate_xyz", ("Vector",), ("X", "Y", "Z")),
+    "ShaderNodeCombineXYZ": NodeKind("combine_xyz", ("X", "Y", "Z"), ("Vector",)),
+    "ShaderNodeSeparateRGB": _separate(fixed_options={"mode": "RGB"}),
+    "ShaderNodeSeparateHSV": _separate(fixed_options={"mode": "HSV"}),
+    "ShaderNodeSeparateColor": _separate(options={"mode": ("RGB", "HSV", "HSL")}),
+    "ShaderNodeCombineRGB": _combine(fixed_options={"mode": "RGB"}),
+    "ShaderNodeCombineHSV": _combine(fixed_options={"mode": "HSV"}),
+    "ShaderNodeCombineColor": _combine(options={"mode": ("RGB", "HSV", "HSL")}),
+    "ShaderNodeVectorRotate": NodeKind(
+        "vector_rotate",
+        ("Vector", "Center", "Axis", "Angle", "Rotation"),
+        ("Vector",),
+        options={
+            "rotation_type": ("AXIS_ANGLE", "X_AXIS", "Y_AXIS", "Z_AXIS", "EULER_XYZ"),
+            "invert": _SWITCH,
+        },
+    ),
+    "ShaderNodeRGBToBW": NodeKind("rgb_to_bw", ("Color",), ("Val",)),
+    "ShaderNodeInvert": NodeKind("invert", ("Fac", "Color"), ("Color",)),
+    "ShaderNodeGamma": NodeKind("gamma", ("Color", "Gamma"), ("Color",)),
+    "ShaderNodeBrightContrast": NodeKind(
+        "bright_contrast", ("Color", "Bright", "Contrast"), ("Color",)
+    ),
+    "ShaderNodeHueSaturation": NodeKind(
+        "hue_saturation", ("Hue", "Saturation", "Value", "Fac", "Color"), ("Color",)
+    ),
+    "ShaderNodeRGBCurve": NodeKind(
+        "rgb_curves", ("Fac", "Color"), ("Color",), options=_EXTEND, arrays={"Table": _curves}
+    ),
+    "ShaderNodeVectorCurve": NodeKind(
+        "vector_curves", ("Fac", "Vector"), ("Vector",), options=_EXTEND, arrays={"Table": _curves}
+    ),
+    "ShaderNodeFloatCurve": NodeKind(
+        "float_curve", ("Factor", "Value"), ("Value",), options=_EXTEND, arrays={"Table": _curves}
+    ),
+    "ShaderNodeNormal": NodeKind("normal", ("Normal",), ("Normal", "Dot"), adjust=_direction),
+    "ShaderNodeFresnel": NodeKind("fresnel", ("IOR", "Normal"), ("Fac",)),
+    "ShaderNodeLayerWeight": NodeKind("layer_weight", ("Blend", "Normal"), ("Fresnel", "Facing")),
+    "ShaderNodeNewGeometry": NodeKind(
+        "geometry", (), ("Position", "Normal", "True Normal", "Incoming", "Backfacing")
+    ),
+    "ShaderNodeValToRGB": NodeKind(
+        "color_ramp",
+        ("Fac",),
+        ("Color", "Alpha"),
+        options={
+            "color_ramp.interpolation": ("LINEAR", "EASE", "B_SPLINE", "CARDINAL", "CONSTANT")
+        },
+        arrays={"Table": _ramp},
     ),
     "ShaderNodeRGB": NodeKind("rgb", (), ("Color",), adjust=_output_value),
     "ShaderNodeValue": NodeKind("value", (), ("Value",), adjust=_output_value),

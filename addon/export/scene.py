@@ -7,7 +7,7 @@ import numpy as np
 
 from ..inquiry import Inquiry
 from ..native import NativeError
-from . import compat
+from . import compat, ignored
 from .camera import export_camera
 from .desc import EnvironmentDesc, ExportError, InstanceDesc, MaterialNeeds, SceneDesc
 from .image import Images
@@ -16,7 +16,7 @@ from .log import ExportLog
 from .material import default_material, export_material
 from .mesh import export_mesh
 from .view import export_view, is_shown
-from .visibility import caustics_role, instance_visibility, instancer, world_visibility
+from .visibility import caustics_role, instance_visibility, instancer, original, world_visibility
 from .world import export_world
 
 # Objects that carry something to see which Specula cannot show. Curves, surfaces, text and
@@ -55,14 +55,15 @@ class SceneExport:
             for instance in self.depsgraph.object_instances:
                 if is_shown(instance, self.view and self.view.space_data):
                     self._named_instance(instance)
-        self._check_scene(self.depsgraph.scene_eval.render)
+        self._check_scene(self.depsgraph.scene_eval)
         return self.scene
 
-    def _check_scene(self, render) -> None:
-        if render.use_motion_blur:
+    def _check_scene(self, scene) -> None:
+        if scene.render.use_motion_blur:
             self.log.warn("scene", "motion blur is not supported, the frame is still")
-        if render.use_multiview:
+        if scene.render.use_multiview:
             self.log.warn("scene", "stereoscopy is not supported, all views are the same")
+        ignored.warn_of_scene(scene, self.log)
 
     def _named_instance(self, instance) -> None:
         """So that whatever goes wrong with an object says which one it was."""
@@ -101,6 +102,7 @@ class SceneExport:
             self.log.warn(owner, "holdout is not supported, the object is rendered")
         if instance.object.is_shadow_catcher:
             self.log.warn(owner, "shadow catchers are not supported, the object is rendered")
+        ignored.warn_of_object(original(instance), self.log)
         if self.layer.use_strand and any(
             system.settings.type == "HAIR" and system.settings.render_type == "PATH"
             for system in instance.object.particle_systems
@@ -162,6 +164,7 @@ class SceneExport:
     def _world(self, world) -> None:
         if world is None or not self.layer.use_sky:
             return
+        ignored.warn_of_bounces(world, f"world {world.name}", self.log)
         self.scene.environment = EnvironmentDesc(
             material=len(self.scene.materials),
             visibility=world_visibility(world),

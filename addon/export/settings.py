@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from .. import native
-from ..abi import LightTracing, RenderSettings
+from ..abi import Method, RenderSettings
 from . import compat
 
 MOST_VIEWPORT_SAMPLES = 1 << 16  # where Cycles' setting asks for no end
@@ -50,7 +50,7 @@ def export_settings(scene, is_preview: bool = False, view_layer=None) -> RenderS
         settings.samples = _layer_samples(scene, view_layer, settings.samples)
     if is_preview:
         settings.samples = min(settings.samples, PREVIEW_SAMPLES)
-        settings.light_tracing = LightTracing.OFF  # its pilot takes longer than so few samples
+        settings.method = Method.PT  # others prepare for longer than so few samples take
     return settings
 
 

@@ -58,13 +58,18 @@ def world_visibility(world) -> Visibility:
     return visible
 
 
-def caustics_role(instance) -> CausticsRole:
-    """Of a depsgraph instance; read from the object that is instanced.
+def original(instance):
+    """The object that a depsgraph instance shows, to read property groups of.
 
-    `instance.object` is then a temporary copy, which leaks the property group that reading one may
-    create.
+    `instance.object` of what is instanced is a temporary copy, which leaks the property group that
+    reading one may create.
     """
-    return object_role(instance.instance_object if instance.is_instance else instance.object)
+    return instance.instance_object if instance.is_instance else instance.object
+
+
+def caustics_role(instance) -> CausticsRole:
+    """Of a depsgraph instance; read from the object that is instanced."""
+    return object_role(original(instance))
 
 
 def object_role(obj) -> CausticsRole:

@@ -88,6 +88,7 @@ Graph to_graph(const spc_material_desc& desc) {
     require(desc.nodes != nullptr && desc.node_count > 0, owner + ": the material has no nodes");
     require(desc.inputs != nullptr || desc.input_count == 0, owner + ": inputs is null");
     require(desc.options != nullptr || desc.option_count == 0, owner + ": options is null");
+    require(desc.arrays != nullptr || desc.array_count == 0, owner + ": arrays is null");
     require(desc.links != nullptr || desc.link_count == 0, owner + ": links is null");
     const auto check_node = [&](uint32_t node, const char* what) {
         require(node < desc.node_count,
@@ -98,16 +99,17 @@ Graph to_graph(const spc_material_desc& desc) {
         std::string kind = text(node.kind, owner, "the kind of a node");
         graph.nodes.push_back({name_or(node.name, kind.c_str()), kind, node.image});
     }
+    const auto check_number = [&](float value, uint32_t node, const char* what) {
+        require(std::isfinite(value),
+                fmt::format("{}: {}: {} is not finite", owner, graph.nodes[node].name, what));
+        require(std::abs(value) <= kLargestNumber,
+                fmt::format("{}: {}: {} exceeds {:g}", owner, graph.nodes[node].name, what,
+                            kLargestNumber));
+    };
     for (uint32_t i = 0; i < desc.input_count; ++i) {
         const spc_node_input& input = desc.inputs[i];
         check_node(input.node, "an input");
-        for (const float value : input.value) {
-            require(std::isfinite(value), fmt::format("{}: {}: a socket's value is not finite",
-                                                      owner, graph.nodes[input.node].name));
-            require(std::abs(value) <= kLargestNumber,
-                    fmt::format("{}: {}: a socket's value exceeds {:g}", owner,
-                                graph.nodes[input.node].name, kLargestNumber));
-        }
+        for (const float value : input.value) check_number(value, input.node, "a socket's value");
         graph.inputs.push_back({input.node,
                                 text(input.socket, owner, "a socket"),
                                 {input.value[0], input.value[1], input.value[2], input.value[3]}});
@@ -117,6 +119,17 @@ Graph to_graph(const spc_material_desc& desc) {
         check_node(option.node, "an option");
         graph.options.push_back({option.node, text(option.option, owner, "an option"),
                                  text(option.value, owner, "an option's value")});
+    }
+    for (uint32_t i = 0; i < desc.array_count; ++i) {
+        const spc_node_array& array = desc.arrays[i];
+        check_node(array.node, "an array");
+        const std::string name = text(array.name, owner, "an array");
+        require(
+            array.values != nullptr || array.count == 0,
+            fmt::format("{}: {}: the array {} is null", owner, graph.nodes[array.node].name, name));
+        for (uint32_t k = 0; k < array.count; ++k)
+            check_number(array.values[k], array.node, "a number of an array");
+        graph.arrays.push_back({array.node, name, {array.values, array.values + array.count}});
     }
     for (uint32_t i = 0; i < desc.link_count; ++i) {
         const spc_node_link& link = desc.links[i];

@@ -324,10 +324,10 @@ Spectrum albedo_of(const MicrofacetReflection& c, const Vec3& wo) {
     if (!(cos_o > 0.0f)) return Spectrum(0.0f);
     if (c.alpha <= kDeltaAlpha) return fresnel(c.fresnel, cos_o);
     const ReflectionTable& table = reflection_table(c.model);
-    const ReflectionTable::Entry entry = table(c.alpha, cos_o);
-    const Spectrum once = lobe_mean(c.fresnel, c.model, c.alpha, cos_o, entry) * entry.energy;
+    const ReflectionTable::Entry entry = table(c.mean_alpha(), cos_o);
+    const Spectrum once = lobe_mean(c.fresnel, c.model, c.mean_alpha(), cos_o, entry) * entry.energy;
     if (!compensated(c)) return once;
-    return once * compensation(hemisphere_mean(c.fresnel), entry.energy, table.mean(c.alpha));
+    return once * compensation(hemisphere_mean(c.fresnel), entry.energy, table.mean(c.mean_alpha()));
 }
 
 Spectrum albedo_of(const MicrofacetDielectric& c, const Vec3& wo) {
@@ -353,24 +353,29 @@ Spectrum albedo_of(const MicrofacetDielectric& c, const Vec3& wo) {
     return once * compensation(c.transmission_tint, entry.energy, table.mean(c.alpha, c.eta));
 }
 
+Spectrum compensation_of(const Lambert&, const Vec3&) { return Spectrum(1.0f); }
+Spectrum compensation_of(const Transparent&, const Vec3&) { return Spectrum(1.0f); }
+
+Spectrum compensation_of(const MicrofacetReflection& c, const Vec3& wo) {
+    const float cos_o = std::min(dot(c.n, wo), 1.0f);
+    if (!compensated(c) || !(cos_o > 0.0f)) return Spectrum(1.0f);
+    const ReflectionTable& table = reflection_table(c.model);
+    return compensation(hemisphere_mean(c.fresnel), table(c.mean_alpha(), cos_o).energy,
+                        table.mean(c.mean_alpha()));
+}
+
+Spectrum compensation_of(const MicrofacetDielectric& c, const Vec3& wo) {
+    const float cos_o = std::min(dot(c.n, wo), 1.0f);
+    if (!compensated(c) || !(cos_o > 0.0f)) return Spectrum(1.0f);
+    const DielectricTable& table = dielectric_table(c.model);
+    return compensation(c.transmission_tint, table(c.alpha, cos_o, c.eta).energy,
+                        table.mean(c.alpha, c.eta));
+}
+
 }  // namespace
 
 Spectrum energy_compensation(const ClosureKind& kind, const Vec3& wo) {
-    if (const auto* c = std::get_if<MicrofacetReflection>(&kind); c && compensated(*c)) {
-        const float cos_o = std::min(dot(c->n, wo), 1.0f);
-        if (!(cos_o > 0.0f)) return Spectrum(1.0f);
-        const ReflectionTable& table = reflection_table(c->model);
-        return compensation(hemisphere_mean(c->fresnel), table(c->alpha, cos_o).energy,
-                            table.mean(c->alpha));
-    }
-    if (const auto* c = std::get_if<MicrofacetDielectric>(&kind); c && compensated(*c)) {
-        const float cos_o = std::min(dot(c->n, wo), 1.0f);
-        if (!(cos_o > 0.0f)) return Spectrum(1.0f);
-        const DielectricTable& table = dielectric_table(c->model);
-        return compensation(c->transmission_tint, table(c->alpha, cos_o, c->eta).energy,
-                            table.mean(c->alpha, c->eta));
-    }
-    return Spectrum(1.0f);
+    return std::visit([&](const auto& c) { return compensation_of(c, wo); }, kind);
 }
 
 Spectrum albedo(const ClosureKind& kind, const Vec3& wo) {

@@ -70,8 +70,26 @@ LobeEval eval_reflection(const Vec3& n, MicrofacetModel model, float alpha, cons
     return {f * (0.25f * d * g.g2_by_cos_o), p * (0.25f * d * g.g1_by_cos_o)};
 }
 
+Frame frame_of(const MicrofacetReflection& c) {
+    return c.is_isotropic() ? Frame::around(c.n) : Frame{c.tangent, cross(c.n, c.tangent), c.n};
+}
+
+// As eval_reflection(), in the closure's own frame.
+LobeEval eval_anisotropic(const MicrofacetReflection& c, const Vec3& wo, const Vec3& wi) {
+    const Frame frame = frame_of(c);
+    const Vec3 o = frame.to_local(wo), i = frame.to_local(wi), h = o + i;
+    if (!(o.z > 0.0f) || !(i.z > 0.0f)) return {};
+    const Vec2 alpha(c.alpha, c.alpha_y);
+    const Masking g = masking(c.model, alpha_towards(alpha, o), alpha_towards(alpha, i),
+                              std::min(o.z, 1.0f), std::min(i.z, 1.0f));
+    const float d = normal_density(c.model, alpha, h);
+    return {fresnel(c.fresnel, dot(o, h) / length(h)) * (0.25f * d * g.g2_by_cos_o),
+            0.25f * d * g.g1_by_cos_o};
+}
+
 LobeEval eval_lobe(const MicrofacetReflection& c, const Vec3& wo, const Vec3& wi, bool crosses) {
     if (crosses || is_delta_kind(c)) return {};
+    if (!c.is_isotropic()) return eval_anisotropic(c, wo, wi);
     return eval_reflection(c.n, c.model, c.alpha, wo, wi, [&](float cos_facet) {
         return std::pair(fresnel(c.fresnel, cos_facet), 1.0f);
     });
@@ -130,8 +148,11 @@ std::optional<LobeSample> sample_lobe(const MicrofacetReflection& c, const Vec3&
     if (is_delta_kind(c))
         return LobeSample{facet::mirrored(wo, c.n, cos_o), BounceKind::glossy, true,
                           fresnel(c.fresnel, cos_o)};
-    const Frame frame = Frame::around(c.n);
-    const Vec3 m = frame.to_world(sample_visible_normal(c.model, c.alpha, frame.to_local(wo), u));
+    const Frame frame = frame_of(c);
+    const Vec3 o = frame.to_local(wo);
+    const Vec3 m = frame.to_world(
+        c.is_isotropic() ? sample_visible_normal(c.model, c.alpha, o, u)
+                         : sample_visible_normal(c.model, Vec2(c.alpha, c.alpha_y), o, u));
     const Vec3 wi = facet::mirrored(wo, m, dot(wo, m));
     if (!(dot(c.n, wi) > 0.0f)) return std::nullopt;
     return LobeSample{wi, BounceKind::glossy};
@@ -164,14 +185,30 @@ std::optional<LobeSample> sample_lobe(const Transparent&, const Vec3& wo, float,
     return LobeSample{-wo, BounceKind::transparent, true, Spectrum(1.0f)};
 }
 
-float alpha_of(const ClosureKind& kind) {
-    if (const auto* c = std::get_if<MicrofacetReflection>(&kind)) return c->alpha;
-    if (const auto* c = std::get_if<MicrofacetDielectric>(&kind)) return c->alpha;
-    return 0.0f;
-}
-float eta_of(const ClosureKind& kind) {
-    const auto* c = std::get_if<MicrofacetDielectric>(&kind);
-    return c != nullptr ? c->eta : 1.0f;
+// Alpha, and index of the far side over that of wo, of closures that have them.
+float alpha_of(const Lambert&) { return 0.0f; }
+float alpha_of(const Transparent&) { return 0.0f; }
+float alpha_of(const MicrofacetReflection& c) { return c.mean_alpha(); }
+float alpha_of(const MicrofacetDielectric& c) { return c.alpha; }
+float eta_of(const Lambert&) { return 1.0f; }
+float eta_of(const Transparent&) { return 1.0f; }
+float eta_of(const MicrofacetReflection&) { return 1.0f; }
+float eta_of(const MicrofacetDielectric& c) { return c.eta; }
+
+// Whether a closure sends light to the other side by what is not a delta.
+bool is_smooth_across(const Lambert&) { return false; }
+bool is_smooth_across(const Transparent&) { return false; }
+bool is_smooth_across(const MicrofacetReflection&) { return false; }
+bool is_smooth_across(const MicrofacetDielectric& c) { return c.refracts && !is_delta_kind(c); }
+
+// Takes away the facets' reflection or transmission; false where nothing is left.
+bool restrict_facets(Lambert&, bool, bool) { return true; }
+bool restrict_facets(Transparent&, bool, bool) { return true; }
+bool restrict_facets(MicrofacetReflection&, bool reflective, bool) { return reflective; }
+bool restrict_facets(MicrofacetDielectric& c, bool reflective, bool refractive) {
+    c.reflects = c.reflects && reflective;
+    c.refracts = c.refracts && refractive;
+    return c.reflects || c.refracts;
 }
 
 float total_sample_weight(const ClosureList& list) {
@@ -182,8 +219,8 @@ float total_sample_weight(const ClosureList& list) {
 
 // The kind of bounce by which a closure scatters to one side of the geometry.
 BounceKind kind_of(const Closure& closure, bool crosses) {
-    if (std::holds_alternative<Lambert>(closure.kind)) return BounceKind::diffuse;
-    return crosses ? BounceKind::transmission : BounceKind::glossy;
+    const ClosureTraits& row = traits(closure.kind);
+    return crosses ? row.transmitted : row.reflected;
 }
 
 // The bit of the closures that are sampled together: a kind_bit(), or kGlintsBit.
@@ -233,10 +270,9 @@ float smooth_albedo(const ClosureList& list) {
 }
 
 bool has_smooth_transmission(const ClosureList& list) {
-    for (int i = 0; i < list.count; ++i) {
-        const auto* glass = std::get_if<MicrofacetDielectric>(&list.closures[i].kind);
-        if (glass != nullptr && glass->refracts && !is_delta(list.closures[i].kind)) return true;
-    }
+    for (int i = 0; i < list.count; ++i)
+        if (std::visit([](const auto& c) { return is_smooth_across(c); }, list.closures[i].kind))
+            return true;
     return false;
 }
 
@@ -290,7 +326,8 @@ void ClosureList::add(const Spectrum& weight, const ClosureKind& kind, const Vec
     // it.
     const Spectrum w(std::max(weight.x, 0.0f), std::max(weight.y, 0.0f), std::max(weight.z, 0.0f));
     if (is_black(w) || count >= kMaxClosures) return;
-    if (std::holds_alternative<Transparent>(kind)) transparency += w;
+    const ClosureTraits& row = traits(kind);
+    if (row.straight) transparency += w;
 
     Closure& closure = closures[count];
     closure.kind = kind;
@@ -298,7 +335,7 @@ void ClosureList::add(const Spectrum& weight, const ClosureKind& kind, const Vec
     closure.glints = false;
     closure.weight = w;
     closure.sample_weight = mean(w);
-    if (!std::holds_alternative<Lambert>(kind) && !std::holds_alternative<Transparent>(kind)) {
+    if (row.has_facets) {
         const Spectrum scattered = w * albedo(kind, wo);
         if (is_black(scattered)) return;
         closure.weight = w * energy_compensation(kind, wo);
@@ -334,12 +371,9 @@ void drop_caustics(ClosureList& list, bool reflective, bool refractive) {
     int kept = 0;
     for (int i = 0; i < list.count; ++i) {
         Closure& closure = list.closures[i];
-        if (std::holds_alternative<MicrofacetReflection>(closure.kind) && !reflective) continue;
-        if (auto* interface = std::get_if<MicrofacetDielectric>(&closure.kind)) {
-            interface->reflects = interface->reflects && reflective;
-            interface->refracts = interface->refracts && refractive;
-            if (!interface->reflects && !interface->refracts) continue;
-        }
+        if (!std::visit([&](auto& c) { return restrict_facets(c, reflective, refractive); },
+                        closure.kind))
+            continue;
         if (kept != i) list.closures[kept] = closure;
         ++kept;
     }
@@ -361,17 +395,18 @@ std::optional<ClosureSample> sample(const ClosureList& list, const Vec3& ng, con
     const std::optional<LobeSample> lobe = std::visit(
         [&](const auto& c) { return sample_lobe(c, wo, u_lobe, Vec2(u.y, u.z)); }, closure.kind);
     if (!lobe) return std::nullopt;
-    ClosureSample result{.wi = lobe->wi,
-                         .weight = Spectrum(0.0f),
-                         .pdf_omega = 0.0f,
-                         .probability = 0.0f,
-                         .delta = lobe->delta,
-                         .on_caster_normal = closure.on_caster_normal,
-                         .refracted = lobe->kind == BounceKind::transmission,
-                         .alpha = alpha_of(closure.kind),
-                         .eta = eta_of(closure.kind),
-                         .glints = list.glints_apart && closure.glints,
-                         .kind = lobe->kind};
+    ClosureSample result{
+        .wi = lobe->wi,
+        .weight = Spectrum(0.0f),
+        .pdf_omega = 0.0f,
+        .probability = 0.0f,
+        .delta = lobe->delta,
+        .on_caster_normal = closure.on_caster_normal,
+        .refracted = lobe->kind == BounceKind::transmission,
+        .alpha = std::visit([](const auto& c) { return alpha_of(c); }, closure.kind),
+        .eta = std::visit([](const auto& c) { return eta_of(c); }, closure.kind),
+        .glints = list.glints_apart && closure.glints,
+        .kind = lobe->kind};
     const float side = dot(ng, lobe->wi);
     if (lobe->delta) {
         const bool crosses = lobe->kind == BounceKind::transmission;

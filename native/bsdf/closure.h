@@ -46,17 +46,39 @@ Spectrum fresnel(const Fresnel& fresnel, float cos_wo_h);
 // Reflectance of a dielectric interface; eta as above; 1 at total internal reflection.
 float fresnel_dielectric(float cos_i, float eta);
 
+// The bounce counters and visibility flags that Blender knows.
+enum class BounceKind : uint8_t { diffuse, glossy, transmission, transparent };
+
+// What a kind of closure is; what follows of it is asked of this row, never of the kind.
+struct ClosureTraits {
+    BounceKind reflected;    // what rays are that it sends to the side of wo
+    BounceKind transmitted;  // and to the other side
+    // Facets around its normal scatter: a delta where their alpha vanishes, a caustic where light falls
+    // on what scatters diffusely; how much it scatters depends on wo.
+    bool has_facets = false;
+    bool straight = false;  // lets light pass as it came: shadow rays see through it
+};
+
 struct Lambert {
+    static constexpr ClosureTraits kTraits{BounceKind::diffuse, BounceKind::diffuse};
     Vec3 n;
 };
-// Mirror where alpha <= kDeltaAlpha. With `energy_compensated` (GGX alone, as in Cycles) light that
+// Mirror where alpha <= kDeltaAlpha. Where alpha_y differs, alpha is along the tangent and alpha_y
+// across it, and neither is that of a delta. With `energy_compensated` (GGX alone, as in Cycles) light that
 // one bounce between the microfacets loses is given back, scaled to the same lobe [Turquin19].
 struct MicrofacetReflection {
+    static constexpr ClosureTraits kTraits{BounceKind::glossy, BounceKind::transmission, true};
     Vec3 n;
     float alpha;
     MicrofacetModel model;
     Fresnel fresnel;
     bool energy_compensated = false;
+    float alpha_y = alpha;
+    Vec3 tangent{0, 0, 0};  // unit, perpendicular to n; read where the lobe is anisotropic
+
+    bool is_isotropic() const { return alpha_y == alpha; }
+    // For tables, which know one alpha: that of facets as densely spread.
+    float mean_alpha() const { return is_isotropic() ? alpha : std::sqrt(alpha * alpha_y); }
 };
 // A dielectric interface: reflects, refracts or both (the dropped half is black: Blender's
 // Refraction node transmits everything but total internal reflection, without Fresnel, when
@@ -65,6 +87,7 @@ struct MicrofacetReflection {
 // float directions has no digits left (see is_delta). Compensated as above, as a whole, for glass
 // of both halves; the coloured loss follows transmission_tint.
 struct MicrofacetDielectric {
+    static constexpr ClosureTraits kTraits{BounceKind::glossy, BounceKind::transmission, true};
     Vec3 n;
     float alpha;
     MicrofacetModel model;
@@ -74,9 +97,15 @@ struct MicrofacetDielectric {
     Spectrum reflection_tint, transmission_tint;
     bool energy_compensated = false;
 };
-struct Transparent {};  // straight on, delta
+struct Transparent {  // a delta
+    static constexpr ClosureTraits kTraits{BounceKind::transparent, BounceKind::transparent, false,
+                                           true};
+};
 
 using ClosureKind = std::variant<Lambert, MicrofacetReflection, MicrofacetDielectric, Transparent>;
+inline const ClosureTraits& traits(const ClosureKind& kind) {
+    return *std::visit([](const auto& c) { return &c.kTraits; }, kind);
+}
 
 struct Closure {
     Spectrum weight;
@@ -142,9 +171,6 @@ bool has_smooth_closure(const ClosureList& list);
 float smooth_albedo(const ClosureList& list);
 // Any of those that sends light through the surface.
 bool has_smooth_transmission(const ClosureList& list);
-
-// The bounce counters and visibility flags that Blender knows.
-enum class BounceKind : uint8_t { diffuse, glossy, transmission, transparent };
 
 // Sets of kinds of scattering, bits 1 << BounceKind.
 inline constexpr uint32_t kind_bit(BounceKind kind) { return 1u << static_cast<uint32_t>(kind); }

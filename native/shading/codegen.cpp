@@ -38,16 +38,27 @@ public:
         if (!expr_.is_constant(id)) return registers_.at(id);
         const auto [known, added] = constants_.try_emplace(id);
         if (added) {
-            const std::array<float, 3>& value = expr_[id].value;
-            known->second = static_cast<Operand>(~append(value.data(), expr_.lanes(id)));
+            const std::array<float, 4>& value = expr_[id].value;
+            const size_t lanes = expr_.lanes(id);
+            if (program_.constants.size() + lanes > size_t{INT16_MAX}) fail("constants", INT16_MAX);
+            known->second = static_cast<Operand>(~static_cast<int>(program_.constants.size()));
+            program_.constants.insert(program_.constants.end(), value.begin(),
+                                      value.begin() + lanes);
         }
         return known->second;
     }
 
-    // The heights of all bumps so far. Derivatives are taken of them, up to the second: images are
-    // filtered so that they have some.
+    // Appends the operands of an instruction or closure; where they begin.
+    uint32_t operands(const std::vector<ExprId>& in) {
+        const auto begin = static_cast<uint32_t>(program_.operands.size());
+        for (const ExprId id : in) program_.operands.push_back(operand(id));
+        return begin;
+    }
+
+    // The heights of all bumps so far. Derivatives are taken of them, up to the second: what
+    // interpolates does so smoothly.
     void append_heights() {
-        smooth_images_ = true;
+        smooth_ = true;
         for (const ExprId height : heights_) program_.heights.push_back(section(height));
     }
 
@@ -55,20 +66,14 @@ public:
     void add(const ClosureInstruction& closure) { program_.closures.push_back(closure); }
 
 private:
-    int append(const float* values, size_t count) {
-        const size_t begin = program_.constants.size();
-        if (begin + count > size_t{INT16_MAX}) fail("constants", INT16_MAX);
-        program_.constants.insert(program_.constants.end(), values, values + count);
-        return static_cast<int>(begin);
-    }
     [[noreturn]] void fail(const char* what, int limit) const {
         throw Error(ErrorKind::invalid_argument, "material \"" + material_ + "\": needs more " +
                                                      what + " than " + std::to_string(limit));
     }
 
-    // The alpha of an image lives in the image's registers.
-    ExprId owner(ExprId id) const { return expr_[id].op == Op::image_alpha ? expr_[id].in[0] : id; }
-    int width(ExprId id) const { return expr_[id].op == Op::image ? 4 : expr_.lanes(id); }
+    // A lane lives in the registers of what it is a lane of.
+    ExprId owner(ExprId id) const { return expr_[id].op == Op::lane ? expr_[id].in[0] : id; }
+    int width(ExprId id) const { return traits(expr_[id].op).has_fourth ? 4 : expr_.lanes(id); }
 
     // Each value right before its first user, so that few live at a time. With a stack of its own:
     // chains may be long.
@@ -84,7 +89,7 @@ private:
             if (!is_done(root)) stack.push_back(root);
             while (!stack.empty()) {
                 const ExprId id = stack.back();
-                const std::array<ExprId, 3>& in = expr_[id].in;
+                const std::vector<ExprId>& in = expr_[id].in;
                 const auto pending = std::find_if_not(in.begin(), in.end(), is_done);
                 if (pending != in.end()) {
                     stack.push_back(*pending);
@@ -123,21 +128,15 @@ private:
 
     void emit(ExprId id, uint32_t position) {
         const Expr& e = expr_[id];
-        if (e.op == Op::image_alpha) {
-            registers_[id] = static_cast<Operand>(registers_.at(e.in[0]) + 3);
+        if (e.op == Op::lane) {
+            registers_[id] = static_cast<Operand>(registers_.at(e.in[0]) + e.mode);
             return;
         }
-        Instruction i{e.op, e.lanes, e.mode, 0, {kNoOperand, kNoOperand, kNoOperand}, e.index};
-        for (size_t k = 0; k < 3; ++k) i.in[k] = operand(e.in[k]);
-        if (e.op == Op::affine) {
-            const auto [known, added] = matrices_.try_emplace(e.index);
-            if (added)
-                known->second = static_cast<uint32_t>(append(expr_.matrix(e.index).data(), 12));
-            i.index = known->second;
-        }
-        if (e.op == Op::bump) i.index = height_index(static_cast<ExprId>(e.index));
-        if (e.op == Op::image && smooth_images_)
-            i.mode = image_mode(Interpolation::cubic, mode_extension(e.mode), mode_straight(e.mode));
+        Instruction i{e.op, e.lanes, e.mode, 0, operands(e.in), e.index};
+        const OpTraits& row = traits(e.op);
+        if (row.index == IndexOf::block) i.index = block_begin(e.index);
+        if (row.index == IndexOf::height) i.index = height_index(static_cast<ExprId>(e.index));
+        if (row.interpolates && smooth_) i.mode = with_interpolation(e.mode, Interpolation::cubic);
         // Instructions read all before they write, so that an input read for the last time makes
         // room.
         for (ExprId in : e.in) {
@@ -147,6 +146,16 @@ private:
         }
         registers_[id] = i.out = allocate(width(id));
         program_.instructions.push_back(i);
+    }
+
+    uint32_t block_begin(uint32_t block) {
+        const auto [known, added] = blocks_.try_emplace(block);
+        if (added) {
+            const std::vector<float>& values = expr_.block_values(block);
+            known->second = static_cast<uint32_t>(program_.blocks.size());
+            program_.blocks.insert(program_.blocks.end(), values.begin(), values.end());
+        }
+        return known->second;
     }
 
     uint32_t height_index(ExprId height) {
@@ -160,10 +169,10 @@ private:
     const std::string& material_;
     Program program_;
     std::vector<ExprId> heights_;
-    bool smooth_images_ = false;
+    bool smooth_ = false;
     std::map<ExprId, Operand> constants_, registers_;
     std::map<ExprId, uint32_t> last_use_;
-    std::map<uint32_t, uint32_t> matrices_;  // number to place among the constants
+    std::map<uint32_t, uint32_t> blocks_;  // number to place in Program::blocks
     std::array<bool, kMaxRegisters> in_use_{};
 };
 
@@ -182,9 +191,8 @@ Program generate(const ExprBuilder& expr, const std::vector<ClosureTerm>& terms,
     Section surface = generator.section(surface_roots);
     surface.result = generator.operand(roots.emission);
     for (const ClosureTerm& term : terms) {
-        ClosureInstruction closure{
-            term.op, term.modes, term.on_caster_normal, term.on_slope_map, {}};
-        for (size_t k = 0; k < term.in.size(); ++k) closure.in[k] = generator.operand(term.in[k]);
+        ClosureInstruction closure{term.op, term.modes, term.on_caster_normal, term.on_slope_map};
+        closure.operands = generator.operands(term.in);
         closure.through = generator.operand(term.coat.through);
         if (term.coated_on_slope_map()) {
             closure.coat = generator.operand(term.coat.layer);
@@ -208,21 +216,16 @@ Program generate(const ExprBuilder& expr, const std::vector<ClosureTerm>& terms,
 
 uint32_t reads_of(const Program& program, const Section& section) {
     uint32_t reads = 0;
-    for (uint32_t k = section.begin; k < section.end; ++k) {
-        const Instruction& i = program.instructions[k];
-        if (i.op == Op::uv) reads |= kReadsUv;
-        if (i.op == Op::position) reads |= kReadsPosition;
-        if (i.op == Op::position_object) reads |= kReadsObjectPosition;
-        if (i.op == Op::bump) reads |= kReadsHeights;
-        if (i.op == Op::normal_map && reads_layer(i)) reads |= kReadsTangent | kReadsObjectNormal;
-    }
+    for (uint32_t k = section.begin; k < section.end; ++k)
+        reads |= traits(program.instructions[k].op).reads;
     return reads;
 }
 
 std::vector<uint32_t> images_of(const Program& program) {
     std::vector<uint32_t> images;
     for (const Instruction& i : program.instructions)
-        if (i.op == Op::image && std::find(images.begin(), images.end(), i.index) == images.end())
+        if (traits(i.op).index == IndexOf::image &&
+            std::find(images.begin(), images.end(), i.index) == images.end())
             images.push_back(i.index);
     return images;
 }

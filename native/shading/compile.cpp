@@ -77,52 +77,35 @@ void Compiler::add_weight(uint32_t index, ExprId weight) {
 }
 
 void Compiler::add_term(ClosureTerm term) {
-    const auto black = [&](ExprId id) { return expr.is_constant(id, 0.0f); };
-    if (black(term.weight())) return;
+    const ClosureOpTraits& row = term.row();
+    SPC_ASSERT(term.in.size() == row.arity);
+    if (is_black(term.weight())) return;
     if (is_world_) return warn(term.node, std::string(term.label) + " in a background is ignored");
-    switch (term.op) {
-        case ClosureOp::lambert:
-        case ClosureOp::transparent:
-            if (black(term.in[2])) return;
-            break;
-        case ClosureOp::glossy:
-            if (black(term.in[3])) return;
-            break;
-        case ClosureOp::dielectric:
-            term.modes.reflects = term.modes.reflects && !black(term.in[4]);
-            term.modes.refracts = term.modes.refracts && !black(term.in[5]);
-            if (!term.modes.reflects && !term.modes.refracts) return;
-            break;
-        case ClosureOp::coated:
-            // Without a reflection it is what lies below.
-            if (!expr.is_constant(term.in[3], 1.0f)) break;
-            if (black(term.in[5])) return;
-            term.op = ClosureOp::lambert;
-            term.in = {term.in[0], term.in[1], term.in[5], kNoExpr, kNoExpr, kNoExpr};
-            break;
-        case ClosureOp::coat:
-            if (expr.is_constant(term.in[3], 1.0f)) return;
-            break;
-        case ClosureOp::metal: break;
+    const bool matched = row.matched_index_is_black && expr.is_constant(term.ior(), 1.0f);
+    term.modes.reflects = term.reflects() && scatters(term, row.reflection) && !matched;
+    term.modes.refracts = term.refracts() && scatters(term, row.refraction);
+    const bool facets = term.modes.reflects || term.modes.refracts;
+    if (!facets && !scatters(term, row.diffuse) && !scatters(term, row.straight)) return;
+    if (!facets && row.has_facets()) {  // what lies below the reflection is left
+        term.in = {term.weight(), term.normal(), term.operand(row.diffuse)};
+        term.op = ClosureOp::lambert;
     }
     terms_.push_back(std::move(term));
 }
 
 void Compiler::check_closure_count() const {
     int count = 0;
-    for (const ClosureTerm& term : terms_) count += term.op == ClosureOp::coated ? 2 : 1;
+    for (const ClosureTerm& term : terms_) count += term.row().closures;
     if (count <= kMaxClosures) return;
     throw Error(ErrorKind::invalid_argument,
                 where(graph_.name, *graph_.nodes[terms_.back().node].graph) + ": " +
                     std::to_string(count) + " closures; at most " + std::to_string(kMaxClosures));
 }
 
-// Light that such a lobe scatters stays together. A coat's is weak beside what it covers.
+// Light that such a lobe scatters stays together.
 std::string Compiler::narrow_lobe(const ClosureTerm& term) const {
     constexpr float kWidestAlpha = 0.16f;  // roughness 0.4
-    if (term.op == ClosureOp::lambert || term.op == ClosureOp::transparent ||
-        term.op == ClosureOp::coated || term.op == ClosureOp::coat)
-        return "";
+    if (!term.row().has_facets() || term.row().weak) return "";
     if (!expr.is_constant(term.alpha())) return term.label + ", roughness varies";
     const float alpha = expr.scalar(term.alpha());
     if (alpha <= kDeltaAlpha || alpha > kWidestAlpha) return "";
@@ -131,24 +114,19 @@ std::string Compiler::narrow_lobe(const ClosureTerm& term) const {
 
 // What the rest of the core wants to know without running the program.
 void Compiler::describe(Material& material) {
-    const auto black = [&](ExprId id) { return expr.is_constant(id, 0.0f); };
     const auto delta = [&](ExprId alpha) {
         return expr.is_constant(alpha) && expr.scalar(alpha) <= kDeltaAlpha;
     };
     for (const ClosureTerm& term : terms_) {
+        const ClosureOpTraits& row = term.row();
         if (material.narrow_lobe.empty()) material.narrow_lobe = narrow_lobe(term);
-        switch (term.op) {
-            case ClosureOp::lambert: material.has_smooth = true; break;
-            case ClosureOp::coated:
-                material.has_smooth |= !delta(term.alpha()) || !black(term.in[5]);
-                break;
-            case ClosureOp::transparent: material.may_be_transparent = true; break;
-            default: material.has_smooth |= !delta(term.alpha()); break;
-        }
+        material.may_be_transparent |= row.straight != kAbsent;
+        material.has_smooth |=
+            scatters(term, row.diffuse) || (row.has_facets() && !delta(term.alpha()));
     }
     material.is_background = is_world_;
     material.constant_background = is_world_ && expr.is_constant(emission);
-    material.emits = !black(emission);
+    material.emits = !is_black(emission);
     if (material.emits) material.mean_emission = Spectrum(expr.mean_value(emission, images_));
     material.absorption = medium();
 }
@@ -206,8 +184,8 @@ Material Compiler::run() {
     material.slopes = find_slope_map(expr, glints_, images_, terms_);
     if (material.emits) (is_world_ ? roots.background : roots.emission) = emission;
     for (const ClosureTerm& term : terms_) {
-        if (term.op != ClosureOp::transparent) continue;
-        const ExprId weight = expr.scale(term.in[2], term.weight());
+        if (term.row().straight == kAbsent) continue;
+        const ExprId weight = expr.scale(term.operand(term.row().straight), term.weight());
         roots.transparency =
             roots.transparency == kNoExpr ? weight : expr.add(roots.transparency, weight);
     }
@@ -235,7 +213,7 @@ std::vector<std::string> Compiler::keep_used_layers(Program& program, SlopeMap& 
         return index;
     };
     for (Instruction& i : program.instructions)
-        if (reads_layer(i)) i.index = keep(i.index);
+        if (traits(i.op).index == IndexOf::uv_layer) i.index = keep(i.index);
     if (slopes.image != kNone) {
         slopes.uv_layer = keep(slopes.uv_layer);
         slopes.tangent_layer = keep(slopes.tangent_layer);

@@ -16,14 +16,13 @@ struct CoatOver {
     bool exists() const { return through != kNoExpr; }
 };
 
-// A closure of the surface with its inputs as expressions; they follow ClosureInstruction::in.
+// A term of the surface with its operands as expressions.
 struct ClosureTerm {
     ClosureOp op = ClosureOp::lambert;
     ClosureModes modes;
     uint32_t node = 0;
-    std::string label;  // "Glass BSDF", for the log
-    std::array<ExprId, kMaxClosureOperands> in{kNoExpr, kNoExpr, kNoExpr,
-                                               kNoExpr, kNoExpr, kNoExpr};
+    std::string label;       // "Glass BSDF", for the log
+    std::vector<ExprId> in;  // operands, as many as the row says
     CoatOver coat;
     bool on_caster_normal = false, on_slope_map = false;
 
@@ -31,10 +30,14 @@ struct ClosureTerm {
     bool coated_on_slope_map() const {
         return on_slope_map && coat.exists() && coat.normal == normal();
     }
-    ExprId weight() const { return in[0]; }
-    ExprId normal() const { return in[1]; }  // kNoExpr: interpolated
-    ExprId alpha() const { return in[2]; }
-    ExprId ior() const { return in[3]; }
+    const ClosureOpTraits& row() const { return traits(op); }
+    ExprId operand(int k) const { return in[static_cast<size_t>(k)]; }
+    ExprId weight() const { return operand(kWeightOperand); }
+    ExprId normal() const { return operand(kNormalOperand); }  // kNoExpr: interpolated
+    ExprId alpha() const { return operand(row().alpha); }
+    ExprId ior() const { return operand(row().ior); }
+    bool reflects() const { return row().reflection != kAbsent && modes.reflects; }
+    bool refracts() const { return row().refraction != kAbsent && modes.refracts; }
 };
 
 class Compiler {
@@ -72,6 +75,12 @@ private:
     void gather(ShaderPart part);
     void check_closure_count() const;
     std::string narrow_lobe(const ClosureTerm& term) const;
+    bool is_black(ExprId id) const { return expr.is_constant(id, 0.0f); }
+    // Whether light is scattered by the part of a term that this operand colours (kAbsent,
+    // kUncolored: closure_op.h).
+    bool scatters(const ClosureTerm& term, int part) const {
+        return part != kAbsent && (part == kUncolored || !is_black(term.operand(part)));
+    }
     void describe(Material& material);
     Spectrum medium();
     std::vector<std::string> keep_used_layers(Program& program, SlopeMap& slopes) const;
@@ -99,16 +108,19 @@ public:
     // stands in for zero.
     ExprId normal(int i) {
         const ExprId given = input(i);
-        if (given == kNoExpr || e[given].op == Op::normal_map || e[given].op == Op::bump)
-            return given;
+        if (given == kNoExpr || traits(e[given].op).gives_normal) return given;
         if (e.is_constant(given, 0.0f)) return kNoExpr;
-        return e.unary(Op::shading_normal, 3, given);
+        return e.make(Op::shading_normal, {given});
     }
     bool linked(int i) const { return source(i).from_node != kNone; }
     const ResolvedInput& source(int i) const {
         return c.node(index).inputs[static_cast<size_t>(i)];
     }
     const std::string& option(int i) const { return c.node(index).options[static_cast<size_t>(i)]; }
+    const std::vector<float>& array(int i) const {
+        return *c.node(index).arrays[static_cast<size_t>(i)];
+    }
+    bool enabled(int i) const { return option(i) == "True"; }
     bool output_used(int i) const { return c.node(index).used_outputs[static_cast<size_t>(i)]; }
     uint32_t image() const { return c.node(index).graph->image; }
     const char* label() const { return c.node(index).kind->label; }

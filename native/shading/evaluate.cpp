@@ -9,7 +9,7 @@ namespace {
 
 template <class T>
 void run_image(const Instruction& i, const Registers<T>& r, std::span<const Image> images) {
-    const Vector3<T> at = r.vector(i.in[0]);
+    const Vector3<T> at = r.vector(i, 0);
     const Rgba<T> c = lookup<T>(images[i.index], at.x, at.y, mode_interpolation(i.mode),
                                 mode_extension(i.mode), mode_straight(i.mode));
     r.store(i.out, Vector3<T>{c.r, c.g, c.b});
@@ -20,7 +20,8 @@ template <class T>
 class RegisterFile {
 public:
     explicit RegisterFile(const Program& program)
-        : registers{storage_.data(), program.constants.data()} {}
+        : registers{storage_.data(), program.constants.data(), program.operands.data(),
+                    program.blocks.data()} {}
     const Registers<T> registers;
 
 private:
@@ -31,6 +32,11 @@ template <class T>
 Vector3<T> run_bump(const Program& program, const Instruction& i, const Registers<T>& r,
                     std::span<const Image> images, const ShadingPoint<T>& point);
 
+template <class T>
+Vector3<T> constant(const Vec3& a) {
+    return {T(a.x), T(a.y), T(a.z)};
+}
+
 Spectrum spectrum(const Vector3<float>& a) { return {a.x, a.y, a.z}; }
 
 Coat coat_of(const Registers<float>& r, Operand layer, Operand tint) {
@@ -40,8 +46,9 @@ Coat coat_of(const Registers<float>& r, Operand layer, Operand tint) {
 
 // No normal and no height depends on one.
 void run_coat(const Instruction& i, const Registers<float>& r, const ShadingPoint<float>& point) {
-    const Vector3<float> n = i.in[0] == kNoOperand ? facing_normal(point) : r.vector(i.in[0]);
-    const Spectrum t = coat_transmittance(coat_of(r, i.in[1], i.in[2]), value_of(n), point.wo);
+    const Vector3<float> n = r.operand(i, 0) == kNoOperand ? facing_normal(point) : r.vector(i, 0);
+    const Spectrum t =
+        coat_transmittance(coat_of(r, r.operand(i, 1), r.operand(i, 2)), value_of(n), point.wo);
     r.store(i.out, Vector3<float>{t.x, t.y, t.z});
 }
 
@@ -62,17 +69,31 @@ void run(const Program& program, const Section& section, std::span<const Image> 
                 r.store(i.out, safe_normalize(apply_transposed(point.object_to_world->row,
                                                                facing_normal(point))));
                 break;
+            case Op::normal: r.store(i.out, facing_normal(point)); break;
+            case Op::true_normal: r.store(i.out, constant<T>(point.ng)); break;
+            case Op::incoming: r.store(i.out, constant<T>(point.wo)); break;
+            case Op::facing: {
+                const Vector3<T> n =
+                    r.operand(i, 0) == kNoOperand ? facing_normal(point) : r.vector(i, 0);
+                r.store(i.out, T(dot(value_of(n), point.wo)));
+                break;
+            }
+            case Op::backfacing: r.store(i.out, T(point.backfacing ? 1.0f : 0.0f)); break;
             case Op::image: run_image(i, r, images); break;
-            case Op::normal_map:
-                r.store(i.out, map_normal(static_cast<NormalSpace>(i.mode), r.scalar(i.in[0]),
-                                          r.vector(i.in[1]), i.index, point));
+            case Op::tangent_normal:
+                r.store(i.out, map_normal(NormalSpace::tangent, r.scalar(i, 0), r.vector(i, 1),
+                                          i.index, point));
+                break;
+            case Op::space_normal:
+                r.store(i.out, map_normal(static_cast<NormalSpace>(i.mode), r.scalar(i, 0),
+                                          r.vector(i, 1), 0, point));
                 break;
             case Op::bump:  // heights have none
                 if constexpr (!std::is_same_v<T, Dual<Dual2>>)
                     r.store(i.out, run_bump(program, i, r, images, point));
                 break;
             case Op::shading_normal: {
-                const Vector3<T> n = safe_normalize(r.vector(i.in[0]));
+                const Vector3<T> n = safe_normalize(r.vector(i, 0));
                 r.store(i.out, is_zero(n) ? facing_normal(point) : n);
                 break;
             }
@@ -87,13 +108,13 @@ void run(const Program& program, const Section& section, std::span<const Image> 
 template <class T>
 Vector3<T> run_bump(const Program& program, const Instruction& i, const Registers<T>& r,
                     std::span<const Image> images, const ShadingPoint<T>& point) {
-    const Vector3<T> n = i.in[2] == kNoOperand ? facing_normal(point) : r.vector(i.in[2]);
+    const Vector3<T> n = r.operand(i, 2) == kNoOperand ? facing_normal(point) : r.vector(i, 2);
     if (point.around == nullptr) return n;
     const Section& height = program.heights[i.index];
     const RegisterFile<Dual<T>> file(program);
     run(program, height, images, *point.around, file.registers);
-    const T distance = times(r.scalar(i.in[1]), i.mode != 0 ? -1.0f : 1.0f);
-    return bump_normal(n, file.registers.scalar(height.result), r.scalar(i.in[0]), distance, point);
+    const T distance = times(r.scalar(i, 1), i.mode != 0 ? -1.0f : 1.0f);
+    return bump_normal(n, file.registers.scalar(height.result), r.scalar(i, 0), distance, point);
 }
 
 template <class T>
@@ -118,39 +139,49 @@ public:
         : r_(registers), point_(point), list_(list), facing_normal_(value_of(facing_normal(point))) {}
 
     void add(const ClosureInstruction& c) {
-        const float scale = r_.scalar(c.in[0]);
+        const float scale = r_.scalar(operand(c, kWeightOperand));
         if (scale == 0.0f) return;
         Spectrum weight(scale);
-        if (c.through != kNoOperand) weight *= color(c.through);
+        if (c.through != kNoOperand) weight *= spectrum(r_.vector(c.through));
         switch (c.op) {
-            case ClosureOp::lambert: return add(c, color(c.in[2]) * weight, Lambert{normal(c)});
-            case ClosureOp::transparent: return add(c, color(c.in[2]) * weight, Transparent{});
+            case ClosureOp::lambert: return add(c, color(c, 2) * weight, Lambert{normal(c)});
+            case ClosureOp::transparent: return add(c, color(c, 2) * weight, Transparent{});
             case ClosureOp::glossy: {
                 Fresnel fresnel;
-                fresnel.f0 = color(c.in[3]);
+                fresnel.f0 = color(c, 3);
                 return add_reflection(c, weight, fresnel);
             }
             case ClosureOp::metal: {
                 Fresnel fresnel;
                 fresnel.kind = Fresnel::Kind::f82;
-                fresnel.f0 = color(c.in[3]);
-                fresnel.f82 = color(c.in[4]);
+                fresnel.f0 = color(c, 3);
+                fresnel.f82 = color(c, 4);
                 return add_reflection(c, weight, fresnel);
             }
             case ClosureOp::dielectric: return add_dielectric(c, weight);
             case ClosureOp::coated: return add_coated(c, weight);
-            case ClosureOp::coat:
-                return add_reflection(c, weight, coat_fresnel(r_.scalar(c.in[3])));
+            case ClosureOp::coat: return add_reflection(c, weight, coat_fresnel(ior(c)));
+            case ClosureOp::count: return;
         }
     }
 
 private:
-    Spectrum color(Operand i) const { return spectrum(r_.vector(i)); }
+    Operand operand(const ClosureInstruction& c, int k) const {
+        return r_.operands[c.operands + static_cast<uint32_t>(k)];
+    }
+    float alpha(const ClosureInstruction& c) const {
+        return r_.scalar(operand(c, traits(c.op).alpha));
+    }
+    float ior(const ClosureInstruction& c) const { return r_.scalar(operand(c, traits(c.op).ior)); }
+    Spectrum color(const ClosureInstruction& c, int k) const {
+        return spectrum(r_.vector(operand(c, k)));
+    }
     Vec3 normal(const ClosureInstruction& c) const {
-        return c.in[1] == kNoOperand ? facing_normal_ : value_of(r_.vector(c.in[1]));
+        const Operand n = operand(c, kNormalOperand);
+        return n == kNoOperand ? facing_normal_ : value_of(r_.vector(n));
     }
     MicrofacetReflection reflection(const ClosureInstruction& c, const Fresnel& fresnel) const {
-        return {normal(c), r_.scalar(c.in[2]), c.modes.model, fresnel, c.modes.energy_compensated};
+        return {normal(c), alpha(c), c.modes.model, fresnel, c.modes.energy_compensated};
     }
     void add(const ClosureInstruction& c, const Spectrum& weight, const ClosureKind& kind) {
         list_.add(weight, kind, point_.wo, c.on_caster_normal);
@@ -160,22 +191,22 @@ private:
         if (!c.on_slope_map) return add(c, weight, lobe);
         GlintLobe glint{weight, lobe};
         if (c.coat != kNoOperand)
-            glint = {Spectrum(r_.scalar(c.in[0])), lobe, coat_of(r_, c.coat, c.coat_tint)};
+            glint = {Spectrum(r_.scalar(operand(c, kWeightOperand))), lobe,
+                     coat_of(r_, c.coat, c.coat_tint)};
         list_.add_glints(weight, glint, point_.wo, c.on_caster_normal);
     }
 
     void add_dielectric(const ClosureInstruction& c, const Spectrum& weight) {
-        const float ior = r_.scalar(c.in[3]);
         MicrofacetDielectric d{};
         d.n = normal(c);
-        d.alpha = r_.scalar(c.in[2]);
+        d.alpha = alpha(c);
         d.model = c.modes.model;
-        d.eta = point_.backfacing ? 1.0f / ior : ior;
+        d.eta = point_.backfacing ? 1.0f / ior(c) : ior(c);
         d.reflects = c.modes.reflects;
         d.refracts = c.modes.refracts;
         d.fresnel_weighted = c.modes.fresnel_weighted;
-        d.reflection_tint = color(c.in[4]);
-        d.transmission_tint = color(c.in[5]);
+        d.reflection_tint = color(c, 4);
+        d.transmission_tint = color(c, 5);
         d.energy_compensated = c.modes.energy_compensated;
         add(c, weight, d);
     }
@@ -184,15 +215,15 @@ private:
     void add_coated(const ClosureInstruction& c, const Spectrum& weight) {
         Fresnel fresnel;
         fresnel.kind = Fresnel::Kind::dielectric_f0;
-        fresnel.eta = r_.scalar(c.in[3]);
-        fresnel.f0 = color(c.in[4]);
+        fresnel.eta = ior(c);
+        fresnel.f0 = color(c, 4);
         Spectrum below = weight;
         if (fresnel.eta != 1.0f) {
             const ClosureKind layer = reflection(c, fresnel);
             add_reflection(c, weight, fresnel);
             below *= clamp01(1.0f - max_component(albedo(layer, point_.wo)));
         }
-        list_.add(color(c.in[5]) * below, Lambert{normal(c)}, point_.wo, false);
+        list_.add(color(c, 5) * below, Lambert{normal(c)}, point_.wo, false);
     }
 
     const Registers<float>& r_;

@@ -8,13 +8,11 @@
 
 namespace spc {
 
-bool reads_point(Op op) { return op >= Op::uv; }
-
 ExprId ExprBuilder::constant(float value) {
-    return make({Op::constant, 1, 0, 0, {kNoExpr, kNoExpr, kNoExpr}, {value, 0.0f, 0.0f}});
+    return insert({.op = Op::constant, .lanes = 1, .in = {}, .value = {value}});
 }
 ExprId ExprBuilder::constant(const Vec3& value) {
-    return make({Op::constant, 3, 0, 0, {kNoExpr, kNoExpr, kNoExpr}, {value.x, value.y, value.z}});
+    return insert({.op = Op::constant, .lanes = 3, .in = {}, .value = {value.x, value.y, value.z}});
 }
 
 bool ExprBuilder::is_constant(ExprId id, float value) const {
@@ -26,74 +24,78 @@ bool ExprBuilder::is_constant(ExprId id, float value) const {
 ExprId ExprBuilder::add(ExprId a, ExprId b) {
     if (is_constant(a, 0.0f)) return b;
     if (is_constant(b, 0.0f)) return a;
-    return make({Op::add, lanes(a), 0, 0, {a, b, kNoExpr}, {}});
+    return make(Op::add, {a, b});
 }
 
 ExprId ExprBuilder::multiply(ExprId a, ExprId b) {
     if (is_constant(a, 0.0f) || is_constant(b, 1.0f)) return a;
     if (is_constant(b, 0.0f) || is_constant(a, 1.0f)) return b;
-    return make({Op::multiply, lanes(a), 0, 0, {a, b, kNoExpr}, {}});
+    return make(Op::multiply, {a, b});
 }
 
 ExprId ExprBuilder::scale(ExprId vector, ExprId scalar) {
     if (is_constant(scalar, 1.0f) || is_constant(vector, 0.0f)) return vector;
     if (is_constant(scalar, 0.0f)) return constant(Vec3(0.0f));
-    return make({Op::scale, 3, 0, 0, {vector, scalar, kNoExpr}, {}});
+    return make(Op::scale, {vector, scalar});
 }
 
-ExprId ExprBuilder::affine(ExprId vector, const std::array<float, 12>& rows) {
+uint32_t ExprBuilder::block(const std::vector<float>& values) {
     const auto [known, added] =
-        known_matrices_.try_emplace(rows, static_cast<uint32_t>(matrices_.size()));
-    if (added) matrices_.push_back(rows);
-    return make({Op::affine, 3, 0, known->second, {vector, kNoExpr, kNoExpr}, {}});
-}
-
-ExprId ExprBuilder::make(const Expr& e) {
-    bool foldable = e.op != Op::constant && !reads_point(e.op);
-    for (ExprId in : e.in) foldable = foldable && (in == kNoExpr || is_constant(in));
-    if (foldable) return fold(e);
-
-    const Key key{static_cast<uint32_t>(e.op) | uint32_t{e.lanes} << 8 | uint32_t{e.mode} << 16,
-                  e.index,
-                  static_cast<uint32_t>(e.in[0]),
-                  static_cast<uint32_t>(e.in[1]),
-                  static_cast<uint32_t>(e.in[2]),
-                  std::bit_cast<uint32_t>(e.value[0]),
-                  std::bit_cast<uint32_t>(e.value[1]),
-                  std::bit_cast<uint32_t>(e.value[2])};
-    const auto [known, added] = known_.try_emplace(key, static_cast<ExprId>(exprs_.size()));
-    if (added) exprs_.push_back(e);
+        known_blocks_.try_emplace(values, static_cast<uint32_t>(blocks_.size()));
+    if (added) blocks_.push_back(values);
     return known->second;
 }
 
+ExprId ExprBuilder::make(Op op, std::vector<ExprId> in, uint8_t mode, uint32_t index) {
+    const OpTraits& row = traits(op);
+    SPC_ASSERT(in.size() == row.arity);
+    bool foldable = !row.varies;
+    for (ExprId id : in) foldable = foldable && (id == kNoExpr || is_constant(id));
+    const uint8_t own_lanes = row.lanes != 0 ? row.lanes : lanes(in[0]);
+    const Expr e{op, own_lanes, mode, index, std::move(in), {}};
+    return foldable ? fold(e) : insert(e);
+}
+
+ExprId ExprBuilder::insert(Expr e) {
+    std::vector<uint32_t> key{
+        static_cast<uint32_t>(e.op) | uint32_t{e.lanes} << 8 | uint32_t{e.mode} << 16, e.index};
+    for (ExprId id : e.in) key.push_back(static_cast<uint32_t>(id));
+    for (float value : e.value) key.push_back(std::bit_cast<uint32_t>(value));
+    const auto [known, added] =
+        known_.try_emplace(std::move(key), static_cast<ExprId>(exprs_.size()));
+    if (added) exprs_.push_back(std::move(e));
+    return known->second;
+}
+
+// As a program of one instruction.
 ExprId ExprBuilder::fold(const Expr& e) {
     std::vector<float> constants;
-    Instruction i{e.op, e.lanes, e.mode, 0, {kNoOperand, kNoOperand, kNoOperand}, e.index};
-    for (size_t k = 0; k < 3; ++k) {
-        if (e.in[k] == kNoExpr) continue;
-        i.in[k] = static_cast<Operand>(~static_cast<int>(constants.size()));
-        const std::array<float, 3>& value = (*this)[e.in[k]].value;
+    std::vector<Operand> operands;
+    for (ExprId id : e.in) {
+        operands.push_back(
+            id == kNoExpr ? kNoOperand : static_cast<Operand>(~static_cast<int>(constants.size())));
+        if (id == kNoExpr) continue;
+        const std::array<float, 4>& value = (*this)[id].value;
         constants.insert(constants.end(), value.begin(), value.end());
     }
-    if (e.op == Op::affine) {
-        i.index = static_cast<uint32_t>(constants.size());
-        const std::array<float, 12>& rows = matrices_[e.index];
-        constants.insert(constants.end(), rows.begin(), rows.end());
-    }
-    float out[3] = {};
-    run_arithmetic(i, Registers<float>{out, constants.data()});
-    return e.lanes == 1 ? constant(out[0]) : constant(Vec3(out[0], out[1], out[2]));
+    const bool in_block = traits(e.op).index == IndexOf::block;
+    const float* block = in_block ? blocks_[e.index].data() : nullptr;
+    const Instruction i{e.op, e.lanes, e.mode, 0, 0, in_block ? 0 : e.index};
+    Expr folded{.op = Op::constant, .lanes = e.lanes, .in = {}};
+    run_arithmetic(i,
+                   Registers<float>{folded.value.data(), constants.data(), operands.data(), block});
+    return insert(std::move(folded));
 }
 
 // What is marked in ascending order of ids comes after what it reads.
-bool ExprBuilder::depends_on(ExprId id, Op op) const {
-    std::vector<bool> found(static_cast<size_t>(id) + 1);
-    for (size_t i = 0; i < found.size(); ++i) {
-        found[i] = exprs_[i].op == op;
+int ExprBuilder::derivatives(ExprId id) const {
+    std::vector<int> least(static_cast<size_t>(id) + 1);
+    for (size_t i = 0; i < least.size(); ++i) {
+        least[i] = traits(exprs_[i].op).derivatives;
         for (ExprId in : exprs_[i].in)
-            if (in != kNoExpr && found[static_cast<size_t>(in)]) found[i] = true;
+            if (in != kNoExpr) least[i] = std::min(least[i], least[static_cast<size_t>(in)]);
     }
-    return found.back();
+    return least.back();
 }
 
 Vec3 ExprBuilder::mean_value(ExprId id, std::span<const Image> images) {
@@ -108,20 +110,23 @@ Vec3 ExprBuilder::mean_value(ExprId id, std::span<const Image> images) {
     for (size_t i = 0; i < needed.size(); ++i) {
         if (!needed[i]) continue;
         Expr e = exprs_[i];
-        if (e.op == Op::image) {
-            const Rgba<float> c = spc::mean(images[e.index], mode_straight(e.mode));
-            at_mean[i] = constant(Vec3(c.r, c.g, c.b));
-        } else if (e.op == Op::image_alpha) {
-            at_mean[i] = constant(spc::mean(images[(*this)[e.in[0]].index]).a);
-        } else if (e.op == Op::coat) {
-            at_mean[i] = constant(Vec3(1.0f));
-        } else if (reads_point(e.op)) {
-            at_mean[i] = e.lanes == 1 ? constant(0.0f) : constant(Vec3(0.0f));
-        } else {
-            for (ExprId& in : e.in)
-                if (in != kNoExpr) in = at_mean[static_cast<size_t>(in)];
-            at_mean[i] = make(e);
+        Expr mean{.op = Op::constant, .lanes = e.lanes, .in = {}};
+        switch (traits(e.op).mean) {
+            case MeanOf::operands:
+                for (ExprId& in : e.in)
+                    if (in != kNoExpr) in = at_mean[static_cast<size_t>(in)];
+                at_mean[i] = e.op == Op::constant ? static_cast<ExprId>(i)
+                                                  : make(e.op, std::move(e.in), e.mode, e.index);
+                continue;
+            case MeanOf::image: {
+                const Rgba<float> c = spc::mean(images[e.index], mode_straight(e.mode));
+                mean.value = {c.r, c.g, c.b, c.a};
+                break;
+            }
+            case MeanOf::zero: break;
+            case MeanOf::one: mean.value = {1.0f, 1.0f, 1.0f, 1.0f}; break;
         }
+        at_mean[i] = insert(std::move(mean));
     }
     const ExprId result = at_mean[static_cast<size_t>(id)];
     SPC_ASSERT(is_constant(result));

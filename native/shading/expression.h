@@ -18,11 +18,11 @@ inline constexpr ExprId kNoExpr = -1;
 
 struct Expr {
     Op op = Op::constant;
-    uint8_t lanes = 1;   // 1 or 3
-    uint8_t mode = 0;    // as Instruction::mode
-    uint32_t index = 0;  // image, UV layer or matrix; of a bump the expression of its height
-    std::array<ExprId, 3> in{kNoExpr, kNoExpr, kNoExpr};
-    std::array<float, 3> value{};  // of a constant
+    uint8_t lanes = 1;       // 1 or 3
+    uint8_t mode = 0;        // as Instruction::mode
+    uint32_t index = 0;      // as Instruction::index; a block by its number, a height by its ExprId
+    std::vector<ExprId> in;  // as many as the operation's row says; kNoExpr where one is left out
+    std::array<float, 4> value{};  // of a constant; the fourth where it comes from an operation that has it
 };
 
 class ExprBuilder {
@@ -32,37 +32,33 @@ public:
 
     // Lane by lane; both have the same number of lanes.
     ExprId add(ExprId a, ExprId b);
-    ExprId subtract(ExprId a, ExprId b) {
-        return make({Op::subtract, lanes(a), 0, 0, {a, b, kNoExpr}, {}});
-    }
+    ExprId subtract(ExprId a, ExprId b) { return make(Op::subtract, {a, b}); }
     ExprId multiply(ExprId a, ExprId b);
-    ExprId divide(ExprId a, ExprId b) {
-        return make({Op::divide, lanes(a), 0, 0, {a, b, kNoExpr}, {}});
-    }
-    ExprId maximum(ExprId a, ExprId b) {
-        return make({Op::maximum, lanes(a), 0, 0, {a, b, kNoExpr}, {}});
-    }
+    ExprId divide(ExprId a, ExprId b) { return make(Op::divide, {a, b}); }
+    ExprId maximum(ExprId a, ExprId b) { return make(Op::maximum, {a, b}); }
     // Any number of lanes -> the same.
-    ExprId one_minus(ExprId a) { return unary(Op::one_minus, lanes(a), a); }
-    ExprId clamp01(ExprId a) { return unary(Op::clamp01, lanes(a), a); }
-    ExprId non_negative(ExprId a) { return unary(Op::non_negative, lanes(a), a); }
-    ExprId square_root(ExprId a) { return unary(Op::square_root, lanes(a), a); }
+    ExprId one_minus(ExprId a) { return make(Op::one_minus, {a}); }
+    ExprId clamp01(ExprId a) { return make(Op::clamp01, {a}); }
+    ExprId non_negative(ExprId a) { return make(Op::non_negative, {a}); }
+    ExprId square_root(ExprId a) { return make(Op::square_root, {a}); }
     // Three lanes times one.
     ExprId scale(ExprId vector, ExprId scalar);
-    ExprId combine(ExprId x, ExprId y, ExprId z) {
-        return make({Op::combine, 3, 0, 0, {x, y, z}, {}});
+    // One of three lanes, or the fourth of an operation that has it.
+    ExprId lane(ExprId vector, uint8_t number) { return make(Op::lane, {vector}, number); }
+    ExprId combine(ExprId x, ExprId y, ExprId z) { return make(Op::combine, {x, y, z}); }
+    ExprId luminance(ExprId color) { return make(Op::luminance, {color}); }
+    ExprId mean(ExprId vector) { return make(Op::mean, {vector}); }
+    ExprId splat(ExprId scalar) { return make(Op::splat, {scalar}); }
+    ExprId normalize(ExprId vector) { return make(Op::normalize, {vector}); }
+    ExprId affine(ExprId vector, const std::array<float, 12>& rows) {
+        return make(Op::affine, {vector}, 0, block({rows.begin(), rows.end()}));
     }
-    ExprId luminance(ExprId color) { return unary(Op::luminance, 1, color); }
-    ExprId mean(ExprId vector) { return unary(Op::mean, 1, vector); }
-    ExprId splat(ExprId scalar) { return unary(Op::splat, 3, scalar); }
-    ExprId normalize(ExprId vector) { return unary(Op::normalize, 3, vector); }
-    ExprId unary(Op op, uint8_t lanes, ExprId a) {
-        return make({op, lanes, 0, 0, {a, kNoExpr, kNoExpr}, {}});
-    }
-    ExprId affine(ExprId vector, const std::array<float, 12>& rows);  // three rows of four
 
-    // Adds `expr` if no equal one exists, or its value if all it reads is constant.
-    ExprId make(const Expr& expr);
+    // The operation of these operands; an equal one if there is one, or its value if all it depends on
+    // is constant. `mode` and `index` are those of Expr.
+    ExprId make(Op op, std::vector<ExprId> in, uint8_t mode = 0, uint32_t index = 0);
+    // Number of a block of constants, for operations that look something up.
+    uint32_t block(const std::vector<float>& values);
 
     const Expr& operator[](ExprId id) const { return exprs_[static_cast<size_t>(id)]; }
     uint8_t lanes(ExprId id) const { return (*this)[id].lanes; }
@@ -72,24 +68,22 @@ public:
     Vec3 vector(ExprId id) const {
         return Vec3((*this)[id].value[0], (*this)[id].value[1], (*this)[id].value[2]);
     }
-    const std::array<float, 12>& matrix(uint32_t index) const { return matrices_[index]; }
-    bool depends_on(ExprId id, Op op) const;
+    const std::vector<float>& block_values(uint32_t block) const { return blocks_[block]; }
+    // How many derivatives a value has: as many as the operation with the fewest that it depends on.
+    int derivatives(ExprId id) const;
 
     // What `id` comes to on average: textures at their means, whatever their coordinates; coats
     // clear; other things that vary over a surface at 0.
     Vec3 mean_value(ExprId id, std::span<const Image> images);
 
 private:
-    using Key = std::array<uint32_t, 8>;
+    ExprId insert(Expr expr);
     ExprId fold(const Expr& expr);
 
     std::vector<Expr> exprs_;
-    std::map<Key, ExprId> known_;
-    std::vector<std::array<float, 12>> matrices_;
-    std::map<std::array<float, 12>, uint32_t> known_matrices_;
+    std::map<std::vector<uint32_t>, ExprId> known_;  // by all that an Expr holds
+    std::vector<std::vector<float>> blocks_;
+    std::map<std::vector<float>, uint32_t> known_blocks_;
 };
-
-// Reads a point and not only its inputs.
-bool reads_point(Op op);
 
 }  // namespace spc

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A material as the host describes it: typed nodes, constants, options and links, by name.
+// A material as the host describes it: typed nodes, constants, options, arrays and links, by name.
 // compile() in program.h validates it.
 #pragma once
 
@@ -27,6 +27,11 @@ struct GraphOption {
     std::string option;
     std::string value;
 };
+struct GraphArray {
+    uint32_t node;
+    std::string name;
+    std::vector<float> values;
+};
 struct GraphLink {
     uint32_t from_node;
     std::string from_socket;
@@ -42,6 +47,7 @@ struct Graph {
     std::vector<GraphNode> nodes;
     std::vector<GraphInput> inputs;
     std::vector<GraphOption> options;
+    std::vector<GraphArray> arrays;
     std::vector<GraphLink> links;
 };
 

@@ -40,21 +40,30 @@ struct NodeOption {
     const char* values;  // "A|B|C", the first is the default; "" = any text, by default none
 };
 
+// Numbers that a node must be given, such as the colours of a ramp.
+struct NodeArray {
+    const char* name;
+    uint32_t columns;  // numbers of each row; at least two rows
+};
+
 struct NodeKind {
     const char* name;
     const char* label;  // as Blender calls it; for messages
-    std::span<const InputSocket> inputs;
-    std::span<const OutputSocket> outputs;
-    std::span<const NodeOption> options;
-    bool reads_image;
+    std::span<const InputSocket> inputs{};
+    std::span<const OutputSocket> outputs{};
+    std::span<const NodeOption> options{};
+    std::span<const NodeArray> arrays{};
+    bool reads_image = false;
     // One of them: the value of an output, or what a shader adds to its part under a weight (a
     // scalar).
-    ExprId (*value)(NodeContext&, int output);
-    void (*shade)(NodeContext&, ExprId weight);
+    ExprId (*value)(NodeContext&, int output) = nullptr;
+    void (*shade)(NodeContext&, ExprId weight) = nullptr;
     ShaderPart part = ShaderPart::surface;
 };
 
 std::span<const NodeKind> node_table();
+// Which of "A|B|C" a value is; -1 if none.
+int choice_of(std::string_view choices, std::string_view value);
 const char* type_name(SocketType type);  // "float", "color", "vector", "shader"
 
 }  // namespace spc

@@ -17,6 +17,32 @@ ExprId texture_coordinate(NodeContext& node, int output);
 ExprId mapping(NodeContext& node, int output);
 ExprId same_as_input(NodeContext& node, int output);
 
+// nodes_converter.cpp
+ExprId math(NodeContext& node, int output);
+ExprId vector_math(NodeContext& node, int output);
+ExprId mix(NodeContext& node, int output);
+ExprId mix_rgb(NodeContext& node, int output);
+ExprId map_range(NodeContext& node, int output);
+ExprId clamp(NodeContext& node, int output);
+ExprId separate_xyz(NodeContext& node, int output);
+ExprId combine_xyz(NodeContext& node, int output);
+ExprId separate_color(NodeContext& node, int output);
+ExprId combine_color(NodeContext& node, int output);
+ExprId vector_rotate(NodeContext& node, int output);
+ExprId rgb_to_bw(NodeContext& node, int output);
+ExprId invert(NodeContext& node, int output);
+ExprId gamma(NodeContext& node, int output);
+ExprId bright_contrast(NodeContext& node, int output);
+ExprId hue_saturation(NodeContext& node, int output);
+ExprId curves(NodeContext& node, int output);
+ExprId normal(NodeContext& node, int output);
+ExprId color_ramp(NodeContext& node, int output);
+
+// nodes_input.cpp
+ExprId fresnel(NodeContext& node, int output);
+ExprId layer_weight(NodeContext& node, int output);
+ExprId geometry(NodeContext& node, int output);
+
 // nodes_volume.cpp
 void volume_absorption(NodeContext& node, ExprId weight);
 void volume_principled(NodeContext& node, ExprId weight);

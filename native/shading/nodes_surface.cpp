@@ -6,15 +6,15 @@
 namespace spc::nodes {
 namespace {
 
-// A term under `weight`, with the node's Normal input.
-ClosureTerm term(NodeContext& node, ClosureOp op, const std::string& part, ExprId weight,
-                 ExprId normal) {
+// A term of the node; `operands` are those of the row of `op`, the weight and the normal first.
+ClosureTerm term(NodeContext& node, ClosureOp op, const std::string& part,
+                 std::vector<ExprId> operands, const ClosureModes& modes = {}) {
     ClosureTerm t;
     t.op = op;
+    t.modes = modes;
     t.node = node.index;
     t.label = node.label() + part;
-    t.in[0] = weight;
-    t.in[1] = normal;
+    t.in = std::move(operands);
     return t;
 }
 
@@ -40,7 +40,7 @@ CoatOver coat_over(NodeContext& node, const ClosureTerm& coat, ExprId share, Exp
     over.normal = coat.normal();
     over.layer = node.e.combine(share, coat.alpha(), coat.ior());
     over.tint = node.e.clamp01(tint);
-    over.through = node.e.make({Op::coat, 3, 0, 0, {over.normal, over.layer, over.tint}, {}});
+    over.through = node.e.make(Op::coat, {over.normal, over.layer, over.tint});
     return over;
 }
 
@@ -85,46 +85,40 @@ void diffuse(NodeContext& node, ExprId weight) {
     enum { kColor, kRoughness, kNormal };
     if (!node.e.is_constant(node.input(kRoughness), 0.0f))
         node.warn("Roughness of a Diffuse BSDF is not supported; 0 is used");
-    ClosureTerm t = term(node, ClosureOp::lambert, "", weight, node.normal(kNormal));
-    t.in[2] = node.input(kColor);
-    node.c.add_term(t);
+    node.c.add_term(
+        term(node, ClosureOp::lambert, "", {weight, node.normal(kNormal), node.input(kColor)}));
 }
 
 void glossy(NodeContext& node, ExprId weight) {
     enum { kColor, kRoughness, kNormal };
-    ClosureTerm t = term(node, ClosureOp::glossy, "", weight, node.normal(kNormal));
-    t.modes = modes_of(node.option(0));
-    t.in[2] = alpha_of(node, node.input(kRoughness));
-    t.in[3] = node.input(kColor);
-    node.c.add_term(t);
+    const ExprId alpha = alpha_of(node, node.input(kRoughness));
+    node.c.add_term(term(node, ClosureOp::glossy, "",
+                         {weight, node.normal(kNormal), alpha, node.input(kColor)},
+                         modes_of(node.option(0))));
 }
 
 void glass(NodeContext& node, ExprId weight) {
     enum { kColor, kRoughness, kIor, kNormal };
-    ClosureTerm t = term(node, ClosureOp::dielectric, "", weight, node.normal(kNormal));
-    t.modes = modes_of(node.option(0));
-    t.in[2] = alpha_of(node, node.input(kRoughness));
-    t.in[3] = ior_of(node, node.input(kIor));
-    t.in[4] = t.in[5] = node.input(kColor);
-    node.c.add_term(t);
+    const ExprId color = node.input(kColor);
+    node.c.add_term(term(node, ClosureOp::dielectric, "",
+                         {weight, node.normal(kNormal), alpha_of(node, node.input(kRoughness)),
+                          ior_of(node, node.input(kIor)), color, color},
+                         modes_of(node.option(0))));
 }
 
 void refraction(NodeContext& node, ExprId weight) {
     enum { kColor, kRoughness, kIor, kNormal };
-    ClosureTerm t = term(node, ClosureOp::dielectric, "", weight, node.normal(kNormal));
-    t.modes = modes_of(node.option(0));
-    t.modes.reflects = t.modes.fresnel_weighted = false;
-    t.in[2] = alpha_of(node, node.input(kRoughness));
-    t.in[3] = ior_of(node, node.input(kIor));
-    t.in[4] = node.e.constant(Vec3(0.0f));
-    t.in[5] = node.input(kColor);
-    node.c.add_term(t);
+    ClosureModes modes = modes_of(node.option(0));
+    modes.reflects = modes.fresnel_weighted = false;
+    const ExprId black = node.e.constant(Vec3(0.0f));
+    node.c.add_term(term(node, ClosureOp::dielectric, "",
+                         {weight, node.normal(kNormal), alpha_of(node, node.input(kRoughness)),
+                          ior_of(node, node.input(kIor)), black, node.input(kColor)},
+                         modes));
 }
 
 void transparent(NodeContext& node, ExprId weight) {
-    ClosureTerm t = term(node, ClosureOp::transparent, "", weight, kNoExpr);
-    t.in[2] = node.input(0);
-    node.c.add_term(t);
+    node.c.add_term(term(node, ClosureOp::transparent, "", {weight, kNoExpr, node.input(0)}));
 }
 
 // Layers from the top: Alpha over all, then the coat, then emission, then a mix of metal, of glass,
@@ -160,55 +154,44 @@ void principled(NodeContext& node, ExprId weight) {
     const ExprId ior = ior_of(node, node.input(kIor));
 
     const ExprId coverage = e.clamp01(node.input(kAlpha));
-    ClosureTerm gap = term(node, ClosureOp::transparent, " (alpha)",
-                           e.multiply(weight, e.one_minus(coverage)), kNoExpr);
-    gap.in[2] = one;
-    node.c.add_term(gap);
+    node.c.add_term(term(node, ClosureOp::transparent, " (alpha)",
+                         {e.multiply(weight, e.one_minus(coverage)), kNoExpr, one}));
     weight = e.multiply(weight, coverage);
 
     const ExprId share = e.clamp01(node.input(kCoatWeight));
-    ClosureTerm coat =
-        term(node, ClosureOp::coat, " (coat)", e.multiply(weight, share), node.normal(kCoatNormal));
-    coat.in[2] = alpha_of(node, node.input(kCoatRoughness));
-    coat.in[3] = e.maximum(node.input(kCoatIor), e.constant(1.0f));
+    const ClosureTerm coat = term(node, ClosureOp::coat, " (coat)",
+                                  {e.multiply(weight, share), node.normal(kCoatNormal),
+                                   alpha_of(node, node.input(kCoatRoughness)),
+                                   e.maximum(node.input(kCoatIor), e.constant(1.0f))});
     const CoatOver over = coat_over(node, coat, share, node.input(kCoatTint));
 
     const ExprId glow = e.scale(node.input(kEmissionColor), node.input(kEmissionStrength));
     node.c.add_emission(over.exists() ? e.multiply(glow, over.through) : glow, weight);
 
     const ExprId metallic = e.clamp01(node.input(kMetallic));
-    ClosureTerm metal =
-        term(node, ClosureOp::metal, " (metal)", e.multiply(weight, metallic), normal);
-    metal.modes = modes;
-    metal.in[2] = rough_alpha;
-    metal.in[3] = clamped_base;
-    metal.in[4] = clamped_tint;
+    ClosureTerm metal = term(
+        node, ClosureOp::metal, " (metal)",
+        {e.multiply(weight, metallic), normal, rough_alpha, clamped_base, clamped_tint}, modes);
     metal.coat = over;
     node.c.add_term(metal);
     weight = e.multiply(weight, e.one_minus(metallic));
 
     const ExprId transmission = e.clamp01(node.input(kTransmission));
+    // Light crosses such an interface twice.
     ClosureTerm glass = term(node, ClosureOp::dielectric, " (transmission)",
-                             e.multiply(weight, transmission), normal);
-    glass.modes = modes;
-    glass.in[2] = rough_alpha;
-    glass.in[3] = ior;
-    glass.in[4] = clamped_tint;
-    glass.in[5] = e.square_root(clamped_base);  // light crosses such an interface twice
+                             {e.multiply(weight, transmission), normal, rough_alpha, ior,
+                              clamped_tint, e.square_root(clamped_base)},
+                             modes);
     glass.coat = over;
     node.c.add_term(glass);
     weight = e.multiply(weight, e.one_minus(transmission));
 
-    const ExprId index =
-        e.make({Op::dielectric_ior, 1, 0, 0, {ior, node.input(kSpecularLevel), kNoExpr}, {}});
+    const ExprId index = e.make(Op::dielectric_ior, {ior, node.input(kSpecularLevel)});
     const ExprId ratio =
         e.divide(e.subtract(index, e.constant(1.0f)), e.add(index, e.constant(1.0f)));
-    ClosureTerm coated = term(node, ClosureOp::coated, " (specular)", weight, normal);
-    coated.modes = modes;
-    coated.in[2] = rough_alpha;
-    coated.in[3] = index;
-    coated.in[4] = e.clamp01(e.scale(tint, e.multiply(ratio, ratio)));
-    coated.in[5] = base;
+    const ExprId f0 = e.clamp01(e.scale(tint, e.multiply(ratio, ratio)));
+    ClosureTerm coated = term(node, ClosureOp::coated, " (specular)",
+                              {weight, normal, rough_alpha, index, f0, base}, modes);
     coated.coat = over;
     node.c.add_term(coated);
     node.c.add_term(coat);

@@ -5,9 +5,7 @@
 namespace spc::nodes {
 namespace {
 
-ExprId read_point(ExprBuilder& e, Op op, uint32_t index = 0) {
-    return e.make({op, 3, 0, index, {kNoExpr, kNoExpr, kNoExpr}, {}});
-}
+ExprId read_point(ExprBuilder& e, Op op, uint32_t index = 0) { return e.make(op, {}, 0, index); }
 
 ExprId uv(NodeContext& node, const std::string& layer) {
     if (!node.c.is_world()) return read_point(node.e, Op::uv, node.c.uv_layer(layer));
@@ -37,8 +35,8 @@ ExprId image_texture(NodeContext& node, int output) {
     // Cycles takes the alpha out of the colour where, and only where, the alpha is used by itself.
     const uint8_t mode = image_mode(interpolation_of(node.option(kInterpolation)),
                                     extension_of(node.option(kExtension)), node.output_used(kAlpha));
-    const ExprId image = node.e.make({Op::image, 3, mode, node.image(), {at, kNoExpr, kNoExpr}, {}});
-    return output == kColor ? image : node.e.unary(Op::image_alpha, 1, image);
+    const ExprId image = node.e.make(Op::image, {at}, mode, node.image());
+    return output == kColor ? image : node.e.lane(image, 3);
 }
 
 ExprId environment_texture(NodeContext& node, int) {
@@ -48,10 +46,10 @@ ExprId environment_texture(NodeContext& node, int) {
     const ExprId direction = linked != kNoExpr ? linked : read_point(node.e, Op::position);
     const Op projection =
         node.option(kProjection) == "MIRROR_BALL" ? Op::mirror_ball : Op::equirectangular;
-    const ExprId at = node.e.unary(projection, 3, direction);
+    const ExprId at = node.e.make(projection, {direction});
     const uint8_t mode =
         image_mode(interpolation_of(node.option(kInterpolation)), Extension::repeat, false);
-    return node.e.make({Op::image, 3, mode, node.image(), {at, kNoExpr, kNoExpr}, {}});
+    return node.e.make(Op::image, {at}, mode, node.image());
 }
 
 ExprId normal_map(NodeContext& node, int) {
@@ -62,16 +60,12 @@ ExprId normal_map(NodeContext& node, int) {
         return node.e.constant(Vec3(0.0f));
     }
     const std::string& space = node.option(kSpace);
-    const NormalSpace kind = space == "OBJECT"  ? NormalSpace::object
-                             : space == "WORLD" ? NormalSpace::world
-                                                : NormalSpace::tangent;
-    const uint32_t layer = kind == NormalSpace::tangent ? node.c.uv_layer(node.option(kUvMap)) : 0;
-    return node.e.make({Op::normal_map,
-                        3,
-                        static_cast<uint8_t>(kind),
-                        layer,
-                        {node.input(kStrength), node.input(kColor), kNoExpr},
-                        {}});
+    const ExprId strength = node.input(kStrength), color = node.input(kColor);
+    if (space == "TANGENT")
+        return node.e.make(Op::tangent_normal, {strength, color}, 0,
+                           node.c.uv_layer(node.option(kUvMap)));
+    const NormalSpace in = space == "OBJECT" ? NormalSpace::object : NormalSpace::world;
+    return node.e.make(Op::space_normal, {strength, color}, static_cast<uint8_t>(in));
 }
 
 ExprId bump(NodeContext& node, int) {
@@ -83,7 +77,7 @@ ExprId bump(NodeContext& node, int) {
     }
     ExprBuilder& e = node.e;
     ExprId height = node.input(kHeight);
-    if (e.depends_on(height, Op::bump)) {
+    if (e.derivatives(height) < 2) {
         node.warn("a height that depends on another bump is not supported; the surface is flat");
         height = e.constant(0.0f);
     }
@@ -91,12 +85,8 @@ ExprId bump(NodeContext& node, int) {
     if (e.is_constant(height) || e.is_constant(node.input(kStrength), 0.0f))
         return normal != kNoExpr ? normal : e.constant(Vec3(0.0f));
     const uint8_t inverted = node.option(kInvert) == "True" ? 1 : 0;
-    return e.make({Op::bump,
-                   3,
-                   inverted,
-                   static_cast<uint32_t>(height),
-                   {node.input(kStrength), node.input(kDistance), normal},
-                   {}});
+    return e.make(Op::bump, {node.input(kStrength), node.input(kDistance), normal}, inverted,
+                  static_cast<uint32_t>(height));
 }
 
 ExprId uv_map(NodeContext& node, int) { return uv(node, node.option(0)); }
@@ -129,9 +119,7 @@ ExprId mapping(NodeContext& node, int) {
     const bool moves = type == "POINT" || type == "TEXTURE";
     const ExprId location = moves ? node.input(kLocation) : e.constant(Vec3(0.0f));
 
-    const auto rotate = [&](ExprId a, Op op) {
-        return e.make({op, 3, 0, 0, {a, rotation, kNoExpr}, {}});
-    };
+    const auto rotate = [&](ExprId a, Op op) { return e.make(op, {a, rotation}); };
     const auto linear = [&](ExprId a) {
         if (type == "TEXTURE") return e.divide(rotate(a, Op::rotate_back), scale);
         if (type == "NORMAL") return rotate(e.divide(a, scale), Op::rotate);

@@ -8,6 +8,7 @@
 #include "core/image.h"
 #include "math/dual.h"
 #include "shading/graph.h"
+#include "shading/reads.h"
 
 #include <memory>
 
@@ -32,15 +33,6 @@ struct ShadingPoint {
     // derivatives by them.
     Vec3 dp_du, dp_dv;
     const ShadingPoint<Dual<T>>* around = nullptr;
-};
-
-enum ProgramReads : uint32_t {
-    kReadsUv = 1,
-    kReadsTangent = 2,
-    kReadsPosition = 4,
-    kReadsObjectPosition = 8,
-    kReadsObjectNormal = 16,
-    kReadsHeights = 32
 };
 
 // What the manifold needs to know of a material, decided when it is compiled: closures of one

@@ -27,16 +27,6 @@ std::string names_of(std::span<const Item> items) {
     return text;
 }
 
-// Is `value` one of "A|B|C"?
-bool is_choice(std::string_view choices, std::string_view value) {
-    for (;;) {
-        const size_t bar = choices.find('|');
-        if (choices.substr(0, bar) == value) return true;
-        if (bar == std::string_view::npos) return false;
-        choices.remove_prefix(bar + 1);
-    }
-}
-
 class Resolver {
 public:
     Resolver(const Graph& graph, size_t image_count) : graph_(graph), image_count_(image_count) {}
@@ -47,6 +37,7 @@ public:
         if (result_.output == kNone) fail(material() + ": has no output node");
         for (const GraphInput& input : graph_.inputs) add_input(input);
         for (const GraphOption& option : graph_.options) add_option(option);
+        for (const GraphArray& array : graph_.arrays) add_array(array);
         for (const GraphLink& link : graph_.links) add_link(link);
         refuse_cycles();
         find_live();
@@ -68,6 +59,7 @@ private:
         resolved.kind = &table[static_cast<size_t>(kind)];
         resolved.inputs.resize(resolved.kind->inputs.size());
         resolved.used_outputs.resize(resolved.kind->outputs.size());
+        resolved.arrays.resize(resolved.kind->arrays.size());
         for (const NodeOption& option : resolved.kind->options) {
             const std::string_view values = option.values;
             resolved.options.emplace_back(values.substr(0, values.find('|')));
@@ -120,10 +112,29 @@ private:
             fail(fmt::format("{}, option \"{}\": no such option of {} (has: {})", at(option.node),
                              option.option, node.kind->name, names_of(node.kind->options)));
         const std::string_view values = node.kind->options[static_cast<size_t>(i)].values;
-        if (!values.empty() && !is_choice(values, option.value))
+        if (!values.empty() && choice_of(values, option.value) < 0)
             fail(fmt::format("{}, option \"{}\": \"{}\" is not one of {}", at(option.node),
                              option.option, option.value, values));
         node.options[static_cast<size_t>(i)] = option.value;
+    }
+
+    void add_array(const GraphArray& array) {
+        ResolvedNode& node = node_at(array.node, "an array");
+        const auto fail_at = [&](const std::string& what) {
+            fail(fmt::format("{}, array \"{}\": {}", at(array.node), array.name, what));
+        };
+        const int i = find(node.kind->arrays, array.name);
+        if (i < 0)
+            fail_at(fmt::format("no such array of {} (has: {})", node.kind->name,
+                                names_of(node.kind->arrays)));
+        const size_t columns = node.kind->arrays[static_cast<size_t>(i)].columns,
+                     count = array.values.size();
+        if (count % columns != 0 || count < 2 * columns)
+            fail_at(fmt::format("{} numbers; {} in each of at least two rows", count, columns));
+        for (const float value : array.values)
+            if (!std::isfinite(value)) fail_at("not finite");
+        if (node.arrays[static_cast<size_t>(i)] != nullptr) fail_at("given twice");
+        node.arrays[static_cast<size_t>(i)] = &array.values;
     }
 
     void add_link(const GraphLink& link) {
@@ -186,9 +197,14 @@ private:
             for (const ResolvedInput& input : result_.nodes[result_.order[k]].inputs)
                 if (input.from_node != kNone && --readers[input.from_node] == 0)
                     result_.order.push_back(input.from_node);
-        for (uint32_t i : result_.order)
-            if (result_.nodes[i].kind->reads_image && result_.nodes[i].graph->image == kNone)
+        for (uint32_t i : result_.order) {
+            const ResolvedNode& node = result_.nodes[i];
+            if (node.kind->reads_image && node.graph->image == kNone)
                 fail(at(i) + ": has no image");
+            for (size_t k = 0; k < node.arrays.size(); ++k)
+                if (node.arrays[k] == nullptr)
+                    fail(fmt::format("{}, array \"{}\": missing", at(i), node.kind->arrays[k].name));
+        }
     }
 
     const Graph& graph_;

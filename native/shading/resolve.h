@@ -19,8 +19,9 @@ struct ResolvedNode {
     const NodeKind* kind = nullptr;
     std::vector<ResolvedInput> inputs;  // as kind->inputs
     std::vector<std::string> options;   // as kind->options; the default where none is given
-    bool live = false;                  // the output depends on it
-    std::vector<bool> used_outputs;     // by live nodes
+    std::vector<const std::vector<float>*> arrays;  // as kind->arrays; of the graph
+    bool live = false;                              // the output depends on it
+    std::vector<bool> used_outputs;                 // by live nodes
 };
 
 struct ResolvedGraph {

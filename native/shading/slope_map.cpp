@@ -23,9 +23,7 @@ public:
         ExprId normal = kNoExpr;
         int count = 0;
         for (ClosureTerm& term : terms_) {
-            if (term.op != ClosureOp::glossy && term.op != ClosureOp::metal &&
-                term.op != ClosureOp::coated && term.op != ClosureOp::coat)
-                continue;
+            if (!term.row().may_glint) continue;
             std::string reason = why_not(term);
             if (reason.empty() && normal == kNoExpr) reason = read_normal(term.normal(), map);
             const bool fits = normal == kNoExpr || (term.normal() == normal && count < kMaxGlints);
@@ -66,14 +64,13 @@ private:
     std::string read_normal(ExprId id, SlopeMap& map) const {
         map = {};
         const Expr& normal = expr_[id];
-        if (normal.op == Op::normal_map) return read_normal_map(normal, map);
+        if (normal.op == Op::space_normal) return "its normal map is not in tangent space";
+        if (normal.op == Op::tangent_normal) return read_normal_map(normal, map);
         if (normal.op == Op::bump) return read_bump(normal, map);
         return "its normal is not a Normal Map or Bump node";
     }
 
     std::string read_normal_map(const Expr& normal, SlopeMap& map) const {
-        if (normal.mode != static_cast<uint8_t>(NormalSpace::tangent))
-            return "its normal map is not in tangent space";
         const std::string reason = read_strength(normal.in[0], "normal map", map);
         if (!reason.empty()) return reason;
         const Expr& image = expr_[normal.in[1]];
@@ -117,7 +114,7 @@ private:
         if (mode_straight(image.mode) && texels.premultiplied) return its("has an alpha");
         const Expr* at = &expr_[image.in[0]];
         if (at->op == Op::affine) {
-            const std::array<float, 12>& m = expr_.matrix(at->index);
+            const std::vector<float>& m = expr_.block_values(at->index);
             map.to_image = {Vec2(m[0], m[1]), Vec2(m[4], m[5])};
             map.offset = {m[3], m[7]};
             at = &expr_[at->in[0]];

@@ -26,14 +26,14 @@ public:
         }
         caster_normal = first->normal();
         result.mapped_normal = caster_normal != kNoExpr;
-        if (refracts(*first)) result.ior = expr_.scalar(first->ior());
+        if (first->refracts()) result.ior = expr_.scalar(first->ior());
         const float alpha = expr_.scalar(first->alpha());
         if (alpha > kDeltaAlpha) {
             result.alpha = alpha;
             result.model = first->modes.model;
         }
         for (ClosureTerm& term : terms_) {
-            if (!why_not(term).empty() || !is_specular(term)) continue;
+            if (!why_not(term).empty() || !term.row().has_facets()) continue;
             const char* other = difference(term, *first, result);
             if (other != nullptr) {
                 warnings.push_back(
@@ -43,8 +43,8 @@ public:
                 continue;
             }
             term.on_caster_normal = true;
-            result.reflects |= reflects(term);
-            result.refracts |= refracts(term);
+            result.reflects |= term.reflects();
+            result.refracts |= term.refracts();
             if (!result.why.empty()) result.why += "; ";
             result.why += text(term);
         }
@@ -52,25 +52,15 @@ public:
     }
 
 private:
-    static bool is_specular(const ClosureTerm& term) {
-        return term.op != ClosureOp::lambert && term.op != ClosureOp::transparent;
-    }
-    static bool reflects(const ClosureTerm& term) {
-        return term.op != ClosureOp::dielectric || term.modes.reflects;
-    }
-    static bool refracts(const ClosureTerm& term) {
-        return term.op == ClosureOp::dielectric && term.modes.refracts;
-    }
-
     std::string why_not(const ClosureTerm& term) const {
-        return is_specular(term) ? refusal_(expr_, term) : "";
+        return term.row().has_facets() ? refusal_(expr_, term) : "";
     }
 
     // In what a term does not belong to the interface of `first`; null if it does.
     const char* difference(const ClosureTerm& term, const ClosureTerm& first,
                            const SpecularInterface& interface) const {
         if (term.normal() != first.normal()) return "normal";
-        if (refracts(term) && expr_.scalar(term.ior()) != interface.ior) return "IOR";
+        if (term.refracts() && expr_.scalar(term.ior()) != interface.ior) return "IOR";
         const bool same =
             expr_.scalar(term.alpha()) == interface.alpha && term.modes.model == interface.model;
         return interface.is_rough() && !same ? "roughness" : nullptr;
@@ -81,11 +71,11 @@ private:
     const ClosureTerm* leading_term() {
         const ClosureTerm* leading = nullptr;
         for (const ClosureTerm& term : terms_) {
-            if (!is_specular(term)) continue;
+            if (!term.row().has_facets()) continue;
             const std::string reason = why_not(term);
             if (!reason.empty())
                 reasons_ += (reasons_.empty() ? "" : "; ") + std::string(term.label) + ": " + reason;
-            else if (leading == nullptr || (refracts(term) && !refracts(*leading)))
+            else if (leading == nullptr || (term.refracts() && !leading->refracts()))
                 leading = &term;
         }
         return leading;
@@ -94,10 +84,7 @@ private:
     std::string text(const ClosureTerm& term) const {
         std::string s = term.label + ", roughness " +
                         fmt::format("{:.4g}", std::sqrt(expr_.scalar(term.alpha())));
-        if (term.op == ClosureOp::dielectric)
-            s += ", IOR " + fmt::format("{:.4g}", expr_.scalar(term.ior()));
-        const bool coat = term.op == ClosureOp::coated || term.op == ClosureOp::coat;
-        if (coat && expr_.is_constant(term.ior()))
+        if (term.row().ior != kAbsent && expr_.is_constant(term.ior()))
             s += ", IOR " + fmt::format("{:.4g}", expr_.scalar(term.ior()));
         if (term.normal() != kNoExpr) s += ", mapped normal";
         return s;
@@ -112,7 +99,9 @@ private:
 
 std::string not_constant(const ExprBuilder& expr, const ClosureTerm& term) {
     if (!expr.is_constant(term.alpha())) return "roughness varies";
-    if (term.op == ClosureOp::dielectric && !expr.is_constant(term.ior())) return "IOR varies";
+    if (term.row().refraction != kAbsent && !expr.is_constant(term.ior())) return "IOR varies";
+    if (term.normal() != kNoExpr && expr.derivatives(term.normal()) < 1)
+        return "its normal has no derivatives";
     return "";
 }
 
@@ -124,8 +113,7 @@ std::string not_a_delta(const ExprBuilder& expr, const ClosureTerm& term) {
 }
 
 std::string not_narrow(const ExprBuilder& expr, const ClosureTerm& term) {
-    if (term.op == ClosureOp::coated || term.op == ClosureOp::coat)
-        return "weak beside what it covers";
+    if (term.row().weak) return "weak beside what it covers";
     const std::string varies = not_constant(expr, term);
     if (!varies.empty()) return varies;
     const float alpha = expr.scalar(term.alpha());

@@ -10,16 +10,18 @@ from specula.export.nodes import NODES
 
 ROWS = {row.kind: row for row in NODES.values()}
 # Set by functions of the table rather than by its columns.
-CONSTANT_INPUTS = {"rgb": {"Color"}, "value": {"Value"}}
+CONSTANT_INPUTS = {"rgb": {"Color"}, "value": {"Value"}, "normal": {"Direction"}}
 
 
 def listed(line: str) -> dict[str, set[str]]:
-    """'in', 'out' and 'option' -> names in a line of native.node_kinds().
+    """'in', 'out', 'option' and 'array' -> names in a line of native.node_kinds().
 
-    A line reads `in Socket:type ... out Socket:type ... option name=A|B ...`; sockets have spaces.
+    A line reads `in Socket:type ... out Socket:type ... option name=A|B ... array name:COLUMNS
+    ...`; sockets have spaces.
     """
-    names = {"in": set(), "out": set(), "option": set()}
-    for section, text in re.findall(r"\b(in|out|option) (.*?)(?= in | out | option |$)", line):
+    names = {"in": set(), "out": set(), "option": set(), "array": set()}
+    sections = r"\b(in|out|option|array) (.*?)(?= in | out | option | array |$)"
+    for section, text in re.findall(sections, line):
         pattern = r"(\w+)=" if section == "option" else r"([^:]+?):\w+\s*"
         names[section] |= {name.strip() for name in re.findall(pattern, text)}
     return names
@@ -35,4 +37,8 @@ def test_sockets_and_options(kind):
     names = listed(native.node_kinds()[kind])
     assert names["in"] == set(row.inputs) | CONSTANT_INPUTS.get(kind, set())
     assert names["out"] == set(row.outputs)
-    assert names["option"] == set(row.options)
+    assert names["option"] == {
+        *(path.split(".")[-1] for path in row.options),
+        *row.fixed_options,
+    }
+    assert names["array"] == set(row.arrays)

@@ -239,6 +239,21 @@ def test_hair_stereoscopy_and_motion_blur_are_named():
     assert any("Fur" in warning and "hair" in warning for warning in warnings)
 
 
+def test_settings_of_cycles_that_are_ignored_are_named_once():
+    scene = bpy.context.scene
+    mesh, light, world = add_mesh("Ball"), add_light(name="Lamp"), new_world("Sky")
+    assert export()[1] == []
+    scene.cycles.use_fast_gi = scene.cycles.film_transparent_glass = True
+    mesh.cycles.shadow_terminator_geometry_offset = 0.3
+    mesh.cycles.shadow_terminator_offset = 0.1
+    light.data.cycles.max_bounces = 3
+    world.cycles.max_bounces = 0
+    _, warnings = export()
+    owners = [warning.partition(":")[0] for warning in warnings]
+    expected = ["scene"] * 2 + ["object Ball"] * 2 + ["light Lamp", "world Sky"]
+    assert sorted(owners) == sorted(expected)
+
+
 @pytest.mark.parametrize("role", ["AUTO", "CASTER", "RECEIVER", "BOTH", "OFF"])
 def test_caustics_role(role):
     add_mesh().specula.caustics = role

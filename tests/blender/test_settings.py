@@ -181,3 +181,4 @@ def test_threads_film_and_preview(scene):
     settings = export_settings(scene, is_preview=True)
     assert (settings.threads, settings.transparent_film) == (3, 1)
     assert settings.samples == PREVIEW_SAMPLES
+    assert settings.method == Method.PT

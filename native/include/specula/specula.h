@@ -139,6 +139,15 @@ typedef struct spc_node_option {
     const char* value;
 } spc_node_option;
 
+/* Numbers that a node looks up, such as the colours of a ramp: row by row, as many in a row as the kind says, at
+ * least two rows; finite. Kinds that have an array must be given it. */
+typedef struct spc_node_array {
+    uint32_t node;
+    const char* name;
+    const float* values; /* float[count] */
+    uint32_t count;
+} spc_node_array;
+
 typedef struct spc_node_link {
     uint32_t from_node;
     const char* from_socket;
@@ -162,6 +171,8 @@ typedef struct spc_material_desc {
     uint32_t input_count;
     const spc_node_option* options;
     uint32_t option_count;
+    const spc_node_array* arrays;
+    uint32_t array_count;
     const spc_node_link* links;
     uint32_t link_count;
     uint32_t glints; /* spc_glints; of surfaces */
@@ -187,7 +198,8 @@ typedef struct spc_material_needs {
 SPC_API spc_status spc_scene_material_needs(spc_scene* scene, uint32_t material_index,
                                             spc_material_needs* needs);
 
-/* One line per node kind: `kind: in Socket:type ... out Socket:type ... option name=A|B ...`; static storage. */
+/* One line per node kind: `kind: in Socket:type ... out Socket:type ... option name=A|B ... array
+ * name:COLUMNS ...`; static storage. */
 SPC_API const char* spc_node_kinds(void);
 
 /* ---- geometry */

@@ -18,7 +18,7 @@ Socket to_socket(const std::string& text) {
     return {text.substr(0, colon), text.substr(colon + 1)};
 }
 
-// `kind: in Socket:type ... out Socket:type ... option name=A|B ... image`
+// `kind: in Socket:type ... out Socket:type ... option name=A|B ... array name:COLUMNS ... image`
 Kind to_kind(const std::string& line) {
     const size_t colon = line.find(':');
     Kind kind;
@@ -31,11 +31,16 @@ Kind to_kind(const std::string& line) {
             const size_t equals = text.find('=');
             kind.options.push_back({text.substr(0, equals), split(text.substr(equals + 1), '|')});
         }
+        if (keyword == "array") {
+            const Socket array = to_socket(text);
+            kind.arrays.push_back({array.name, static_cast<uint32_t>(std::stoul(array.type))});
+        }
         kind.reads_image = kind.reads_image || keyword == "image";
         text.clear();
     };
     for (const std::string& word : split(line.substr(colon + 2), ' ')) {
-        if (word == "in" || word == "out" || word == "option" || word == "image") {
+        if (word == "in" || word == "out" || word == "option" || word == "array" ||
+            word == "image") {
             finish();
             keyword = word;
         } else {
@@ -112,6 +117,13 @@ private:
             if (dice_.chance(0.5))
                 graph_.options.push_back(
                     {index, text(option.name), text(dice_.one_of(option.choices))});
+        for (const Array& array : kind.arrays) {
+            std::vector<float>& table =
+                graph_.tables.emplace_back(array.columns * (2 + dice_.below(6)));
+            for (float& value : table) value = spoiler_.number(dice_.between(0.0f, 1.2f));
+            graph_.arrays.push_back(
+                {index, text(array.name), table.data(), static_cast<uint32_t>(table.size())});
+        }
         return index;
     }
 
@@ -142,6 +154,11 @@ private:
         }
         for (spc_node_option& option : graph_.options)
             option.value = spoiler_.pointer(option.value);
+        for (spc_node_array& array : graph_.arrays) {
+            if (spoiler_.strikes() && dice_.chance(0.2)) array.node = dice_.below(nodes + 1);
+            if (spoiler_.strikes() && dice_.chance(0.2)) array.count = dice_.below(array.count);
+            array.values = spoiler_.pointer(array.values);
+        }
         if (spoiler_.strikes() && !graph_.links.empty() && dice_.chance(0.2))
             graph_.links.push_back(dice_.one_of(graph_.links));
     }
@@ -176,6 +193,8 @@ Graph random_graph(Dice& dice, Spoiler& spoiler, uint32_t images, Purpose purpos
     desc.input_count = static_cast<uint32_t>(graph.inputs.size());
     desc.options = graph.options.data();
     desc.option_count = static_cast<uint32_t>(graph.options.size());
+    desc.arrays = graph.arrays.data();
+    desc.array_count = static_cast<uint32_t>(graph.arrays.size());
     desc.links = graph.links.data();
     desc.link_count = static_cast<uint32_t>(graph.links.size());
     desc.glints = spoiler.count(dice.below(3));

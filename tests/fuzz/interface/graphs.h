@@ -18,10 +18,15 @@ struct Option {
     std::string name;
     std::vector<std::string> choices;
 };
+struct Array {
+    std::string name;
+    uint32_t columns;
+};
 struct Kind {
     std::string name;
     std::vector<Socket> inputs, outputs;
     std::vector<Option> options;
+    std::vector<Array> arrays;
     bool reads_image = false;
 };
 const std::vector<Kind>& all_kinds();
@@ -32,6 +37,8 @@ struct Graph {
     std::vector<spc_node> nodes;
     std::vector<spc_node_input> inputs;
     std::vector<spc_node_option> options;
+    std::deque<std::vector<float>> tables;
+    std::vector<spc_node_array> arrays;
     std::vector<spc_node_link> links;
     spc_material_desc desc{};
 };

@@ -26,6 +26,7 @@ from tests.images._render import render_result
 from tests.instruments.pairs.comparison import Picture, noise, picture
 from tests.instruments.parity._rows import ROWS
 from tests.instruments.parity._stage import Absent, Stage
+from tests.instruments.parity._verdict import REFUSED
 
 FEWEST = 2  # renders, which tell the noise
 ENGINES = ("CYCLES", "SPECULA")
@@ -73,7 +74,7 @@ def rendered(scene, job: dict, engine: str) -> tuple[Picture, int, list[str]]:
         renders.append({"Combined": render_result(scene, job["result"])})
         if engine == "SPECULA":
             stats = statistics.last[scene.name, scene.view_layers[0].name]
-            warnings = stats.warnings
+            warnings = [*stats.warnings, *(line for line in stats.report if REFUSED in line)]
             splats += stats.render_stats["splats"]
         if len(renders) >= FEWEST:
             found = picture(renders, splats)

@@ -8,15 +8,27 @@ from __future__ import annotations
 
 from fnmatch import fnmatchcase
 
-# What Specula does otherwise on purpose; docs/nodes.md and README.md say more.
+# What Specula does otherwise on purpose; docs/nodes.md and docs/supported.md say more.
 BY_DESIGN: dict[str, str] = {
     "setting/clamp_*": "nothing is clamped: what the setting takes away stays",
     "setting/filter_glossy": "no filter for glossy paths",
     "setting/light_threshold": "no threshold: faint light is not left out at random",
+    "bump/object_coordinates": "from behind, the front's relief is seen, whatever places it;"
+    " Cycles turns it over where coordinates do, and not where an attribute does",
+    "bump/on_bump": "as bump/object_coordinates",
+    "closure/glass/*ggx/roughness=1.0": "directions that no facet joins by refraction are black;"
+    " Cycles has light there where it looks for lamps, more than comes in",
+    "closure/glass/*=ggx/roughness=0.6": "as with a roughness of 1",
+    "closure/refraction/*=ggx/roughness=1.0": "as rough glass",
 }
 
 # What is wrong, or missing without a warning, and not yet mended; docs/parity.md has the numbers.
-FAILING: dict[str, str] = {}
+FAILING: dict[str, str] = {
+    "normal_map/object": "light from below the smooth surface is not taken away",
+    "normal_map/world": "as normal_map/object",
+    "bump/on_normal_map": "as normal_map/object",
+    "setting/transparent_bounces=0": "Cycles' last transparent bounce still sees what glows",
+}
 
 
 def reason(name: str, table: dict[str, str]) -> str | None:

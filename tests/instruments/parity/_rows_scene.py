@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from math import radians
 
-from tests.instruments.parity._nodes import GENERATED, HUES, OBJECT, N, Row
+from tests.instruments.parity._nodes import GENERATED, HUES, OBJECT, N, Row, halved
 
 ROWS: list[Row] = []
 
@@ -434,7 +434,7 @@ def instance__geometry_nodes(stage):
 
 @row
 def instance__object_info(stage):
-    stage.show(N("Emission", {"Color": N("ObjectInfo", output="Location")}))
+    stage.show(N("Emission", {"Color": halved(N("ObjectInfo", output="Location"))}))
     for index in range(4):
         stage.copy(stage.block, (0.5 * index, 0.2 * index, 1.0), 0.5)
 
@@ -442,7 +442,7 @@ def instance__object_info(stage):
 @row
 def instance__coordinates(stage):
     """Generated and object coordinates of scaled copies."""
-    stage.show(N("Emission", {"Color": OBJECT}))
+    stage.show(N("Emission", {"Color": halved(OBJECT)}))
     stage.collection_instance((0.3, -1.5, 0.0), 0.4)
 
 

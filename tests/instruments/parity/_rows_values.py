@@ -233,6 +233,8 @@ def _normals():
     for invert in (False, True):
         normal = N("Bump", {"Height": bumps, "Distance": 0.1}, invert=invert)
         yield lit(f"bump/invert={invert}", N("BsdfDiffuse", {"Normal": normal}))
+    normal = N("Bump", {"Height": COLORS, "Distance": 0.1})
+    yield lit("bump/object_coordinates", N("BsdfDiffuse", {"Normal": normal}))
     normal = N("Bump", {"Height": bumps, "Distance": 0.1, "Strength": 0.4})
     glossy = N("BsdfGlossy", {"Roughness": 0.3, "Normal": normal})
     yield lit("bump/glossy", glossy)

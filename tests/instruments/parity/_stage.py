@@ -397,7 +397,7 @@ class Stage:
         settings = modifier.particle_system.settings
         values = {"type": kind, "count": 60, "render_type": shown, "use_advanced_hair": True}
         if kind == "HAIR":
-            values |= {"hair_length": 0.4}
+            values |= {"hair_length": 0.4, "radius_scale": 0.06}
         else:
             values |= {"frame_start": 1, "frame_end": 1, "physics_type": "NO", "lifetime": 100}
         if shown == "OBJECT":
@@ -462,11 +462,7 @@ class Stage:
         setattr(self.scene.view_layers[0].layer_collection.children["Apart"], name, True)
 
     def terminator_offset(self) -> None:
-        owner = self.sphere
-        if hasattr(owner, "shadow_terminator_geometry_offset"):
-            owner.shadow_terminator_geometry_offset = 0.3
-        else:
-            owner.cycles.shadow_terminator_geometry_offset = 0.3
+        self.sphere.cycles.shadow_terminator_geometry_offset = 0.3
 
     def animate(self, obj, shift) -> None:
         """Moves by `shift` within the frame."""

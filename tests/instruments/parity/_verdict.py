@@ -18,7 +18,7 @@ BAD = (CRASHED, STILL, FAILED, DIFFERS)
 
 # Of light that is seen directly little shows, and the noise of a block is about half a percent.
 TOLERANCE = Tolerance(block=0.02, share=0.02, light=0.01)
-REFUSED = "not supported"  # in the message of an error that names what Specula lacks
+REFUSED = "not supported"  # in an error, or in the core's report, that names what Specula lacks
 
 
 @dataclass(frozen=True)

@@ -64,7 +64,8 @@ def arguments() -> argparse.Namespace:
     parser.add_argument(
         "--only",
         metavar="PATTERNS",
-        help="rows whose name contains one of these, or matches it where it has * or ?",
+        help="rows with one of these names; else those whose name contains it, or matches it where "
+        "it has * or ?",
     )
     parser.add_argument("--list", action="store_true", help="print the names of the rows")
     parser.add_argument("--blender", choices=BLENDERS, default="5.0", help="(%(default)s)")
@@ -92,6 +93,8 @@ def select(only: str | None) -> list[str]:
         return list(ROWS)
 
     def fits(name: str, pattern: str) -> bool:
+        if pattern in ROWS:
+            return name == pattern
         return fnmatchcase(name, pattern) if set("*?") & set(pattern) else pattern in name
 
     patterns = _program.split(only)

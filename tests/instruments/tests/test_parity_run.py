@@ -24,8 +24,9 @@ ROWS = {
 @pytest.mark.parametrize("blender", ["3.4", "5.0"])
 def test_rows_of_each_kind(tmp_path, blender):
     command = [ROOT / "dev", "parity", "--blender", blender, "--out", str(tmp_path)]
-    only = ",".join(name.replace("texture/image", "texture/imag?") for name in ROWS)
-    code = subprocess.run([*command, "--only", only], capture_output=True, text=True).returncode
+    code = subprocess.run(
+        [*command, "--only", ",".join(ROWS)], capture_output=True, text=True
+    ).returncode
     rows = json.loads((tmp_path / "results.json").read_text())["rows"]
     assert {found["row"]["name"]: found["verdict"] for found in rows} == ROWS
     assert code == 0

@@ -7,11 +7,11 @@ namespace {
 
 // A graph as vectors, from one that is right: a textured, half emissive surface.
 struct Parts {
-    std::vector<spc_node> nodes{{"Out", "output", SPC_NONE},
-                                {"Diff", "bsdf_diffuse", SPC_NONE},
-                                {"Glow", "emission", SPC_NONE},
-                                {"Sum", "add_shader", SPC_NONE},
-                                {"Tex", "image_texture", 0}};
+    std::vector<spc_node> nodes{{"Out", "output", SPC_NONE},    {"Diff", "bsdf_diffuse", SPC_NONE},
+                                {"Glow", "emission", SPC_NONE}, {"Sum", "add_shader", SPC_NONE},
+                                {"Tex", "image_texture", 0},    {"Ramp", "color_ramp", SPC_NONE}};
+    std::vector<float> table = std::vector<float>(8, 0.5f);
+    std::vector<spc_node_array> arrays{{5, "Table", table.data(), 8}};
     std::vector<spc_node_input> inputs{{2, "Strength", {2, 0, 0, 0}}};
     std::vector<spc_node_option> options{{4, "interpolation", "Closest"}};
     std::vector<spc_node_link> links{{1, "BSDF", 3, "Shader"},
@@ -28,6 +28,8 @@ struct Parts {
         d.input_count = static_cast<uint32_t>(inputs.size());
         d.options = options.data();
         d.option_count = static_cast<uint32_t>(options.size());
+        d.arrays = arrays.data();
+        d.array_count = static_cast<uint32_t>(arrays.size());
         d.links = links.data();
         d.link_count = static_cast<uint32_t>(links.size());
         return d;
@@ -66,6 +68,7 @@ TEST_F(MaterialMisuse, ArraysAndNames) {
     refuses_desc({"Plaster", "nodes"}, [](auto& d) { d.node_count = 0; });
     refuses_desc({"Plaster", "inputs"}, [](auto& d) { d.inputs = nullptr; });
     refuses_desc({"Plaster", "options"}, [](auto& d) { d.options = nullptr; });
+    refuses_desc({"Plaster", "arrays"}, [](auto& d) { d.arrays = nullptr; });
     refuses_desc({"Plaster", "links"}, [](auto& d) { d.links = nullptr; });
     refuses_parts({"Plaster", "kind"}, [](auto& p) { p.nodes[1].kind = nullptr; });
     refuses_parts({"Plaster", "Diff", "bsdf_fluffy"},
@@ -78,11 +81,12 @@ TEST_F(MaterialMisuse, ArraysAndNames) {
     refuses_parts({"Plaster", "option"}, [](auto& p) { p.options[0].value = nullptr; });
     refuses_parts({"Plaster", "socket"}, [](auto& p) { p.links[0].from_socket = nullptr; });
     refuses_parts({"Plaster", "socket"}, [](auto& p) { p.links[0].to_socket = nullptr; });
-    for (const uint32_t beyond : {5u, SPC_NONE}) {
-        refuses_parts({"Plaster", "input", "of 5"}, [&](auto& p) { p.inputs[0].node = beyond; });
-        refuses_parts({"Plaster", "option", "of 5"}, [&](auto& p) { p.options[0].node = beyond; });
-        refuses_parts({"Plaster", "link", "of 5"}, [&](auto& p) { p.links[0].from_node = beyond; });
-        refuses_parts({"Plaster", "link", "of 5"}, [&](auto& p) { p.links[0].to_node = beyond; });
+    for (const uint32_t beyond : {6u, SPC_NONE}) {
+        refuses_parts({"Plaster", "input", "of 6"}, [&](auto& p) { p.inputs[0].node = beyond; });
+        refuses_parts({"Plaster", "option", "of 6"}, [&](auto& p) { p.options[0].node = beyond; });
+        refuses_parts({"Plaster", "array", "of 6"}, [&](auto& p) { p.arrays[0].node = beyond; });
+        refuses_parts({"Plaster", "link", "of 6"}, [&](auto& p) { p.links[0].from_node = beyond; });
+        refuses_parts({"Plaster", "link", "of 6"}, [&](auto& p) { p.links[0].to_node = beyond; });
     }
 }
 
@@ -117,11 +121,29 @@ TEST_F(MaterialMisuse, SocketsOptionsAndLinks) {
     });
 }
 
+TEST_F(MaterialMisuse, ArraysOfNumbers) {
+    refuses_parts({"Plaster", "an array", "null"}, [](auto& p) { p.arrays[0].name = nullptr; });
+    refuses_parts({"Plaster", "Ramp", "null"}, [](auto& p) { p.arrays[0].values = nullptr; });
+    refuses_parts({"Plaster", "Ramp", "Chair"}, [](auto& p) { p.arrays[0].name = "Chair"; });
+    refuses_parts({"Plaster", "Tex", "no such array"}, [](auto& p) { p.arrays[0].node = 4; });
+    refuses_parts({"Plaster", "Ramp", "twice"}, [](auto& p) { p.arrays.push_back(p.arrays[0]); });
+    for (const uint32_t count : {0u, 4u, 7u})
+        refuses_parts({"Plaster", "Ramp", "4 in each of at least two rows"},
+                      [&](auto& p) { p.arrays[0].count = count; });
+    for (const float bad : kNotFinite)
+        refuses_parts({"Plaster", "Ramp", "finite"}, [&](auto& p) { p.table[3] = bad; });
+    refuses_parts({"Plaster", "Ramp", "missing"}, [](auto& p) {
+        p.arrays.clear();
+        p.links[3] = {5, "Color", 1, "Color"};
+    });
+}
+
 TEST_F(MaterialMisuse, TooManyClosures) {
     Parts parts;
     parts.nodes = {{"Out", "output", SPC_NONE}};
     parts.inputs.clear();
     parts.options.clear();
+    parts.arrays.clear();
     parts.links.clear();
     uint32_t sum = SPC_NONE;
     for (uint32_t i = 0; i < 40; ++i) {
@@ -150,6 +172,7 @@ TEST_F(MaterialMisuse, AVeryLongChainOfNodes) {
                        {"Coordinates", "texture_coordinate", SPC_NONE}};
         parts.inputs.clear();
         parts.options.clear();
+        parts.arrays.clear();
         parts.links = {{1, "BSDF", 0, "Surface"}};
         for (uint32_t i = 0; i < kLength; ++i) parts.nodes.push_back({"Move", "mapping", SPC_NONE});
         for (uint32_t i = 0; i + 1 < kLength; ++i)

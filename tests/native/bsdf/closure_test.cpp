@@ -21,6 +21,14 @@ MicrofacetReflection mirror(const Vec3& n, MicrofacetModel model, float alpha,
                             const Fresnel& f = {}) {
     return {n, alpha, model, f};
 }
+// Brushed along an axis across n that is some 40 degrees from that of Frame::around.
+MicrofacetReflection brushed(const Vec3& n, MicrofacetModel model, float ax, float ay) {
+    const Frame frame = Frame::around(n);
+    MicrofacetReflection lobe = mirror(n, model, ax);
+    lobe.alpha_y = ay;
+    lobe.tangent = normalize(frame.x * 0.8f + frame.y * 0.6f);
+    return lobe;
+}
 MicrofacetDielectric glass(const Vec3& n, MicrofacetModel model, float alpha, float eta) {
     return {n, alpha, model, eta, true, true, true, Spectrum(1.0f), Spectrum(1.0f)};
 }
@@ -78,6 +86,8 @@ std::vector<SamplerCase> sampler_cases() {
             if (degrees < 85.1)
                 add(name(model) + " refraction 1/1.33", {refraction(n, model, 0.2f, 1 / 1.33f)},
                     degrees, true);
+            add(name(model) + " brushed", {brushed(n, model, 0.1f, 0.5f)}, degrees);
+            add(name(model) + " brushed across", {brushed(n, model, 0.4f, 0.05f)}, degrees);
             add(name(model) + " narrow", {mirror(n, model, 0.003f)}, degrees, false, 5);
         }
         add("near index 1", {refraction(n, kGgx, 0.5f, 1.05f)}, degrees, true, 4);
@@ -184,6 +194,15 @@ TEST(Closure, EvalMatchesThePapers) {
                 reference_reflection(model, alpha, n, o, w, one));
         compare(value(mirror(kNormal, model, alpha, dielectric)),
                 reference_reflection(model, alpha, n, o, w, f));
+        const MicrofacetReflection lobe = brushed(kNormal, model, alpha, 0.2f);
+        const Frame frame{lobe.tangent, cross(kNormal, lobe.tangent), kNormal};
+        const Vec3d ol = to_double(frame.to_local(wo)), wl = to_double(frame.to_local(wi));
+        const auto lambda = [&](const Vec3d& d) {
+            return reference_lambda(model, reference_alpha(alpha, 0.2, d), d.z);
+        };
+        compare(value(lobe), wl.z > 0 ? reference_d(model, alpha, 0.2, normalize(ol + wl)) /
+                                            (4 * ol.z * (1 + lambda(ol) + lambda(wl)))
+                                      : 0.0);
         compare(value(glass(kNormal, model, alpha, eta)),
                 reference_reflection(model, alpha, n, o, w, f) +
                     reference_transmission(model, alpha, eta, n, o, w, t));

@@ -39,6 +39,21 @@ inline double reference_fresnel(double cos_i, double eta) {
     return 0.5 * (s * s + p * p);
 }
 
+// Facets with an alpha along each axis, directions in the frame (tangent, n x tangent, n)
+// [Heitz14 Eq. 84, 85, 80].
+inline double reference_d(MicrofacetModel model, double ax, double ay, const Vec3d& h) {
+    const double pi = std::numbers::pi;
+    if (h.z <= 0) return 0;
+    const double x = h.x / (ax * h.z), y = h.y / (ay * h.z), cos4 = std::pow(h.z, 4);
+    if (model == MicrofacetModel::ggx)
+        return 1 / (pi * ax * ay * cos4 * std::pow(1 + x * x + y * y, 2));
+    return std::exp(-x * x - y * y) / (pi * ax * ay * cos4);
+}
+inline double reference_alpha(double ax, double ay, const Vec3d& w) {
+    const double phi = std::atan2(w.y, w.x);
+    return std::hypot(ax * std::cos(phi), ay * std::sin(phi));
+}
+
 // f |cos_i| of a white reflection times `reflectance(cos_facet)`.
 template <class Reflectance>
 double reference_reflection(MicrofacetModel model, double alpha, const Vec3d& n, const Vec3d& wo,

@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Settings of Cycles that Specula does not have: whoever uses one is told once.
+
+What every new scene has set is not here (clamping, glossy filter, light threshold, the shadow
+terminator's offset of 0.1): docs/supported.md tells what is done instead.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from . import compat
+from .log import ExportLog
+
+
+@dataclass(frozen=True)
+class Ignored:
+    """A number or switch, and the largest value at which Cycles' picture is Specula's."""
+
+    setting: str
+    neutral: float
+    message: str
+
+
+SCENE = (
+    Ignored("use_fast_gi", False, "fast GI is not supported, all light is followed"),
+    Ignored(
+        "film_transparent_glass",
+        False,
+        "transparent glass is not supported, the film is opaque where glass is",
+    ),
+)
+OBJECT = (
+    Ignored(
+        "shadow_terminator_geometry_offset",
+        0.1,
+        "an offset of the shadow terminator is not supported, shadows start at the surface",
+    ),
+    Ignored(
+        "shadow_terminator_offset",
+        0.0,
+        "an offset of the shading terminator is not supported, it has no effect",
+    ),
+)
+# Bounces after which the light of a lamp or the world counts no more.
+BOUNCES = 1024
+BOUNCES_MESSAGE = "a limit of its bounces is not supported, it lights all of them"
+
+
+def warn_of_scene(scene, log: ExportLog) -> None:
+    _warn(scene, "scene", SCENE, log)
+
+
+def warn_of_object(obj, log: ExportLog) -> None:
+    _warn(obj, f"object {obj.name}", OBJECT, log)
+
+
+def warn_of_bounces(owner, label: str, log: ExportLog) -> None:
+    """`owner`: a light or world."""
+    if compat.cycles_value(owner, "max_bounces", BOUNCES) < BOUNCES:
+        log.warn(label, BOUNCES_MESSAGE)
+
+
+def _warn(owner, label: str, rows: tuple[Ignored, ...], log: ExportLog) -> None:
+    for row in rows:
+        value = compat.cycles_value(owner, row.setting, row.neutral)
+        if value > row.neutral * (1.0 + 1e-6):  # stored in single precision
+            log.warn(label, row.message)

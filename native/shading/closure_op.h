@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The terms that a surface is made of, one row each: which operands they have and what light does
+// there. Compilation, the search for casters and for glints read the row; the closures of a term are
+// built in evaluate.cpp.
+#pragma once
+
+#include <array>
+
+#include "bsdf/closure.h"
+
+namespace spc {
+
+enum class ClosureOp : uint8_t {  // operands after weight and normal
+    lambert,                      // colour
+    transparent,                  // colour
+    glossy,                       // alpha, colour
+    metal,                        // alpha, colour at normal incidence, tint at 82 degrees
+    dielectric,  // alpha, index of a front face, reflection tint, transmission tint
+    coated,  // alpha, index, reflectance at normal incidence, colour below: a dielectric's reflection over Lambert
+    coat,    // alpha, index: the reflection of what lies over other terms
+    count
+};
+
+// Operands of every term: its weight, a scalar, and its normal; without one it is the interpolated one.
+inline constexpr int kWeightOperand = 0, kNormalOperand = 1;
+
+// A part of a term that scatters light in one way: the operand that colours it, and without which
+// there is none.
+inline constexpr int8_t kAbsent = -1;    // the term has no such part
+inline constexpr int8_t kUncolored = 0;  // the part is always there
+
+struct ClosureOpTraits {
+    ClosureOp op;
+    uint8_t arity;
+    uint8_t closures = 1;                   // most entries of a ClosureList
+    int8_t alpha = kAbsent, ior = kAbsent;  // operands
+    int8_t diffuse = kAbsent;
+    int8_t straight = kAbsent;
+    // What facets do, around a normal and by an alpha: a delta where that is 0, on which chains turn.
+    int8_t reflection = kAbsent, refraction = kAbsent;
+    bool matched_index_is_black = false;  // an index of 1 reflects nothing
+    bool weak = false;       // beside what lies below: it throws no blurred caustics of its own
+    bool may_glint = false;  // where its normal comes from a map
+
+    constexpr bool has_facets() const { return alpha != kAbsent; }
+};
+
+inline constexpr std::array<ClosureOpTraits, static_cast<size_t>(ClosureOp::count)> kClosureOpTraits{{
+    {.op = ClosureOp::lambert, .arity = 3, .diffuse = 2},
+    {.op = ClosureOp::transparent, .arity = 3, .straight = 2},
+    {.op = ClosureOp::glossy, .arity = 4, .alpha = 2, .reflection = 3, .may_glint = true},
+    // Black at normal incidence it still reflects at grazing angles.
+    {.op = ClosureOp::metal, .arity = 5, .alpha = 2, .reflection = kUncolored, .may_glint = true},
+    {.op = ClosureOp::dielectric, .arity = 6, .alpha = 2, .ior = 3, .reflection = 4, .refraction = 5},
+    {.op = ClosureOp::coated,
+     .arity = 6,
+     .closures = 2,
+     .alpha = 2,
+     .ior = 3,
+     .diffuse = 5,
+     .reflection = kUncolored,
+     .matched_index_is_black = true,
+     .weak = true,
+     .may_glint = true},
+    {.op = ClosureOp::coat,
+     .arity = 4,
+     .alpha = 2,
+     .ior = 3,
+     .reflection = kUncolored,
+     .matched_index_is_black = true,
+     .weak = true,
+     .may_glint = true},
+}};
+
+inline constexpr const ClosureOpTraits& traits(ClosureOp op) {
+    return kClosureOpTraits[static_cast<size_t>(op)];
+}
+
+static_assert(
+    [] {
+        for (size_t i = 0; i < kClosureOpTraits.size(); ++i)
+            if (kClosureOpTraits[i].op != static_cast<ClosureOp>(i)) return false;
+        return true;
+    }(),
+    "rows stand in the order of ClosureOp");
+
+}  // namespace spc

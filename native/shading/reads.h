@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+
+namespace spc {
+
+// What a program may read at a point.
+enum ProgramReads : uint32_t {
+    kReadsUv = 1,
+    kReadsTangent = 2,
+    kReadsPosition = 4,
+    kReadsObjectPosition = 8,
+    kReadsObjectNormal = 16,
+    kReadsHeights = 32
+};
+
+}  // namespace spc

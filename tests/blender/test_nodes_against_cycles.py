@@ -1,0 +1,364 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Nodes that compute values give what they give in Cycles, in this Blender.
+
+Each case is a glowing tile that shows what one node makes of coordinates that vary over the tile,
+and all tiles are one picture, of one sample in the middle of each pixel. So there is no noise;
+where a value jumps the two renderers' pixels may fall on either side.
+"""
+
+import bpy
+import numpy as np
+import pytest
+from scenes import add_camera, add_mesh, add_node, new_material, surface
+
+from specula.export.nodes import NODES
+
+TILE = 16  # pixels
+FILTER_WIDTH = 0.01  # pixels, the least that Cycles has
+COLUMNS = 12
+TOLERANCE = 2e-3  # of 1 + the value
+MOST_JUMPS = 0.05  # share of a tile's pixels
+MATH = ("x", "y", 0.4)
+UNARY = [
+    "SQRT",
+    "INVERSE_SQRT",
+    "ABSOLUTE",
+    "EXPONENT",
+    "SIGN",
+    "ROUND",
+    "FLOOR",
+    "CEIL",
+    "TRUNC",
+    "FRACT",
+    "SINE",
+    "COSINE",
+    "TANGENT",
+    "ARCSINE",
+    "ARCCOSINE",
+    "ARCTANGENT",
+    "SINH",
+    "COSH",
+    "TANH",
+    "RADIANS",
+    "DEGREES",
+]
+BINARY = [
+    "ADD",
+    "SUBTRACT",
+    "MULTIPLY",
+    "DIVIDE",
+    "POWER",
+    "LOGARITHM",
+    "MINIMUM",
+    "MAXIMUM",
+    "LESS_THAN",
+    "GREATER_THAN",
+    "MODULO",
+    "FLOORED_MODULO",
+    "SNAP",
+    "PINGPONG",
+    "ARCTAN2",
+]
+TERNARY = ["MULTIPLY_ADD", "COMPARE", "SMOOTH_MIN", "SMOOTH_MAX", "WRAP"]
+VECTOR = [
+    "ADD",
+    "SUBTRACT",
+    "MULTIPLY",
+    "DIVIDE",
+    "CROSS_PRODUCT",
+    "PROJECT",
+    "REFLECT",
+    "NORMALIZE",
+    "ABSOLUTE",
+    "MINIMUM",
+    "MAXIMUM",
+    "FLOOR",
+    "CEIL",
+    "FRACTION",
+    "MODULO",
+    "SNAP",
+    "SINE",
+    "COSINE",
+    "TANGENT",
+    "MULTIPLY_ADD",
+    "FACEFORWARD",
+    "WRAP",
+    "SCALE",
+    "REFRACT",
+]
+BLENDS = NODES["ShaderNodeMixRGB"].options["blend_type"]
+
+
+def cases():
+    """Name -> node type, properties, inputs by identifier, identifier of the output."""
+    found = {}
+
+    def add(name, kind, output, inputs, **properties):
+        found[name] = (f"ShaderNode{kind}", properties, inputs, output)
+
+    for operation in UNARY + BINARY + TERNARY:
+        inputs = dict(zip(("Value", "Value_001", "Value_002"), MATH, strict=True))
+        add(f"math {operation}", "Math", "Value", inputs, operation=operation)
+    add("math clamped", "Math", "Value", {"Value": "x", "Value_001": 0.3}, use_clamp=True)
+    vectors = {
+        "Vector": "color",
+        "Vector_001": "other",
+        "Vector_002": (0.3, -0.2, 0.4),
+        "Scale": 0.7,
+    }
+    for operation in VECTOR:
+        add(f"vector {operation}", "VectorMath", "Vector", vectors, operation=operation)
+    for operation in ("DOT_PRODUCT", "DISTANCE", "LENGTH"):
+        add(f"vector {operation}", "VectorMath", "Value", vectors, operation=operation)
+    for blend in BLENDS:
+        old = {"Fac": 0.7, "Color1": "color", "Color2": "other"}
+        add(f"old {blend}", "MixRGB", "Color", old, blend_type=blend)
+        new = {"Factor_Float": "x", "A_Color": "color", "B_Color": "other"}
+        for clamps in (False, True):
+            add(
+                f"mix {blend} {clamps}",
+                "Mix",
+                "Result_Color",
+                new,
+                data_type="RGBA",
+                blend_type=blend,
+                clamp_factor=not clamps,
+                clamp_result=clamps,
+            )
+    add("mix float", "Mix", "Result_Float", {"Factor_Float": "x", "A_Float": "y", "B_Float": 0.3})
+    add(
+        "mix vector",
+        "Mix",
+        "Result_Vector",
+        {"Factor_Vector": "color", "A_Vector": "other", "B_Vector": (0.1, 0.7, 0.3)},
+        data_type="VECTOR",
+        factor_mode="NON_UNIFORM",
+    )
+    ranges = {"Value": "x", "From Min": -0.8, "From Max": 0.9, "To Min": 1.2, "To Max": 0.1}
+    boxes = {"Vector": "color", "From_Min_FLOAT3": (0.1, 0.3, 0.9), "To_Max_FLOAT3": "other"}
+    for interpolation in ("LINEAR", "STEPPED", "SMOOTHSTEP", "SMOOTHERSTEP"):
+        for clamp in (False, True):
+            properties = {"interpolation_type": interpolation, "clamp": clamp}
+            name = f"range {interpolation} {clamp}"
+            add(name, "MapRange", "Result", ranges, **properties)
+            add(
+                f"vector {name}",
+                "MapRange",
+                "Vector",
+                boxes,
+                data_type="FLOAT_VECTOR",
+                **properties,
+            )
+    add("range of one value", "MapRange", "Result", {"Value": "x", "From Min": 1.0, "To Min": 0.4})
+    for type in ("MINMAX", "RANGE"):
+        add(
+            f"clamp {type}",
+            "Clamp",
+            "Result",
+            {"Value": "x", "Min": 0.5, "Max": "y"},
+            clamp_type=type,
+        )
+    for mode in ("RGB", "HSV", "HSL"):
+        for channel in ("Red", "Green", "Blue"):
+            add(f"{channel} of {mode}", "SeparateColor", channel, {"Color": "color"}, mode=mode)
+        parts = {"Red": "x", "Green": "y", "Blue": 0.4}
+        add(f"from {mode}", "CombineColor", "Color", parts, mode=mode)
+    for axis in "XYZ":
+        add(f"{axis} of a vector", "SeparateXYZ", axis, {"Vector": "color"})
+    add("combined", "CombineXYZ", "Vector", {"X": "x", "Y": "y", "Z": 0.3})
+    turn = {"Vector": "color", "Center": (0.2, 0.1, 0), "Axis": "other", "Angle": "x"}
+    for type in ("AXIS_ANGLE", "X_AXIS", "Y_AXIS", "Z_AXIS"):
+        add(f"turned {type}", "VectorRotate", "Vector", turn, rotation_type=type)
+        add(f"turned back {type}", "VectorRotate", "Vector", turn, rotation_type=type, invert=True)
+    euler = {"Vector": "color", "Rotation": "other"}
+    for invert in (False, True):
+        add(
+            f"turned EULER {invert}",
+            "VectorRotate",
+            "Vector",
+            euler,
+            rotation_type="EULER_XYZ",
+            invert=invert,
+        )
+    add("grey", "RGBToBW", "Val", {"Color": "color"})
+    add("inverted", "Invert", "Color", {"Fac": 0.7, "Color": "color"})
+    add("gamma", "Gamma", "Color", {"Color": "color", "Gamma": 2.2})
+    add("no gamma", "Gamma", "Color", {"Color": "color", "Gamma": 0.0})
+    contrast = {"Color": "color", "Bright": "x", "Contrast": 0.6}
+    add("contrast", "BrightContrast", "Color", contrast)
+    hue = {"Hue": 0.8, "Saturation": 1.4, "Value": 0.9, "Fac": 0.8, "Color": "color"}
+    add("hue", "HueSaturation", "Color", hue)
+    for normal in ("bent", None):
+        inputs = {"Normal": normal} if normal else {}
+        add(f"fresnel {normal}", "Fresnel", "Fac", {"IOR": 1.4, **inputs})
+        for output in ("Fresnel", "Facing"):
+            for blend in (0.2, 0.8):
+                name = f"{output} {blend} {normal}"
+                add(name, "LayerWeight", output, {"Blend": blend, **inputs})
+    for output in ("Position", "Normal", "True Normal", "Incoming", "Backfacing"):
+        add(f"geometry {output}", "NewGeometry", output, {})
+    for interpolation in ("LINEAR", "EASE", "B_SPLINE", "CARDINAL", "CONSTANT"):
+        add(f"ramp {interpolation}", "ValToRGB", "Color", {"Fac": "x"}, ramp=interpolation)
+    for extend in ("HORIZONTAL", "EXTRAPOLATED"):
+        color, vector = {"Fac": 0.8, "Color": "color"}, {"Fac": 0.8, "Vector": "color"}
+        add(f"rgb curves {extend}", "RGBCurve", "Color", color, curves=extend)
+        add(f"vector curves {extend}", "VectorCurve", "Vector", vector, curves=extend)
+        value = {"Factor": 0.8, "Value": "x"}
+        add(f"float curve {extend}", "FloatCurve", "Value", value, curves=extend)
+    for output in ("Normal", "Dot"):
+        add(f"normal node {output}", "Normal", output, {"Normal": "other"}, direction=(0.6, 0, 0.8))
+    add("ramp's alpha", "ValToRGB", "Alpha", {"Fac": "x"}, ramp="LINEAR")
+    add("ramp through hues", "ValToRGB", "Color", {"Fac": "x"}, ramp="HSV")
+    for kind, channels in (("RGB", "RGB"), ("HSV", "HSV")):
+        source = {"Image" if kind == "RGB" else "Color": "color"}
+        for channel in channels:
+            add(f"old {channel} of {kind}", f"Separate{kind}", channel, source)
+        parts = dict(zip(channels, ("x", "y", 0.5), strict=True))
+        add(f"old from {kind}", f"Combine{kind}", "Image" if kind == "RGB" else "Color", parts)
+    return found
+
+
+def sources(material) -> dict:
+    """What varies over a tile: x from -1.5 to 1.5, y from -1.3 to 1.3, two colours, a normal."""
+
+    def node(kind, operation=None, **inputs):
+        new = add_node(material, f"ShaderNode{kind}")
+        if operation:
+            new.operation = operation
+        for name, value in inputs.items():
+            if isinstance(value, bpy.types.NodeSocket):
+                material.node_tree.links.new(value, new.inputs[int(name[1:])])
+            else:
+                new.inputs[int(name[1:])].default_value = value
+        return new
+
+    at = node("TexCoord").outputs["Object"]
+    wide = node("VectorMath", "MULTIPLY", _0=at, _1=(1.5, 1.3, 1.0)).outputs[0]
+    split = node("SeparateXYZ", _0=wide)
+    color = node("VectorMath", "MULTIPLY_ADD", _0=at, _1=(0.45, 0.4, 0), _2=(0.5, 0.45, 0.6))
+    other = node("VectorMath", "MULTIPLY_ADD", _0=at, _1=(-0.3, 0.45, 0), _2=(0.35, 0.5, 0.2))
+    bent = node("VectorMath", "MULTIPLY_ADD", _0=at, _1=(0.7, 0.7, 0), _2=(0, 0, 1))
+    return {
+        "x": split.outputs[0],
+        "y": split.outputs[1],
+        "color": color.outputs[0],
+        "other": other.outputs[0],
+        "bent": node("VectorMath", "NORMALIZE", _0=bent.outputs[0]).outputs[0],
+    }
+
+
+def set_ramp(node, interpolation):
+    ramp = node.color_ramp
+    ramp.elements[0].color = (0.9, 0.2, 0.1, 0.3)
+    ramp.elements[0].position = 0.15
+    ramp.elements.new(0.6).color = (0.1, 0.8, 0.4, 0.9)
+    if interpolation == "HSV":
+        ramp.color_mode, ramp.hue_interpolation = "HSV", "FAR"
+    else:
+        ramp.interpolation = interpolation
+
+
+def set_curves(node, extend):
+    mapping = node.mapping
+    mapping.extend = extend
+    for k, curve in enumerate(mapping.curves):
+        curve.points[0].location = (0.1, 0.05 * k)
+        curve.points[-1].location = (0.9, 0.8 - 0.1 * k)
+        curve.points.new(0.4, 0.2 + 0.15 * k)
+    mapping.update()
+
+
+SETTERS = {
+    "ramp": set_ramp,
+    "curves": set_curves,
+    "direction": lambda node, value: setattr(node.outputs["Normal"], "default_value", value),
+}
+
+
+def find_socket(sockets, name):
+    names = (name, "Factor") if name == "Fac" else (name,)
+    return next(socket for socket in sockets if socket.identifier in names)
+
+
+def add_tile(index, case):
+    """A tile of the picture; False where this Blender has no such node or property."""
+    kind, properties, inputs, output = case
+    if not hasattr(bpy.types, kind):
+        return False
+    material = new_material()
+    node = add_node(material, kind)
+    try:
+        for name, value in properties.items():
+            if name in SETTERS:
+                SETTERS[name](node, value)
+            else:
+                setattr(node, name, value)
+    except TypeError:  # no such choice
+        return False
+    links, varying = material.node_tree.links, sources(material)
+    for name, value in inputs.items():
+        socket = find_socket(node.inputs, name)
+        if isinstance(value, str):
+            links.new(varying[value], socket)
+        else:
+            value = (*value, 1) if socket.type == "RGBA" and not isinstance(value, float) else value
+            socket.default_value = value
+    result = find_socket(node.outputs, output)
+    shown = add_node(material, "ShaderNodeVectorMath", operation="MULTIPLY_ADD")
+    shown.inputs[1].default_value, shown.inputs[2].default_value = (0.1,) * 3, (1,) * 3
+    links.new(result, shown.inputs[0])
+    emission = add_node(material, "ShaderNodeEmission", surface(material))
+    links.new(shown.outputs[0], emission.inputs["Color"])
+    tile = add_mesh(f"Tile {index}", material=material)
+    tile.location = (2 * (index % COLUMNS), 2 * (index // COLUMNS), 0)
+    return True
+
+
+def render(engine: str, tmp_path) -> np.ndarray:
+    scene = bpy.context.scene
+    scene.render.engine = engine
+    scene.render.filepath = str(tmp_path / f"{engine}.exr")
+    bpy.ops.render.render(write_still=True)
+    image = bpy.data.images.load(scene.render.filepath)
+    image.colorspace_settings.name = "Non-Color"
+    pixels = np.array(image.pixels[:]).reshape(*reversed(image.size), 4)[..., :3]
+    bpy.data.images.remove(image)
+    return pixels
+
+
+@pytest.fixture(scope="module")
+def pictures(tmp_path_factory):
+    """Case -> its tile by Specula and by Cycles, (TILE, TILE, 3) each."""
+    bpy.ops.wm.read_homefile(use_empty=True)
+    placed = []
+    for name, case in cases().items():
+        if add_tile(len(placed), case):
+            placed.append(name)
+    rows = -(-len(placed) // COLUMNS)
+    camera = add_camera((COLUMNS - 1, rows - 1, 5))
+    camera.data.type, camera.data.ortho_scale = "ORTHO", 2 * max(COLUMNS, rows)
+    scene = bpy.context.scene
+    scene.render.resolution_x, scene.render.resolution_y = TILE * COLUMNS, TILE * rows
+    scene.render.image_settings.file_format = "OPEN_EXR"
+    scene.render.image_settings.color_depth = "32"
+    scene.specula.samples = scene.cycles.samples = 1
+    scene.cycles.use_denoising = scene.cycles.use_adaptive_sampling = False
+    scene.cycles.pixel_filter_type, scene.cycles.filter_width = "BLACKMAN_HARRIS", FILTER_WIDTH
+    folder = tmp_path_factory.mktemp("tiles")
+    images = [render(engine, folder) for engine in ("SPECULA", "CYCLES")]
+    tiles = {}
+    for index, name in enumerate(placed):
+        y, x = (TILE * k for k in divmod(index, COLUMNS))
+        tiles[name] = [image[y : y + TILE, x : x + TILE] for image in images]
+    return tiles
+
+
+@pytest.mark.parametrize("name", cases())
+def test_node(pictures, name):
+    if name not in pictures:
+        pytest.skip("not in this Blender")
+    ours, theirs = pictures[name]
+    slope = np.abs(np.gradient(theirs, axis=(0, 1))).max(axis=0)  # per pixel
+    off = np.abs(ours - theirs) > TOLERANCE * (1 + np.abs(theirs)) + 2 * FILTER_WIDTH * slope
+    off = off.any(axis=-1)
+    assert off.mean() <= MOST_JUMPS, f"{ours[off][0]} where Cycles has {theirs[off][0]}"

@@ -116,8 +116,8 @@ def _anisotropic():
         inputs = {"Color": COPPER, "Roughness": 0.4, "Anisotropy": amount}
         name = label("closure/glossy", anisotropy=amount)
         yield lit(name, N("BsdfAnisotropic", inputs))
-    inputs |= {"Rotation": 0.2, "Tangent": tangent}
-    yield lit("closure/glossy/tangent", N("BsdfAnisotropic", inputs))
+    turned = inputs | {"Rotation": 0.2, "Tangent": tangent}
+    yield lit("closure/glossy/tangent", N("BsdfAnisotropic", turned))
 
 
 def _combined():

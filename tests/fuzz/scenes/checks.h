@@ -30,6 +30,7 @@ struct Tally {
     uint64_t renders;    // whose times were taken
     double slowest_first_sample, longest_after_limit, longest_after_cancel;  // s
     double worst_sum;  // of weights: its distance from one
+    double log_noticed;  // logarithms of what part of a picture's light a pair would be seen to differ by
 };
 
 // How times are judged: as promised on a quiet machine, or by twice that, for what other programs do to
@@ -39,8 +40,9 @@ inline constexpr double kBusy = 2.0, kQuiet = 1.0;
 // Throw Broken. `seed`: of random choices.
 // The techniques' weights of single paths sum to one, in the plan under one of its lights alone.
 void check_weights(const Plan& plan, uint64_t seed, Tally& tally);
-// Methods without bias have one mean, and no pass has a number that is none.
-void check_means(const Plan& plan, uint64_t seed, Tally& tally);
+// Methods without bias have one mean, and no pass has a number that is none. `with_bias`: one that has some
+// is taken for one of them, which is to be noticed.
+void check_means(const Plan& plan, uint64_t seed, bool with_bias, Tally& tally);
 // Renders come to a first sample, to their end and to a stop in time, and show progress all the while.
 void check_times(const Plan& plan, uint64_t seed, double patience, Tally& tally);
 

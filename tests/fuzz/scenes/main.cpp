@@ -4,6 +4,7 @@
 //   specula_scenes [--seed N] [--count N | --cpu-seconds N | --minutes N] [--quiet 1] [--shrink 0]
 //   specula_scenes --seed N --count 1 --without PART,PART --check NAME   (as it prints)
 //   specula_scenes --suite 1                                              (of the tests)
+//   specula_scenes --with-bias 1 ...    (which finds that MNEE_BIASED is not PT, as often as samples tell)
 #include "process.h"
 #include "scenes/checks.h"
 #include "support/power.h"
@@ -12,7 +13,9 @@
 #include <sys/resource.h>
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -36,6 +39,7 @@ struct Extent {
     std::string check;                 // alone; empty: all
     double patience = kBusy;
     bool shrinks = true;
+    bool with_bias = false;  // compares a method that has some
 };
 
 Plan plan_of(uint64_t seed, const Extent& extent) {
@@ -71,7 +75,7 @@ int run_scene(int file, uint64_t seed, const Extent& extent) {
             (seed % kScenesTimed == 0 || !extent.check.empty()))
             check_times(plan, seed, extent.patience, tally);
         if (asked_for({Check::means, Check::progress, Check::numbers}))
-            check_means(plan, seed, tally);
+            check_means(plan, seed, extent.with_bias, tally);
     } catch (const Broken& broken) {
         std::fprintf(stderr, "FUZZ: seed %llu, %s: %s\n", static_cast<unsigned long long>(seed),
                      name_of(broken.check), broken.what.c_str());
@@ -104,9 +108,9 @@ private:
 
     // In which way; empty if it does not.
     std::string fails(uint64_t seed, const Extent& extent) {
-        const pid_t child =
-            start_self({kChild, std::to_string(file_), std::to_string(seed), join(extent.without),
-                        extent.check, std::to_string(extent.patience)});
+        const pid_t child = start_self(
+            {kChild, std::to_string(file_), std::to_string(seed), join(extent.without),
+             extent.check, std::to_string(extent.patience), extent.with_bias ? "1" : "0"});
         const Clock::time_point begun = Clock::now();
         int status = 0;
         rusage usage{};
@@ -159,10 +163,13 @@ private:
         const auto number = [](uint64_t n) { return static_cast<unsigned long long>(n); };
         std::printf(
             "%llu scenes in %.0f s of CPU: weights of %llu paths, off by %.1e at most; %llu "
-            "pairs of methods, %llu of them differed by chance, %llu undecided; %llu renders "
+            "pairs of methods, which %.2f %% of the light would tell apart, %llu of them differed "
+            "by "
+            "chance, %llu undecided; %llu renders "
             "timed: first sample after %.2f s, end %.2f s after the limit, %.3f s after a "
             "cancel, at most\n",
             number(t.scenes), cpu_, number(t.paths), t.worst_sum, number(t.pairs),
+            100.0 * std::exp(t.log_noticed / double(std::max<uint64_t>(t.pairs, 1))),
             number(t.doubted), number(t.undecided), number(t.renders), t.slowest_first_sample,
             t.longest_after_limit, t.longest_after_cancel);
         for (const std::string& failure : failures_) std::printf("failed: %s\n", failure.c_str());
@@ -181,9 +188,12 @@ private:
 
 int main(int count, char** arguments) {
     using namespace spc::fuzz;
-    if (count == 7 && std::strcmp(arguments[1], kChild) == 0)
+    if (count == 8 && std::strcmp(arguments[1], kChild) == 0)
         return run_scene(std::atoi(arguments[2]), std::strtoull(arguments[3], nullptr, 10),
-                         {split(arguments[4]), arguments[5], std::atof(arguments[6])});
+                         {.without = split(arguments[4]),
+                          .check = arguments[5],
+                          .patience = std::atof(arguments[6]),
+                          .with_bias = arguments[7][0] == '1'});
     Extent extent;
     bool suite = false;
     Task task = parse(count, arguments, [&](const std::string& name, const char* value) {
@@ -195,6 +205,8 @@ int main(int count, char** arguments) {
             extent.patience = kQuiet;
         else if (name == "--shrink")
             extent.shrinks = value[0] != '0';
+        else if (name == "--with-bias")
+            extent.with_bias = true;
         else if (name == "--suite")
             suite = true;
         else

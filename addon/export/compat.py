@@ -149,6 +149,13 @@ def sky(node) -> Sky:
     )
 
 
+def voronoi_hash() -> str:
+    """Which numbers the cells of a Voronoi Texture get. Nothing but the version tells."""
+    import bpy  # not above: tables that use this module are also read without Blender
+
+    return "PCG" if bpy.app.version >= (5, 0, 0) else "LOOKUP3"
+
+
 def uses_nodes(owner) -> bool:
     """Whether a material, world or light is shaded by its node tree; since 5.0 it is if it has one.
 

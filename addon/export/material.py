@@ -169,7 +169,10 @@ class Converter:
         return index
 
     def _option(self, node, path: str, values: tuple[str, ...]) -> str:
-        value = str(attrgetter(path)(node))  # of booleans, too
+        try:
+            value = str(attrgetter(path)(node))  # of booleans, too
+        except AttributeError:  # of a newer Blender
+            return values[0]
         if values and value not in values and not compat.is_sharp(node):
             option = path.split(".")[-1]
             self.warn(node, f"{option} {value} is not supported, {values[0]} is used")

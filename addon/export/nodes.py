@@ -47,6 +47,11 @@ def _sharp(converter, node, desc) -> None:
         converter.set_constant(desc, "Roughness", (0.0, 0.0, 0.0, 1.0))
 
 
+def _voronoi_hash(converter, node, desc) -> None:
+    """Cells have got other numbers with 5.0."""
+    desc.options["hash"] = compat.voronoi_hash()
+
+
 def _output_value(converter, node, desc) -> None:
     """RGB and Value keep their value in their output socket."""
     socket = node.outputs[0]
@@ -98,6 +103,12 @@ def _ramp(node) -> np.ndarray:
     """The colours (256, 4) of a ramp that Cycles, too, looks up."""
     ramp = node.color_ramp
     return np.array([ramp.evaluate(i / 255) for i in range(256)], np.float32)
+
+
+def _brick_rows(node) -> np.ndarray:
+    """How rows of bricks are moved and squeezed, with every how many of them are: (2, 2)."""
+    rows = ((node.offset, node.offset_frequency), (node.squash, node.squash_frequency))
+    return np.array(rows, np.float32)
 
 
 def _curves(node) -> np.ndarray:
@@ -166,6 +177,14 @@ _BLENDS = (
     "SATURATION",
     "COLOR",
     "VALUE",
+)
+_DIMENSIONS = ("3D", "1D", "2D", "4D")
+_FRACTALS = (
+    "FBM",
+    "MULTIFRACTAL",
+    "HYBRID_MULTIFRACTAL",
+    "RIDGED_MULTIFRACTAL",
+    "HETERO_TERRAIN",
 )
 _CHANNELS = ("Red", "Green", "Blue")
 _SWITCH = ("False", "True")
@@ -415,6 +434,122 @@ NODES = {
             "color_ramp.interpolation": ("LINEAR", "EASE", "B_SPLINE", "CARDINAL", "CONSTANT")
         },
         arrays={"Table": _ramp},
+    ),
+    "ShaderNodeTexChecker": NodeKind(
+        "checker_texture", ("Vector", "Color1", "Color2", "Scale"), ("Color", "Fac")
+    ),
+    "ShaderNodeTexGradient": NodeKind(
+        "gradient_texture",
+        ("Vector",),
+        ("Color", "Fac"),
+        options={
+            "gradient_type": (
+                "LINEAR",
+                "QUADRATIC",
+                "EASING",
+                "DIAGONAL",
+                "SPHERICAL",
+                "QUADRATIC_SPHERE",
+                "RADIAL",
+            )
+        },
+    ),
+    "ShaderNodeTexWhiteNoise": NodeKind(
+        "white_noise_texture",
+        ("Vector", "W"),
+        ("Value", "Color"),
+        options={"noise_dimensions": _DIMENSIONS},
+    ),
+    "ShaderNodeTexNoise": NodeKind(
+        "noise_texture",
+        (
+            "Vector",
+            "W",
+            "Scale",
+            "Detail",
+            "Roughness",
+            "Lacunarity",
+            "Offset",
+            "Gain",
+            "Distortion",
+        ),
+        ("Fac", "Color"),
+        options={
+            "noise_dimensions": _DIMENSIONS,
+            "noise_type": _FRACTALS,
+            "normalize": ("True", "False"),
+        },
+    ),
+    "ShaderNodeTexMusgrave": NodeKind(
+        "musgrave_texture",
+        ("Vector", "W", "Scale", "Detail", "Dimension", "Lacunarity", "Offset", "Gain"),
+        ("Fac",),
+        options={"musgrave_dimensions": _DIMENSIONS, "musgrave_type": _FRACTALS},
+    ),
+    "ShaderNodeTexVoronoi": NodeKind(
+        "voronoi_texture",
+        (
+            "Vector",
+            "W",
+            "Scale",
+            "Detail",
+            "Roughness",
+            "Lacunarity",
+            "Smoothness",
+            "Exponent",
+            "Randomness",
+        ),
+        ("Distance", "Color", "Position", "W", "Radius"),
+        options={
+            "voronoi_dimensions": _DIMENSIONS,
+            "feature": ("F1", "F2", "SMOOTH_F1", "DISTANCE_TO_EDGE", "N_SPHERE_RADIUS"),
+            "distance": ("EUCLIDEAN", "MANHATTAN", "CHEBYCHEV", "MINKOWSKI"),
+            "normalize": _SWITCH,
+        },
+        fixed_options={"hash": "LOOKUP3"},
+        adjust=_voronoi_hash,
+    ),
+    "ShaderNodeTexWave": NodeKind(
+        "wave_texture",
+        (
+            "Vector",
+            "Scale",
+            "Distortion",
+            "Detail",
+            "Detail Scale",
+            "Detail Roughness",
+            "Phase Offset",
+        ),
+        ("Color", "Fac"),
+        options={
+            "wave_type": ("BANDS", "RINGS"),
+            "bands_direction": ("X", "Y", "Z", "DIAGONAL"),
+            "rings_direction": ("X", "Y", "Z", "SPHERICAL"),
+            "wave_profile": ("SIN", "SAW", "TRI"),
+        },
+    ),
+    "ShaderNodeTexMagic": NodeKind(
+        "magic_texture",
+        ("Vector", "Scale", "Distortion"),
+        ("Color", "Fac"),
+        options={"turbulence_depth": ANY},
+    ),
+    "ShaderNodeTexBrick": NodeKind(
+        "brick_texture",
+        (
+            "Vector",
+            "Color1",
+            "Color2",
+            "Mortar",
+            "Scale",
+            "Mortar Size",
+            "Mortar Smooth",
+            "Bias",
+            "Brick Width",
+            "Row Height",
+        ),
+        ("Color", "Fac"),
+        arrays={"Rows": _brick_rows},
     ),
     "ShaderNodeRGB": NodeKind("rgb", (), ("Color",), adjust=_output_value),
     "ShaderNodeValue": NodeKind("value", (), ("Value",), adjust=_output_value),

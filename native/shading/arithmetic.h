@@ -6,6 +6,7 @@
 #include "bsdf/fresnel.h"
 #include "shading/color_functions.h"
 #include "shading/instruction.h"
+#include "shading/textures.h"
 
 namespace spc {
 
@@ -170,6 +171,68 @@ void run_ramp(const Instruction& i, const Registers<T>& r) {
         r.store(static_cast<Operand>(i.out + lane),
                 look_up([&](int k) { return block[1 + 4 * k + lane]; }, count, at,
                         mode_interpolation(i.mode)));
+}
+
+// The operands of noise from its third one on.
+template <class T>
+Fractal<T> read_fractal(const Instruction& i, const Registers<T>& r) {
+    return {.type = mode_fractal(i.mode),
+            .normalized = mode_normalized(i.mode),
+            .detail = r.scalar(i, 2),
+            .roughness = non_negative(r.scalar(i, 3)),
+            .lacunarity = r.scalar(i, 4),
+            .offset = r.scalar(i, 5),
+            .gain = r.scalar(i, 6)};
+}
+template <class T>
+Wave<T> read_wave(const Instruction& i, const Registers<T>& r) {
+    return {.shape = mode_wave_shape(i.mode),
+            .profile = mode_wave_profile(i.mode),
+            .distortion = r.scalar(i, 1),
+            .detail = r.scalar(i, 2),
+            .detail_scale = r.scalar(i, 3),
+            .detail_roughness = non_negative(r.scalar(i, 4)),
+            .phase = r.scalar(i, 5)};
+}
+template <class T>
+Voronoi<T> read_voronoi(const Instruction& i, const Registers<T>& r) {
+    const T none(0.0f);
+    return {.feature = mode_voronoi_feature(i.mode),
+            .metric = mode_voronoi_metric(i.mode),
+            .hash = mode_voronoi_hash(i.mode),
+            .normalized = mode_voronoi_normalized(i.mode),
+            .detail = clamped(r.scalar(i, 2), none, T(kMostDetail)),
+            .roughness = clamp_unit(r.scalar(i, 3)),
+            .lacunarity = r.scalar(i, 4),
+            .smoothness = clamped(times(r.scalar(i, 5), 0.5f), none, T(0.5f)),
+            .exponent = r.scalar(i, 6),
+            .randomness = clamp_unit(r.scalar(i, 7))};
+}
+template <class T>
+void run_voronoi(const Instruction& i, const Registers<T>& r) {
+    const Voronoi<T> v = read_voronoi(i, r);
+    in_dimensions(mode_dimensions(i.mode), r.vector(i, 0), r.scalar(i, 1), [&](const auto& p) {
+        const auto found = voronoi_at(v, p);
+        if (i.op == Op::voronoi) return r.store(i.out, found.distance);
+        if (i.op == Op::voronoi_color) return r.store(i.out, found.color);
+        const std::array<T, 4> position = as_vector_and_w(found.position);
+        for (int lane = 0; lane < 4; ++lane)
+            r.store(static_cast<Operand>(i.out + lane), position[static_cast<size_t>(lane)]);
+    });
+}
+// The block is offset, its frequency, squash, its frequency.
+template <class T>
+Brick<T> read_brick(const Instruction& i, const Registers<T>& r) {
+    const float* block = r.blocks + i.index;
+    return {.mortar_size = r.scalar(i, 1),
+            .mortar_smooth = r.scalar(i, 2),
+            .bias = r.scalar(i, 3),
+            .width = r.scalar(i, 4),
+            .row_height = r.scalar(i, 5),
+            .offset = block[0],
+            .squash = block[2],
+            .offset_every = static_cast<int>(block[1]),
+            .squash_every = static_cast<int>(block[3])};
 }
 
 // The block is the number of rows, whether curves go on straight beyond their ends, where they begin
@@ -353,6 +416,34 @@ void run_arithmetic(const Instruction& i, const Registers<T>& r) {
             if constexpr (std::is_same_v<T, float>)
                 r.store(i.out, facet::dielectric(r.scalar(i, 0), r.scalar(i, 1)));
             return;
+        case Op::checker: return r.store(i.out, checker(r.vector(i, 0)));
+        case Op::gradient:
+            return r.store(i.out, gradient(static_cast<GradientType>(i.mode), r.vector(i, 0)));
+        case Op::wave: return r.store(i.out, wave(read_wave(i, r), r.vector(i, 0)));
+        case Op::magic:
+            return r.store(i.out, magic(i.mode, r.vector(i, 0), r.scalar(i, 1), r.scalar(i, 2)));
+        case Op::brick: {
+            const BrickPoint<T> found = brick(read_brick(i, r), r.vector(i, 0));
+            return r.store(i.out, Vector3<T>{found.tint, found.mortar, T(0.0f)});
+        }
+        case Op::white_noise:
+            return r.store(i.out,
+                           white_noise(mode_dimensions(i.mode), r.vector(i, 0), r.scalar(i, 1)));
+        case Op::noise:
+            return r.store(i.out, in_dimensions(mode_dimensions(i.mode), r.vector(i, 0),
+                                                r.scalar(i, 1), [&](const auto& p) {
+                                                    return noise_value(read_fractal(i, r), p,
+                                                                       r.scalar(i, 7));
+                                                }));
+        case Op::noise_color:
+            return r.store(i.out, in_dimensions(mode_dimensions(i.mode), r.vector(i, 0),
+                                                r.scalar(i, 1), [&](const auto& p) {
+                                                    return noise_color(read_fractal(i, r), p,
+                                                                       r.scalar(i, 7));
+                                                }));
+        case Op::voronoi:
+        case Op::voronoi_color:
+        case Op::voronoi_position: return run_voronoi(i, r);
         case Op::lane: return r.store(i.out, r.lane(r.operand(i, 0), i.mode));
         case Op::mirror_ball: return r.store(i.out, mirror_ball(r.vector(i, 0)));
         default: return;

@@ -124,6 +124,7 @@ Vec3 ExprBuilder::mean_value(ExprId id, std::span<const Image> images) {
                 break;
             }
             case MeanOf::zero: break;
+            case MeanOf::half: mean.value = {0.5f, 0.5f, 0.5f, 0.5f}; break;
             case MeanOf::one: mean.value = {1.0f, 1.0f, 1.0f, 1.0f}; break;
         }
         at_mean[i] = insert(std::move(mean));

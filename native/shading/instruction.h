@@ -37,7 +37,7 @@ inline constexpr int kMaxRegisters = 256;
 struct Instruction {
     Op op;
     uint8_t lanes;  // 1 or 3
-    uint8_t mode;  // image: image_mode(); ramp: Interpolation; space_normal: NormalSpace; bump: 1 where inverted
+    uint8_t mode;  // image: image_mode(); textures: textures.h; ramp: Interpolation; space_normal: NormalSpace; bump: 1 where inverted
     Operand out;
     uint32_t operands;  // where its row's `arity` of them begin in Program::operands
     uint32_t index;     // of what its row's `index` says; a block by where it begins

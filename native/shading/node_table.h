@@ -20,9 +20,10 @@ enum class ShaderPart : uint8_t { surface, volume, both };
 // What an unlinked input reads. Only those with a constant of their own can be given one.
 enum class Unlinked : uint8_t {
     constant,
-    normal,    // the interpolated normal
-    uv,        // the active UV layer
-    direction  // of a background; elsewhere the position
+    normal,     // the interpolated normal
+    uv,         // the active UV layer
+    generated,  // the position within the object's bounds
+    direction   // of a background; elsewhere the position
 };
 
 struct InputSocket {

@@ -38,6 +38,17 @@ ExprId curves(NodeContext& node, int output);
 ExprId normal(NodeContext& node, int output);
 ExprId color_ramp(NodeContext& node, int output);
 
+// nodes_texture.cpp
+ExprId checker_texture(NodeContext& node, int output);
+ExprId gradient_texture(NodeContext& node, int output);
+ExprId white_noise_texture(NodeContext& node, int output);
+ExprId noise_texture(NodeContext& node, int output);
+ExprId musgrave_texture(NodeContext& node, int output);
+ExprId voronoi_texture(NodeContext& node, int output);
+ExprId wave_texture(NodeContext& node, int output);
+ExprId magic_texture(NodeContext& node, int output);
+ExprId brick_texture(NodeContext& node, int output);
+
 // nodes_input.cpp
 ExprId fresnel(NodeContext& node, int output);
 ExprId layer_weight(NodeContext& node, int output);

@@ -89,25 +89,37 @@ enum class Op : uint8_t {
     hsv_to_rgb,
     rgb_to_hsl,
     hsl_to_rgb,
-    blend,            // two colours and a share, by a type of Blend
-    fresnel,          // of a dielectric, by cosine and relative index
-    gamma,            // colour, exponent; of positive channels
-    lane,             // lane number `mode` of its operand; the fourth is an image's alpha
-    uv,               // of a layer
-    position,         // world
-    position_object,  // object space
-    normal_object,    // unit, in object space, on the side of wo
-    normal,           // the interpolated one, unit, world, on the side of wo
-    true_normal,      // that of the geometry, likewise
-    incoming,         // wo
-    facing,           // cosine between wo and a normal, or the interpolated one
-    backfacing,       // 1 or 0
-    image,            // coordinates to colour, and alpha in a fourth lane
-    tangent_normal,   // (strength, colour) to a unit normal on the side of wo
-    space_normal,     // likewise, of colours in a NormalSpace
-    bump,             // (strength, distance, normal or none) to a unit normal on the side of wo
-    shading_normal,   // any vector to a unit normal; the interpolated one where it is 0
-    coat,             // what a coat lets through: (normal or none, (share, alpha, index), tint)
+    blend,     // two colours and a share, by a type of Blend
+    fresnel,   // of a dielectric, by cosine and relative index
+    gamma,     // colour, exponent; of positive channels
+    checker,   // of scaled coordinates: 1 or 0
+    gradient,  // by a GradientType
+    wave,   // by a wave_mode(): (coordinates, distortion, detail, its scale and roughness, phase)
+    magic,  // by its depth: (coordinates, scale, distortion)
+    brick,  // (coordinates, mortar size, smoothing, bias, width, row height): (tint, mortar, 0)
+    white_noise,  // by a noise_mode(): (coordinates, W) to a colour, whose red is the value
+    noise,        // likewise: (..., detail, roughness, lacunarity, offset, gain, distortion)
+    noise_color,  // likewise
+    voronoi,  // by a voronoi_mode(): (coordinates, W, detail, roughness, lacunarity, smoothness,
+              // exponent, randomness) to a distance
+    voronoi_color,     // likewise
+    voronoi_position,  // likewise; W in a fourth lane
+    lane,              // lane number `mode` of its operand; the fourth is an image's alpha
+    uv,                // of a layer
+    position,          // world
+    position_object,   // object space
+    normal_object,     // unit, in object space, on the side of wo
+    normal,            // the interpolated one, unit, world, on the side of wo
+    true_normal,       // that of the geometry, likewise
+    incoming,          // wo
+    facing,            // cosine between wo and a normal, or the interpolated one
+    backfacing,        // 1 or 0
+    image,             // coordinates to colour, and alpha in a fourth lane
+    tangent_normal,    // (strength, colour) to a unit normal on the side of wo
+    space_normal,      // likewise, of colours in a NormalSpace
+    bump,              // (strength, distance, normal or none) to a unit normal on the side of wo
+    shading_normal,    // any vector to a unit normal; the interpolated one where it is 0
+    coat,              // what a coat lets through: (normal or none, (share, alpha, index), tint)
     count
 };
 
@@ -115,7 +127,7 @@ enum class Op : uint8_t {
 enum class IndexOf : uint8_t { nothing, image, uv_layer, block, height };
 
 // What an operation comes to on average, when only the means of its operands are known.
-enum class MeanOf : uint8_t { operands, image, zero, one };
+enum class MeanOf : uint8_t { operands, image, zero, half, one };
 
 struct OpTraits {
     Op op;
@@ -216,6 +228,17 @@ inline constexpr std::array<OpTraits, static_cast<size_t>(Op::count)> kOpTraits{
     {Op::blend, 3, 3},
     {.op = Op::fresnel, .arity = 2, .lanes = 1, .derivatives = 0},
     {Op::gamma, 2, 3},
+    {.op = Op::checker, .arity = 1, .lanes = 1, .mean = MeanOf::half},
+    {.op = Op::gradient, .arity = 1, .lanes = 1, .mean = MeanOf::half},
+    {.op = Op::wave, .arity = 6, .lanes = 1, .mean = MeanOf::half},
+    {.op = Op::magic, .arity = 3, .lanes = 3, .mean = MeanOf::half},
+    {.op = Op::brick, .arity = 6, .lanes = 3, .index = IndexOf::block},
+    {.op = Op::white_noise, .arity = 2, .lanes = 3, .mean = MeanOf::half},
+    {Op::noise, 8, 1},
+    {Op::noise_color, 8, 3},
+    {.op = Op::voronoi, .arity = 8, .lanes = 1, .mean = MeanOf::half},
+    {.op = Op::voronoi_color, .arity = 8, .lanes = 3, .mean = MeanOf::half},
+    {.op = Op::voronoi_position, .arity = 8, .lanes = 3, .has_fourth = true},
     {Op::lane, 1, 1},
     {.op = Op::uv,
      .arity = 0,

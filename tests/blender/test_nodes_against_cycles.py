@@ -86,6 +86,17 @@ VECTOR = [
     "SCALE",
     "REFRACT",
 ]
+GRADIENTS = NODES["ShaderNodeTexGradient"].options["gradient_type"]
+DIMENSIONS = NODES["ShaderNodeTexNoise"].options["noise_dimensions"]
+FRACTALS = NODES["ShaderNodeTexNoise"].options["noise_type"]
+FEATURES = NODES["ShaderNodeTexVoronoi"].options["feature"]
+METRICS = NODES["ShaderNodeTexVoronoi"].options["distance"]
+VORONOI_POSITIONS = {
+    "1D": ("W",),
+    "2D": ("Position",),
+    "3D": ("Position",),
+    "4D": ("Position", "W"),
+}
 BLENDS = NODES["ShaderNodeMixRGB"].options["blend_type"]
 
 
@@ -215,7 +226,84 @@ def cases():
             add(f"old {channel} of {kind}", f"Separate{kind}", channel, source)
         parts = dict(zip(channels, ("x", "y", 0.5), strict=True))
         add(f"old from {kind}", f"Combine{kind}", "Image" if kind == "RGB" else "Color", parts)
+    add_textures(add)
     return found
+
+
+def add_textures(add):
+    """Of the procedural textures all types, features and metrics, and all dimensions of each."""
+    colors = {"Color1": (0.9, 0.2, 0.1), "Color2": (0.2, 0.4, 0.9)}
+    at = {"Vector": "place"}
+    for output in ("Color", "Fac"):
+        add(f"checker {output}", "TexChecker", output, {**at, **colors, "Scale": 1.7})
+    for type in GRADIENTS:
+        add(f"gradient {type}", "TexGradient", "Fac", {"Vector": "place"}, gradient_type=type)
+    for dimensions in DIMENSIONS:
+        whole = {"Vector": "cells", "W": "cell"}
+        for output in ("Value", "Color"):
+            name = f"white noise {dimensions} {output}"
+            add(name, "TexWhiteNoise", output, whole, noise_dimensions=dimensions)
+        space = {"Vector": "place", "W": "x", "Scale": 1.3}
+        noise = {**space, "Detail": 1.6, "Roughness": 0.6}
+        add(f"noise {dimensions}", "TexNoise", "Fac", noise, noise_dimensions=dimensions)
+        bent = {**noise, "Distortion": 0.7}
+        name = f"noise {dimensions} bent"
+        add(name, "TexNoise", "Color", bent, noise_dimensions=dimensions)
+        for type in FRACTALS:
+            fractal = {**noise, "Lacunarity": 2.2, "Offset": 0.6, "Gain": 1.2}
+            properties = {"noise_dimensions": dimensions, "noise_type": type, "normalize": False}
+            add(f"noise {dimensions} {type}", "TexNoise", "Fac", fractal, **properties)
+            old = {**space, "Detail": 2.6, "Dimension": 0.9, "Offset": 0.6, "Gain": 1.2}
+            properties = {"musgrave_dimensions": dimensions, "musgrave_type": type}
+            add(f"musgrave {dimensions} {type}", "TexMusgrave", "Fac", old, **properties)
+        for feature in FEATURES:
+            sphere = feature == "N_SPHERE_RADIUS"
+            metrics = ("EUCLIDEAN",) if sphere or feature == "DISTANCE_TO_EDGE" else METRICS
+            for metric in metrics:
+                outputs = ("Radius",) if sphere else ("Distance",)
+                if metric == "EUCLIDEAN" and len(metrics) > 1:
+                    outputs = ("Distance", "Color", *VORONOI_POSITIONS[dimensions])
+                for output in outputs:
+                    add(
+                        f"voronoi {dimensions} {feature} {metric} {output}",
+                        "TexVoronoi",
+                        output,
+                        {**space, "Smoothness": 0.6, "Exponent": 1.4, "Randomness": 0.8},
+                        voronoi_dimensions=dimensions,
+                        feature=feature,
+                        distance=metric,
+                    )
+            if not sphere:
+                octaves = {**space, "Detail": 1.4, "Roughness": 0.6, "Randomness": 0.8}
+                add(
+                    f"voronoi {dimensions} {feature} of octaves",
+                    "TexVoronoi",
+                    "Distance",
+                    octaves,
+                    voronoi_dimensions=dimensions,
+                    feature=feature,
+                    normalize=True,
+                )
+    old = {"Vector": "place", "Detail": 0.4, "Dimension": 0.9}
+    add("musgrave of less than an octave", "TexMusgrave", "Fac", old, musgrave_type="FBM")
+    bands = {"Vector": "place", "Scale": 0.3, "Distortion": 1.2, "Detail": 1.5, "Phase Offset": 0.4}
+    for profile in ("SIN", "SAW", "TRI"):
+        for direction in ("X", "Y", "Z", "DIAGONAL"):
+            properties = {"wave_profile": profile, "bands_direction": direction}
+            add(f"bands {profile} {direction}", "TexWave", "Fac", bands, **properties)
+        for direction in ("X", "Y", "Z", "SPHERICAL"):
+            properties = {"wave_profile": profile, "rings_direction": direction}
+            name = f"rings {profile} {direction}"
+            add(name, "TexWave", "Color", bands, wave_type="RINGS", **properties)
+    swirl = {"Vector": "place", "Scale": 0.4, "Distortion": 1.3}
+    for depth in range(11):
+        add(f"magic {depth}", "TexMagic", "Color", swirl, turbulence_depth=depth)
+    add("magic Fac", "TexMagic", "Fac", swirl)
+    wall = {"Vector": "place", **colors, "Scale": 0.8, "Mortar Size": 0.06, "Mortar Smooth": 0.6}
+    for output in ("Color", "Fac"):
+        add(f"bricks {output}", "TexBrick", output, wall)
+    shifted = {"offset": 0.3, "offset_frequency": 3, "squash": 1.4, "squash_frequency": 2}
+    add("shifted bricks", "TexBrick", "Color", {**wall, "Bias": -0.2}, **shifted)
 
 
 def sources(material) -> dict:
@@ -238,7 +326,15 @@ def sources(material) -> dict:
     color = node("VectorMath", "MULTIPLY_ADD", _0=at, _1=(0.45, 0.4, 0), _2=(0.5, 0.45, 0.6))
     other = node("VectorMath", "MULTIPLY_ADD", _0=at, _1=(-0.3, 0.45, 0), _2=(0.35, 0.5, 0.2))
     bent = node("VectorMath", "MULTIPLY_ADD", _0=at, _1=(0.7, 0.7, 0), _2=(0, 0, 1))
+    place = node("VectorMath", "MULTIPLY_ADD", _0=at, _1=(1.7, 1.5, 0), _2=(0.31, 0.17, 0.4))
+    # Whole numbers, so that a hash of all their bits is the same in two renderers.
+    cells = node(
+        "VectorMath", "FLOOR", _0=node("VectorMath", "MULTIPLY", _0=at, _1=(3, 3, 3)).outputs[0]
+    )
     return {
+        "place": place.outputs[0],
+        "cells": cells.outputs[0],
+        "cell": node("SeparateXYZ", _0=cells.outputs[0]).outputs[0],
         "x": split.outputs[0],
         "y": split.outputs[1],
         "color": color.outputs[0],
@@ -293,7 +389,7 @@ def add_tile(index, case):
                 SETTERS[name](node, value)
             else:
                 setattr(node, name, value)
-    except TypeError:  # no such choice
+    except (AttributeError, TypeError):  # no such property or choice
         return False
     links, varying = material.node_tree.links, sources(material)
     for name, value in inputs.items():

@@ -68,4 +68,4 @@ def test_a_sun_sets():
 
     assert irradiance(-0.006) is None
     red = [irradiance(elevation)[0] for elevation in (-0.004, 0.0, 0.004, 0.1)]
-    assert 0.0 < red[0] and red == sorted(red)
+    assert red[0] > 0.0 and red == sorted(red)

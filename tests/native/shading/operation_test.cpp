@@ -9,29 +9,30 @@
 namespace spc::test {
 namespace {
 
-constexpr int kLanes = 4, kMostOperands = 3;
-using Values = std::array<float, kMostOperands * kLanes>;
+constexpr int kLanes = 4, kMostOperands = 8;
+constexpr size_t kValues = size_t{kMostOperands} * kLanes;
+using Values = std::array<float, kValues>;
 
 // One operation on operands of registers, with a block that serves as a ramp and as a matrix.
 template <class T>
-std::array<T, kLanes> run_op(const OpTraits& row, uint8_t lanes, const std::array<T, 12>& in) {
+std::array<T, kLanes> run_op(const OpTraits& row, uint8_t lanes, const std::array<T, kValues>& in) {
     static const std::vector<float> block{5,    0.1f, 0.3f, 0.2f, 0.9f, 0.4f, 0.8f,
                                           0.1f, 0.7f, 0.9f, 0.2f, 0.6f, 0.5f, 0.7f,
                                           0.4f, 0.3f, 0.2f, 0.2f, 0.6f, 0.8f, 0.6f};
-    std::array<T, 12 + kLanes> registers{};
+    std::array<T, kValues + kLanes> registers{};
     std::copy(in.begin(), in.end(), registers.begin());
-    const std::array<Operand, kMostOperands> operands{0, 4, 8};
+    const std::array<Operand, kMostOperands> operands{0, 4, 8, 12, 16, 20, 24, 28};
     const uint8_t mode = row.interpolates ? static_cast<uint8_t>(Interpolation::cubic) : uint8_t{0};
-    const Instruction i{row.op, lanes, mode, 12, 0, 0};
+    const Instruction i{row.op, lanes, mode, static_cast<Operand>(kValues), 0, 0};
     run_arithmetic(i, Registers<T>{registers.data(), nullptr, operands.data(), block.data()});
     std::array<T, kLanes> out;
-    std::copy(registers.begin() + 12, registers.end(), out.begin());
+    std::copy(registers.begin() + kValues, registers.end(), out.begin());
     return out;
 }
 
 template <class T>
-std::array<T, 12> along(const Values& at, const Values& direction, const T& t) {
-    std::array<T, 12> in;
+std::array<T, kValues> along(const Values& at, const Values& direction, const T& t) {
+    std::array<T, kValues> in;
     for (size_t k = 0; k < in.size(); ++k) in[k] = T(at[k]) + T(direction[k]) * t;
     return in;
 }
@@ -79,6 +80,7 @@ void compare_derivatives(const OpTraits& row, uint8_t lanes) {
 
 TEST(Operations, HaveTheDerivativesThatDifferencesShow) {
     for (const OpTraits& row : kOpTraits) {
+        if (row.op == Op::white_noise) continue;  // jumps everywhere
         if (row.varies || row.derivatives < 2 || row.arity == 0 || row.op == Op::image) continue;
         SCOPED_TRACE("operation " + std::to_string(static_cast<int>(row.op)));
         if (row.lanes != 3) compare_derivatives(row, 1);

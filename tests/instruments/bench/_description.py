@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The addon's scene descriptions in a Python without Blender."""
+"""The addon's scene descriptions and the core's enumerations in a Python without Blender."""
 
 from __future__ import annotations
 
@@ -23,6 +23,7 @@ def _description_module() -> types.ModuleType:
 
 
 desc = _description_module()
+abi = import_module("specula.abi")
 
 
 def load(path: str | Path):

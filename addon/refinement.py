@@ -20,7 +20,7 @@ from .upload import camera_struct
 
 COARSE_SECONDS = 0.05  # that one sample of the moving picture may take
 REST_SECONDS = 0.15  # without a change, before the full picture begins
-MOST_COARSE = 16  # pixels along the edge of a coarse one
+LEAST_COARSE, MOST_COARSE = 2.0, 16.0  # pixels along the edge of a coarse one
 
 
 @dataclasses.dataclass(frozen=True)
@@ -62,9 +62,8 @@ class Refinement:
         picture = self._render.picture()
         if self._factor > 1 and self._render.ended:
             slower = np.sqrt(max(self._render.seconds, 1e-4) / COARSE_SECONDS)
-            if time.monotonic() - self._moved < REST_SECONDS:
-                self._fast_factor = float(np.clip(self._factor * slower, 1.0, MOST_COARSE))
-            else:
+            self._fast_factor = float(np.clip(self._factor * slower, LEAST_COARSE, MOST_COARSE))
+            if time.monotonic() - self._moved > REST_SECONDS:
                 self._begin(self._factor // 2)
         return picture
 

@@ -48,22 +48,15 @@ def render_region(context, camera, width: int, height: int) -> tuple[int, int, i
     """x0, y0, width, height of what is rendered of the region, pixels from the bottom left."""
     space, render = context.space_data, context.scene.render
     if camera is None:
-        used, border, frame = space.use_render_border, space, np.array([[0.0, 0.0], [1.0, 1.0]])
+        used, border, prefix = space.use_render_border, space, "render_border_"
+        frame = np.array([[0.0, 0.0], [1.0, 1.0]])
     else:
-        used, border = render.use_border, render
+        used, border, prefix = render.use_border, render, "border_"
         frame = camera_frame(context.region_data, context.scene, camera)
     if not used:
         return 0, 0, width, height
     part = np.array(
-        [
-            [border.render_border_min_x, border.render_border_min_y],
-            [border.render_border_max_x, border.render_border_max_y],
-        ]
-        if camera is None
-        else [
-            [border.border_min_x, border.border_min_y],
-            [border.border_max_x, border.border_max_y],
-        ]
+        [[getattr(border, f"{prefix}{end}_{axis}") for axis in "xy"] for end in ("min", "max")]
     )
     low, high = frame
     edges = np.clip(low + part * (high - low), 0.0, 1.0) * (width, height)

@@ -76,6 +76,16 @@ def test_looking_elsewhere_begins_anew(refinement):
     assert final[8, 16] == pytest.approx((1.0, 0.5, 0.25, 1.0))  # the exposure doubles
 
 
+def test_slow_pictures_are_coarser_the_next_time_however_late_they_come(refinement, monkeypatch):
+    monkeypatch.setattr("specula.refinement.COARSE_SECONDS", 1e-9)  # nothing is as fast
+    monkeypatch.setattr("specula.refinement.REST_SECONDS", 0.0)
+    settings = native.render_settings(method=abi.Method.PT, samples=1)
+    refinement.look(camera(64, 32), settings, 1.0)
+    pictures(refinement)
+    refinement.look(camera(64, 32), settings, 1.0)
+    assert pictures(refinement)[0].pixels.shape[0] == 2  # of 16 pixels along an edge
+
+
 def test_a_bad_camera_is_refused_by_name(refinement):
     view = camera()
     view.clip_far = 0.0

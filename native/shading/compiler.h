@@ -87,6 +87,7 @@ private:
 
     ResolvedGraph graph_;
     GlintsMode glints_;
+    BumpCorrection bump_correction_;
     std::span<const Image> images_;
     std::vector<std::vector<ExprId>> outputs_;  // known values of [node][output]
     std::vector<ExprId> shader_weights_;

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The interpreter: value instructions over T, then closures from their results.
+#include "bsdf/fresnel.h"
 #include "core/uninitialized_array.h"
 #include "shading/normal_map.h"
 #include "shading/program.h"
 
 namespace spc {
 namespace {
+
+// Cycles takes rough facets below this roughness for none.
+constexpr float kSmoothDiffuse = 1e-5f;
 
 template <class T>
 void run_image(const Instruction& i, const Registers<T>& r, std::span<const Image> images) {
@@ -135,8 +139,14 @@ Spectrum evaluate_spectrum(const Program& program, const Section& section,
 class ClosureBuilder {
 public:
     ClosureBuilder(const Registers<float>& registers, const ShadingPoint<float>& point,
-                   ClosureList& list)
-        : r_(registers), point_(point), list_(list), facing_normal_(value_of(facing_normal(point))) {}
+                   BumpCorrection bump_correction, ClosureList& list)
+        : r_(registers),
+          point_(point),
+          bump_correction_(bump_correction),
+          list_(list),
+          facing_normal_(value_of(facing_normal(point))) {
+        list.terminator = {bump_correction, 1.0f, facing_normal_};
+    }
 
     void add(const ClosureInstruction& c) {
         const float scale = r_.scalar(operand(c, kWeightOperand));
@@ -144,12 +154,28 @@ public:
         Spectrum weight(scale);
         if (c.through != kNoOperand) weight *= spectrum(r_.vector(c.through));
         switch (c.op) {
-            case ClosureOp::lambert: return add(c, color(c, 2) * weight, Lambert{normal(c)});
+            case ClosureOp::lambert: return add(c, color(c, 2) * weight, Lambert{diffuse_normal(c)});
+            case ClosureOp::rough_diffuse: return add_rough_diffuse(c, weight);
+            case ClosureOp::translucent:
+                return add(c, color(c, 2) * weight, Translucent{glossy_normal(c)});
+            case ClosureOp::sheen: {
+                const float roughness = std::clamp(scalar(c, 3), kLeastSheenRoughness, 1.0f);
+                return add(c, color(c, 2) * weight, Sheen{diffuse_normal(c), roughness});
+            }
+            case ClosureOp::velvet: {
+                const float sigma = std::clamp(scalar(c, 3), 0.01f, 1.0f);  // Cycles' bounds
+                return add(c, color(c, 2) * weight, Velvet{diffuse_normal(c), sigma});
+            }
+            case ClosureOp::schlick_sheen:
+                return add(c, color(c, 2) * weight, SchlickSheen{diffuse_normal(c)});
+            case ClosureOp::diffuse_toon: return add_toon<BounceKind::diffuse>(c, weight);
+            case ClosureOp::glossy_toon: return add_toon<BounceKind::glossy>(c, weight);
             case ClosureOp::transparent: return add(c, color(c, 2) * weight, Transparent{});
-            case ClosureOp::glossy: {
-                Fresnel fresnel;
-                fresnel.f0 = color(c, 3);
-                return add_reflection(c, weight, fresnel);
+            case ClosureOp::holdout: list_.holdout += weight; return;
+            case ClosureOp::glossy: return add_glossy(c, weight);
+            case ClosureOp::ashikhmin_shirley: {
+                if (alpha(c) <= kDeltaAlpha) return add_glossy(c, weight);
+                return add(c, color(c, 3) * weight, AshikhminShirley{glossy_normal(c), alpha(c)});
             }
             case ClosureOp::metal: {
                 Fresnel fresnel;
@@ -173,6 +199,7 @@ private:
         return r_.scalar(operand(c, traits(c.op).alpha));
     }
     float ior(const ClosureInstruction& c) const { return r_.scalar(operand(c, traits(c.op).ior)); }
+    float scalar(const ClosureInstruction& c, int k) const { return r_.scalar(operand(c, k)); }
     Spectrum color(const ClosureInstruction& c, int k) const {
         return spectrum(r_.vector(operand(c, k)));
     }
@@ -180,11 +207,46 @@ private:
         const Operand n = operand(c, kNormalOperand);
         return n == kNoOperand ? facing_normal_ : value_of(r_.vector(n));
     }
+    // Of closures that mirror or refract. Those that glint have the normals of their map.
+    Vec3 glossy_normal(const ClosureInstruction& c) const {
+        const Vec3 n = normal(c);
+        const bool bends = bump_correction_ != BumpCorrection::none && !c.on_slope_map;
+        return bends && n != point_.ng ? bent_normal(point_.ng, point_.wo, n) : n;
+    }
+    Vec3 diffuse_normal(const ClosureInstruction& c) const {
+        return bump_correction_ == BumpCorrection::smoothed ? glossy_normal(c) : normal(c);
+    }
     MicrofacetReflection reflection(const ClosureInstruction& c, const Fresnel& fresnel) const {
-        return {normal(c), alpha(c), c.modes.model, fresnel, c.modes.energy_compensated};
+        return {glossy_normal(c), alpha(c), c.modes.model, fresnel, c.modes.energy_compensated};
     }
     void add(const ClosureInstruction& c, const Spectrum& weight, const ClosureKind& kind) {
-        list_.add(weight, kind, point_.wo, c.on_caster_normal);
+        list_.add(weight, kind, point_.wo, stays_on_caster_normal(c));
+    }
+    // Chains turn at the caster's normal, not at one that was bent for wo: such light is left to path
+    // tracing.
+    bool stays_on_caster_normal(const ClosureInstruction& c) const {
+        return c.on_caster_normal && glossy_normal(c) == normal(c);
+    }
+    void add_glossy(const ClosureInstruction& c, const Spectrum& weight) {
+        Fresnel fresnel;
+        fresnel.f0 = color(c, 3);
+        add_reflection(c, weight, fresnel);
+    }
+    void add_rough_diffuse(const ClosureInstruction& c, const Spectrum& weight) {
+        const Spectrum albedo = color(c, 2);
+        const float roughness = clamp01(scalar(c, 3));
+        if (roughness < kSmoothDiffuse)
+            return add(c, albedo * weight, Lambert{diffuse_normal(c)});
+        OrenNayar rough{diffuse_normal(c), roughness};
+        if (c.modes.energy_compensated) rough.exchanged = facet::saturate(albedo);
+        add(c, albedo * weight, rough);
+    }
+    template <BounceKind kind>
+    void add_toon(const ClosureInstruction& c, const Spectrum& weight) {
+        constexpr float kQuarter = 0.5f * kPi;
+        add(c, color(c, 2) * weight,
+            Toon<kind>{kind == BounceKind::glossy ? normal(c) : diffuse_normal(c),
+                       clamp01(scalar(c, 3)) * kQuarter, clamp01(scalar(c, 4)) * kQuarter});
     }
     void add_reflection(const ClosureInstruction& c, const Spectrum& weight, const Fresnel& fresnel) {
         const MicrofacetReflection lobe = reflection(c, fresnel);
@@ -193,12 +255,12 @@ private:
         if (c.coat != kNoOperand)
             glint = {Spectrum(r_.scalar(operand(c, kWeightOperand))), lobe,
                      coat_of(r_, c.coat, c.coat_tint)};
-        list_.add_glints(weight, glint, point_.wo, c.on_caster_normal);
+        list_.add_glints(weight, glint, point_.wo, stays_on_caster_normal(c));
     }
 
     void add_dielectric(const ClosureInstruction& c, const Spectrum& weight) {
         MicrofacetDielectric d{};
-        d.n = normal(c);
+        d.n = glossy_normal(c);
         d.alpha = alpha(c);
         d.model = c.modes.model;
         d.eta = point_.backfacing ? 1.0f / ior(c) : ior(c);
@@ -223,11 +285,12 @@ private:
             add_reflection(c, weight, fresnel);
             below *= clamp01(1.0f - max_component(albedo(layer, point_.wo)));
         }
-        list_.add(color(c, 5) * below, Lambert{normal(c)}, point_.wo, false);
+        list_.add(color(c, 5) * below, Lambert{diffuse_normal(c)}, point_.wo, false);
     }
 
     const Registers<float>& r_;
     const ShadingPoint<float>& point_;
+    const BumpCorrection bump_correction_;
     ClosureList& list_;
     Vec3 facing_normal_;
 };
@@ -240,7 +303,7 @@ void evaluate_closures(const Material& material, std::span<const Image> images,
     closures.clear();
     const RegisterFile<float> file(program);
     run(program, program.surface, images, point, file.registers);
-    ClosureBuilder builder(file.registers, point, closures);
+    ClosureBuilder builder(file.registers, point, material.bump_correction, closures);
     for (const ClosureInstruction& closure : program.closures) builder.add(closure);
     if (program.surface.result != kNoOperand)
         closures.emission = spectrum(file.registers.vector(program.surface.result));

@@ -30,12 +30,23 @@ constexpr InputSocket kNormalInput{"Normal", {}, vector, Unlinked::normal};
 
 constexpr OutputSocket kBsdf[] = {{"BSDF", shader}};
 constexpr OutputSocket kShader[] = {{"Shader", shader}};
+constexpr OutputSocket kHoldoutOut[] = {{"Holdout", shader}};
+constexpr NodeOption kDiffuseModels[] = {{"multiple_scattering", "True|False"}};
+constexpr NodeOption kSheenModels[] = {{"distribution", "MICROFIBER|ASHIKHMIN"}};
+constexpr NodeOption kToonModels[] = {{"component", "DIFFUSE|GLOSSY"}};
+constexpr NodeOption kGlossyModels[] = {
+    {"distribution", "GGX|BECKMANN|MULTI_GGX|ASHIKHMIN_SHIRLEY"}};
 constexpr NodeOption kReflectionModels[] = {{"distribution", "GGX|BECKMANN|MULTI_GGX"}};
 constexpr NodeOption kRefractionModels[] = {{"distribution", "GGX|BECKMANN"}};
 
 constexpr InputSocket kOutputIn[] = {shader_input("Surface"), shader_input("Volume")};
 constexpr InputSocket kDiffuseIn[] = {grey_input(0.8f), scalar_input("Roughness", 0.0f),
                                       kNormalInput};
+constexpr InputSocket kTranslucentIn[] = {grey_input(0.8f), kNormalInput};
+constexpr InputSocket kSheenIn[] = {grey_input(0.8f), scalar_input("Roughness", 0.5f),
+                                    kNormalInput};
+constexpr InputSocket kToonIn[] = {grey_input(0.8f), scalar_input("Size", 0.5f),
+                                   scalar_input("Smooth", 0.0f), kNormalInput};
 constexpr InputSocket kGlossyIn[] = {grey_input(0.8f), scalar_input("Roughness", 0.5f),
                                      kNormalInput};
 constexpr InputSocket kGlassIn[] = {grey_input(1.0f), scalar_input("Roughness", 0.0f),
@@ -276,12 +287,31 @@ constexpr NodeKind kTable[] = {
      .label = "Diffuse BSDF",
      .inputs = kDiffuseIn,
      .outputs = kBsdf,
+     .options = kDiffuseModels,
      .shade = nodes::diffuse},
+    {.name = "bsdf_translucent",
+     .label = "Translucent BSDF",
+     .inputs = kTranslucentIn,
+     .outputs = kBsdf,
+     .shade = nodes::translucent},
+    {.name = "bsdf_sheen",
+     .label = "Sheen BSDF",
+     .inputs = kSheenIn,
+     .outputs = kBsdf,
+     .options = kSheenModels,
+     .shade = nodes::sheen},
+    {.name = "bsdf_toon",
+     .label = "Toon BSDF",
+     .inputs = kToonIn,
+     .outputs = kBsdf,
+     .options = kToonModels,
+     .shade = nodes::toon},
+    {.name = "holdout", .label = "Holdout", .outputs = kHoldoutOut, .shade = nodes::holdout},
     {.name = "bsdf_glossy",
      .label = "Glossy BSDF",
      .inputs = kGlossyIn,
      .outputs = kBsdf,
-     .options = kReflectionModels,
+     .options = kGlossyModels,
      .shade = nodes::glossy},
     {.name = "bsdf_glass",
      .label = "Glass BSDF",

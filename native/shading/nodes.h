@@ -60,6 +60,10 @@ void volume_principled(NodeContext& node, ExprId weight);
 
 // nodes_surface.cpp
 void diffuse(NodeContext& node, ExprId weight);
+void translucent(NodeContext& node, ExprId weight);
+void sheen(NodeContext& node, ExprId weight);
+void toon(NodeContext& node, ExprId weight);
+void holdout(NodeContext& node, ExprId weight);
 void glossy(NodeContext& node, ExprId weight);
 void glass(NodeContext& node, ExprId weight);
 void refraction(NodeContext& node, ExprId weight);

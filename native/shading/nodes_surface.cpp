@@ -83,16 +83,47 @@ void background(NodeContext& node, ExprId weight) { emission(node, weight); }
 
 void diffuse(NodeContext& node, ExprId weight) {
     enum { kColor, kRoughness, kNormal };
-    if (!node.e.is_constant(node.input(kRoughness), 0.0f))
-        node.warn("Roughness of a Diffuse BSDF is not supported; 0 is used");
+    const ExprId color = node.input(kColor), roughness = node.input(kRoughness);
+    if (node.e.is_constant(roughness, 0.0f))
+        return node.c.add_term(
+            term(node, ClosureOp::lambert, "", {weight, node.normal(kNormal), color}));
+    ClosureModes modes;
+    modes.energy_compensated = node.enabled(0);
+    node.c.add_term(term(node, ClosureOp::rough_diffuse, "",
+                         {weight, node.normal(kNormal), color, roughness}, modes));
+}
+
+void translucent(NodeContext& node, ExprId weight) {
+    enum { kColor, kNormal };
     node.c.add_term(
-        term(node, ClosureOp::lambert, "", {weight, node.normal(kNormal), node.input(kColor)}));
+        term(node, ClosureOp::translucent, "", {weight, node.normal(kNormal), node.input(kColor)}));
+}
+
+void sheen(NodeContext& node, ExprId weight) {
+    enum { kColor, kRoughness, kNormal };
+    const bool velvet = node.option(0) == "ASHIKHMIN";
+    node.c.add_term(
+        term(node, velvet ? ClosureOp::velvet : ClosureOp::sheen, "",
+             {weight, node.normal(kNormal), node.input(kColor), node.input(kRoughness)}));
+}
+
+void toon(NodeContext& node, ExprId weight) {
+    enum { kColor, kSize, kSmooth, kNormal };
+    const bool glossy = node.option(0) == "GLOSSY";
+    node.c.add_term(term(node, glossy ? ClosureOp::glossy_toon : ClosureOp::diffuse_toon, "",
+                         {weight, node.normal(kNormal), node.input(kColor), node.input(kSize),
+                          node.input(kSmooth)}));
+}
+
+void holdout(NodeContext& node, ExprId weight) {
+    node.c.add_term(term(node, ClosureOp::holdout, "", {weight, kNoExpr}));
 }
 
 void glossy(NodeContext& node, ExprId weight) {
     enum { kColor, kRoughness, kNormal };
     const ExprId alpha = alpha_of(node, node.input(kRoughness));
-    node.c.add_term(term(node, ClosureOp::glossy, "",
+    const bool phong = node.option(0) == "ASHIKHMIN_SHIRLEY";
+    node.c.add_term(term(node, phong ? ClosureOp::ashikhmin_shirley : ClosureOp::glossy, "",
                          {weight, node.normal(kNormal), alpha, node.input(kColor)},
                          modes_of(node.option(0))));
 }

@@ -44,7 +44,7 @@ extern "C" {
 #endif
 
 /* Raised whenever a struct or the meaning of a call changes. */
-#define SPC_API_VERSION 9u
+#define SPC_API_VERSION 10u
 
 /* "No index", where an index is optional. */
 #define SPC_NONE 0xffffffffu
@@ -159,6 +159,14 @@ typedef struct spc_node_link {
  * of constant roughness up to 0.4. ON: all that can be; the scene's report says why one cannot. */
 typedef enum spc_glints { SPC_GLINTS_AUTO = 0, SPC_GLINTS_ON = 1, SPC_GLINTS_OFF = 2 } spc_glints;
 
+/* Where shading normals disagree with the surface: reflections that would go below it, and the edge between light and
+ * shadow. NONE: nothing is done. SMOOTHED: as Cycles of Blender 3.4. MICROFACET: as that of 5.0. */
+typedef enum spc_bump_correction {
+    SPC_BUMP_CORRECTION_NONE = 0,
+    SPC_BUMP_CORRECTION_SMOOTHED = 1,
+    SPC_BUMP_CORRECTION_MICROFACET = 2
+} spc_bump_correction;
+
 /* Exactly one node has kind "output"; its socket "Surface" is the surface (a world's background too), "Volume" the
  * medium behind front faces, which absorbs where all kinds of rays see the instance.
  * A graph may contain unused nodes; cycles are refused. */
@@ -175,7 +183,8 @@ typedef struct spc_material_desc {
     uint32_t array_count;
     const spc_node_link* links;
     uint32_t link_count;
-    uint32_t glints; /* spc_glints; of surfaces */
+    uint32_t glints;          /* spc_glints; of surfaces */
+    uint32_t bump_correction; /* spc_bump_correction */
 } spc_material_desc;
 
 SPC_API spc_status spc_scene_add_material(spc_scene* scene, const spc_material_desc* desc,
@@ -263,6 +272,7 @@ typedef struct spc_instance_desc {
     uint32_t material_count; /* must equal the mesh's slot_count */
     uint32_t visibility;     /* of spc_visibility */
     uint32_t caustics_role;  /* spc_caustics_role */
+    float terminator_offset; /* 0 to 1: how far light's edge on a smooth surface moves into the light */
 } spc_instance_desc;
 
 SPC_API spc_status spc_scene_add_instance(spc_scene* scene, const spc_instance_desc* desc,

@@ -47,6 +47,11 @@ def _sharp(converter, node, desc) -> None:
         converter.set_constant(desc, "Roughness", (0.0, 0.0, 0.0, 1.0))
 
 
+def _diffuse_exchanges(converter, node, desc) -> None:
+    """Until 4.2 light that facets exchange was lost."""
+    desc.options["multiple_scattering"] = str(compat.diffuse_exchanges())
+
+
 def _voronoi_hash(converter, node, desc) -> None:
     """Cells have got other numbers with 5.0."""
     desc.options["hash"] = compat.voronoi_hash()
@@ -93,10 +98,22 @@ def _clearcoat(converter, node, desc) -> None:
         converter.set_constant(desc, "Coat Weight", (*[0.25 * weight.default_value] * 3, 1.0))
 
 
+def _schlick_sheen(converter, node, desc) -> None:
+    """Until 3.6 the sheen was another one, whose tint was a factor."""
+    sheen = compat.find_input(node, "Sheen Weight")
+    if compat.find_input(node, "Sheen Roughness"):
+        return
+    converter.set_constant(desc, "Sheen Tint", WHITE)
+    if sheen.is_linked or sheen.default_value:
+        converter.set_constant(desc, "Sheen Weight", (0.0, 0.0, 0.0, 1.0))
+        converter.warn(node, "Sheen is not supported and has no effect")
+
+
 def _old_principled(converter, node, desc) -> None:
     """Converts what the Principled BSDF called and meant otherwise until 3.6."""
     _scalar_tint(converter, node, desc)
     _clearcoat(converter, node, desc)
+    _schlick_sheen(converter, node, desc)
 
 
 def _ramp(node) -> np.ndarray:
@@ -152,7 +169,7 @@ _GLOSSY = NodeKind(
     "bsdf_glossy",
     ("Color", "Roughness", "Normal"),
     ("BSDF",),
-    options={"distribution": DISTRIBUTIONS},
+    options={"distribution": (*DISTRIBUTIONS, "ASHIKHMIN_SHIRLEY")},
     neutral_inputs={"Anisotropy": 0.0},
     adjust=_sharp,
 )
@@ -202,7 +219,32 @@ def _combine(**columns) -> NodeKind:
 
 
 NODES = {
-    "ShaderNodeBsdfDiffuse": NodeKind("bsdf_diffuse", ("Color", "Roughness", "Normal"), ("BSDF",)),
+    "ShaderNodeBsdfDiffuse": NodeKind(
+        "bsdf_diffuse",
+        ("Color", "Roughness", "Normal"),
+        ("BSDF",),
+        adjust=_diffuse_exchanges,
+    ),
+    "ShaderNodeBsdfTranslucent": NodeKind("bsdf_translucent", ("Color", "Normal"), ("BSDF",)),
+    "ShaderNodeBsdfSheen": NodeKind(
+        "bsdf_sheen",
+        ("Color", "Roughness", "Normal"),
+        ("BSDF",),
+        options={"distribution": ("MICROFIBER", "ASHIKHMIN")},
+    ),
+    "ShaderNodeBsdfVelvet": NodeKind(
+        "bsdf_sheen",
+        ("Color", "Roughness", "Normal"),
+        ("BSDF",),
+        fixed_options={"distribution": "ASHIKHMIN"},
+    ),
+    "ShaderNodeBsdfToon": NodeKind(
+        "bsdf_toon",
+        ("Color", "Size", "Smooth", "Normal"),
+        ("BSDF",),
+        options={"component": ("DIFFUSE", "GLOSSY")},
+    ),
+    "ShaderNodeHoldout": NodeKind("holdout", (), ("Holdout",)),
     "ShaderNodeBsdfGlossy": _GLOSSY,
     "ShaderNodeBsdfAnisotropic": _GLOSSY,
     "ShaderNodeBsdfGlass": NodeKind(
@@ -244,14 +286,16 @@ NODES = {
             "Coat IOR",
             "Coat Tint",
             "Coat Normal",
+            "Diffuse Roughness",
+            "Sheen Weight",
+            "Sheen Roughness",
+            "Sheen Tint",
         ),
         ("BSDF",),
         options={"distribution": ("GGX", "MULTI_GGX")},
         neutral_inputs={
-            "Diffuse Roughness": 0.0,
             "Subsurface Weight": 0.0,
             "Anisotropic": 0.0,
-            "Sheen Weight": 0.0,
             "Thin Film Thickness": 0.0,
         },
         adjust=_old_principled,

@@ -130,6 +130,7 @@ class SceneExport:
                 materials=[index for index, _ in materials],
                 visibility=visibility,
                 caustics_role=role,
+                terminator_offset=compat.cycles_value(obj, "shadow_terminator_offset", 0.0),
             )
         )
 

@@ -79,7 +79,8 @@ LobeEval eval_lobe(const GlossyToon& c, const Vec3& wo, const Vec3& wi, bool cro
 std::optional<LobeSample> sample_lobe(const Lambert& c, const Vec3& wo, float u_lobe, const Vec2& u);
 std::optional<LobeSample> sample_lobe(const Translucent& c, const Vec3& wo, float u_lobe,
                                       const Vec2& u);
-std::optional<LobeSample> sample_lobe(const OrenNayar& c, const Vec3& wo, float u_lobe, const Vec2& u);
+std::optional<LobeSample> sample_lobe(const OrenNayar& c, const Vec3& wo, float u_lobe,
+                                      const Vec2& u);
 std::optional<LobeSample> sample_lobe(const Sheen& c, const Vec3& wo, float u_lobe, const Vec2& u);
 std::optional<LobeSample> sample_lobe(const Velvet& c, const Vec3& wo, float u_lobe, const Vec2& u);
 std::optional<LobeSample> sample_lobe(const SchlickSheen& c, const Vec3& wo, float u_lobe,

@@ -112,8 +112,7 @@ bool PathTracer::survive_roulette(const Sampler& sampler) {
 
 std::optional<CausticVertex> PathTracer::rough_vertex_at(const Surface& surface,
                                                          const ClosureSample& next) const {
-    if (!next.facets || next.glints || rough_visit(surface).before == nullptr)
-        return std::nullopt;
+    if (!next.facets || next.glints || rough_visit(surface).before == nullptr) return std::nullopt;
     return rough_vertex(techniques_of(world, settings), surface.hit, surface.ng, next.wi);
 }
 
@@ -155,8 +154,7 @@ PathSample path_radiance(const RenderScene& world, const IntegratorSettings& set
         const std::optional<Hit> hit = path.go_to_surface(surface, out.radiance);
         if (!hit) {
             const Spectrum& t = path.throughput;
-            if (settings.transparent_film && path.ray_kind == kVisibleCamera)
-                out.alpha -= mean(t);
+            if (settings.transparent_film && path.ray_kind == kVisibleCamera) out.alpha -= mean(t);
             break;
         }
         if (path.ray_kind == kVisibleCamera)

@@ -89,7 +89,12 @@ void Compiler::add_term(ClosureTerm term) {
     if (!facets && !scatters(term, row.diffuse) && !scatters(term, row.straight) && !row.holds_out)
         return;
     if (!facets && row.has_facets()) {  // what lies below the reflection is left
-        term.in = {term.weight(), term.normal(), term.operand(row.diffuse)};
+        term.in = {term.weight(), term.normal(), term.operand(row.diffuse),
+                   term.operand(row.diffuse_roughness)};
+        term.op = ClosureOp::rough_diffuse;
+    }
+    if (term.op == ClosureOp::rough_diffuse && expr.is_constant(term.in.back(), 0.0f)) {
+        term.in.pop_back();
         term.op = ClosureOp::lambert;
     }
     terms_.push_back(std::move(term));

@@ -154,7 +154,8 @@ public:
         Spectrum weight(scale);
         if (c.through != kNoOperand) weight *= spectrum(r_.vector(c.through));
         switch (c.op) {
-            case ClosureOp::lambert: return add(c, color(c, 2) * weight, Lambert{diffuse_normal(c)});
+            case ClosureOp::lambert:
+                return add(c, color(c, 2) * weight, Lambert{diffuse_normal(c)});
             case ClosureOp::rough_diffuse: return add_rough_diffuse(c, weight);
             case ClosureOp::translucent:
                 return add(c, color(c, 2) * weight, Translucent{glossy_normal(c)});
@@ -233,13 +234,13 @@ private:
         add_reflection(c, weight, fresnel);
     }
     void add_rough_diffuse(const ClosureInstruction& c, const Spectrum& weight) {
-        const Spectrum albedo = color(c, 2);
-        const float roughness = clamp01(scalar(c, 3));
+        const Spectrum albedo = color(c, traits(c.op).diffuse);
+        const float roughness = clamp01(scalar(c, traits(c.op).diffuse_roughness));
         if (roughness < kSmoothDiffuse)
-            return add(c, albedo * weight, Lambert{diffuse_normal(c)});
+            return list_.add(albedo * weight, Lambert{diffuse_normal(c)}, point_.wo, false);
         OrenNayar rough{diffuse_normal(c), roughness};
-        if (c.modes.energy_compensated) rough.exchanged = facet::saturate(albedo);
-        add(c, albedo * weight, rough);
+        if (c.modes.exchanges) rough.exchanged = facet::saturate(albedo);
+        list_.add(albedo * weight, rough, point_.wo, false);
     }
     template <BounceKind kind>
     void add_toon(const ClosureInstruction& c, const Spectrum& weight) {
@@ -285,7 +286,7 @@ private:
             add_reflection(c, weight, fresnel);
             below *= clamp01(1.0f - max_component(albedo(layer, point_.wo)));
         }
-        list_.add(color(c, 5) * below, Lambert{diffuse_normal(c)}, point_.wo, false);
+        add_rough_diffuse(c, below);
     }
 
     const Registers<float>& r_;

@@ -46,6 +46,7 @@ struct Instruction {
 struct ClosureModes {
     MicrofacetModel model = MicrofacetModel::ggx;
     bool energy_compensated = false;
+    bool exchanges = true;  // diffuse facets give light to each other
     bool reflects = true, refracts = true, fresnel_weighted = true;  // dielectric
 };
 

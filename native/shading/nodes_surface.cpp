@@ -44,6 +44,27 @@ CoatOver coat_over(NodeContext& node, const ClosureTerm& coat, ExprId share, Exp
     return over;
 }
 
+// Halfway, by `share`, from one normal to another one; kNoExpr is the interpolated normal.
+ExprId between_normals(NodeContext& node, ExprId from, ExprId to, ExprId share) {
+    ExprBuilder& e = node.e;
+    if (from == to || e.is_constant(share, 0.0f)) return from;
+    if (e.is_constant(share, 1.0f)) return to;
+    const auto known = [&](ExprId n) { return n == kNoExpr ? e.make(Op::normal, {}) : n; };
+    return e.make(Op::shading_normal,
+                  {e.add(e.scale(known(from), e.one_minus(share)), e.scale(known(to), share))});
+}
+
+// Adds the sheen that lies over the rest. The share of light that goes on below it.
+ExprId sheen_layer(NodeContext& node, ExprId weight, ExprId normal, ExprId color, ExprId roughness) {
+    ExprBuilder& e = node.e;
+    if (e.is_constant(color, 0.0f)) return e.constant(1.0f);
+    node.c.add_term(term(node, ClosureOp::sheen, " (sheen)", {weight, normal, color, roughness}));
+    const ExprId albedo = e.make(Op::sheen_albedo, {e.make(Op::facing, {normal}), roughness});
+    const ExprId largest =
+        e.maximum(e.maximum(e.lane(color, 0), e.lane(color, 1)), e.lane(color, 2));
+    return e.one_minus(e.clamp01(e.multiply(largest, albedo)));
+}
+
 void mix_into(NodeContext& node, int socket, ExprId weight) {
     const ResolvedInput& source = node.source(socket);
     if (source.from_node == kNone) return;
@@ -83,14 +104,11 @@ void background(NodeContext& node, ExprId weight) { emission(node, weight); }
 
 void diffuse(NodeContext& node, ExprId weight) {
     enum { kColor, kRoughness, kNormal };
-    const ExprId color = node.input(kColor), roughness = node.input(kRoughness);
-    if (node.e.is_constant(roughness, 0.0f))
-        return node.c.add_term(
-            term(node, ClosureOp::lambert, "", {weight, node.normal(kNormal), color}));
     ClosureModes modes;
-    modes.energy_compensated = node.enabled(0);
+    modes.exchanges = node.enabled(0);
     node.c.add_term(term(node, ClosureOp::rough_diffuse, "",
-                         {weight, node.normal(kNormal), color, roughness}, modes));
+                         {weight, node.normal(kNormal), node.input(kColor), node.input(kRoughness)},
+                         modes));
 }
 
 void translucent(NodeContext& node, ExprId weight) {
@@ -102,17 +120,16 @@ void translucent(NodeContext& node, ExprId weight) {
 void sheen(NodeContext& node, ExprId weight) {
     enum { kColor, kRoughness, kNormal };
     const bool velvet = node.option(0) == "ASHIKHMIN";
-    node.c.add_term(
-        term(node, velvet ? ClosureOp::velvet : ClosureOp::sheen, "",
-             {weight, node.normal(kNormal), node.input(kColor), node.input(kRoughness)}));
+    node.c.add_term(term(node, velvet ? ClosureOp::velvet : ClosureOp::sheen, "",
+                         {weight, node.normal(kNormal), node.input(kColor), node.input(kRoughness)}));
 }
 
 void toon(NodeContext& node, ExprId weight) {
     enum { kColor, kSize, kSmooth, kNormal };
     const bool glossy = node.option(0) == "GLOSSY";
-    node.c.add_term(term(node, glossy ? ClosureOp::glossy_toon : ClosureOp::diffuse_toon, "",
-                         {weight, node.normal(kNormal), node.input(kColor), node.input(kSize),
-                          node.input(kSmooth)}));
+    node.c.add_term(term(
+        node, glossy ? ClosureOp::glossy_toon : ClosureOp::diffuse_toon, "",
+        {weight, node.normal(kNormal), node.input(kColor), node.input(kSize), node.input(kSmooth)}));
 }
 
 void holdout(NodeContext& node, ExprId weight) {
@@ -152,8 +169,8 @@ void transparent(NodeContext& node, ExprId weight) {
     node.c.add_term(term(node, ClosureOp::transparent, "", {weight, kNoExpr, node.input(0)}));
 }
 
-// Layers from the top: Alpha over all, then the coat, then emission, then a mix of metal, of glass,
-// and of a dielectric's reflection over Lambert. The last pair divides light by the reflection's
+// Layers from the top: Alpha over all, then sheen, the coat, then emission, then a mix of metal, of
+// glass, and of a dielectric's reflection over what is diffuse. The last pair divides light by the reflection's
 // albedo where it is evaluated. The coat's term comes last: where terms compete for what only one of
 // them gets, it is the weakest.
 void principled(NodeContext& node, ExprId weight) {
@@ -173,7 +190,11 @@ void principled(NodeContext& node, ExprId weight) {
         kCoatRoughness,
         kCoatIor,
         kCoatTint,
-        kCoatNormal
+        kCoatNormal,
+        kDiffuseRoughness,
+        kSheenWeight,
+        kSheenRoughness,
+        kSheenTint
     };
     ExprBuilder& e = node.e;
     const ClosureModes modes = modes_of(node.option(0));
@@ -190,6 +211,12 @@ void principled(NodeContext& node, ExprId weight) {
     weight = e.multiply(weight, coverage);
 
     const ExprId share = e.clamp01(node.input(kCoatWeight));
+    const ExprId below_sheen = sheen_layer(
+        node, weight, between_normals(node, normal, node.normal(kCoatNormal), share),
+        e.scale(e.non_negative(node.input(kSheenTint)), e.non_negative(node.input(kSheenWeight))),
+        node.input(kSheenRoughness));
+    weight = e.multiply(weight, below_sheen);
+
     const ClosureTerm coat = term(node, ClosureOp::coat, " (coat)",
                                   {e.multiply(weight, share), node.normal(kCoatNormal),
                                    alpha_of(node, node.input(kCoatRoughness)),
@@ -221,8 +248,9 @@ void principled(NodeContext& node, ExprId weight) {
     const ExprId ratio =
         e.divide(e.subtract(index, e.constant(1.0f)), e.add(index, e.constant(1.0f)));
     const ExprId f0 = e.clamp01(e.scale(tint, e.multiply(ratio, ratio)));
-    ClosureTerm coated = term(node, ClosureOp::coated, " (specular)",
-                              {weight, normal, rough_alpha, index, f0, base}, modes);
+    ClosureTerm coated =
+        term(node, ClosureOp::coated, " (specular)",
+             {weight, normal, rough_alpha, index, f0, base, node.input(kDiffuseRoughness)}, modes);
     coated.coat = over;
     node.c.add_term(coated);
     node.c.add_term(coat);

@@ -24,9 +24,6 @@ BY_DESIGN: dict[str, str] = {
 
 # What is wrong, or missing without a warning, and not yet mended; docs/parity.md has the numbers.
 FAILING: dict[str, str] = {
-    "normal_map/object": "light from below the smooth surface is not taken away",
-    "normal_map/world": "as normal_map/object",
-    "bump/on_normal_map": "as normal_map/object",
     "setting/transparent_bounces=0": "Cycles' last transparent bounce still sees what glows",
 }
 

@@ -223,6 +223,7 @@ NODES = {
         "bsdf_diffuse",
         ("Color", "Roughness", "Normal"),
         ("BSDF",),
+        fixed_options={"multiple_scattering": "True"},
         adjust=_diffuse_exchanges,
     ),
     "ShaderNodeBsdfTranslucent": NodeKind("bsdf_translucent", ("Color", "Normal"), ("BSDF",)),

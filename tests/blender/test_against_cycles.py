@@ -349,6 +349,8 @@ TILTS = ("diffuse", "glossy", "glass")
 @pytest.mark.parametrize("name", TILTS)
 def test_normals_far_from_the_surface(render, name):
     """By squares: a map of a quarter turn on the whole, on flat and on smooth surfaces."""
+    if name == "glass" and bpy.app.version < (4, 0, 0):
+        pytest.skip("rough glass divided light by its own normal, not by its facets'")
     kind = {"diffuse": "Diffuse", "glossy": "Glossy", "glass": "Glass"}[name]
     material = new_material()
     shader = add_node(material, f"ShaderNodeBsdf{kind}", surface(material))
@@ -370,7 +372,8 @@ def test_normals_far_from_the_surface(render, name):
     add_camera((0, 0, 6))
     bpy.context.scene.specula.samples = bpy.context.scene.cycles.samples = 8 * SAMPLES
     ours, theirs = (in_squares(render(engine)[..., 0]) for engine in ("SPECULA", "CYCLES"))
-    np.testing.assert_allclose(ours, theirs, atol=2 * TOLERANCE * theirs.mean())
+    atol = TOLERANCE * theirs.mean()
+    np.testing.assert_allclose(ours, theirs, rtol=TOLERANCE_CLOSURES, atol=atol)
 
 
 def test_holdout(render):

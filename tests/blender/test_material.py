@@ -299,7 +299,9 @@ def test_principled_has_the_names_of_blender_5():
         set_input(shader, name, value)
     desc, _, warnings, _ = convert(material)
     inputs = node(desc, "bsdf_principled").inputs
-    absent = {"Normal", "Coat Normal"} | ({"Coat IOR", "Coat Tint"} if OLD_PRINCIPLED else set())
+    absent = {"Normal", "Coat Normal", "Tangent"}
+    if OLD_PRINCIPLED:
+        absent |= {"Coat IOR", "Coat Tint", "Diffuse Roughness", "Sheen Roughness"}
     assert set(inputs) == set(NODES["ShaderNodeBsdfPrincipled"].inputs) - absent
     assert inputs["Transmission Weight"][0] == 0.5
     assert inputs["Specular IOR Level"][0] == 0.25
@@ -426,10 +428,11 @@ def test_sharp_is_ggx_of_roughness_zero():
 
 def test_an_unknown_choice_falls_back_with_a_warning():
     material = new_material()
-    add_node(material, "ShaderNodeBsdfGlossy", surface(material), distribution="ASHIKHMIN_SHIRLEY")
+    shader = add_node(material, "ShaderNodeBsdfDiffuse", surface(material))
+    add_node(material, "ShaderNodeNormalMap", shader.inputs["Normal"], space="BLENDER_OBJECT")
     desc, _, warnings, _ = convert(material)
-    assert node(desc, "bsdf_glossy").options == {"distribution": "GGX"}
-    assert "ASHIKHMIN_SHIRLEY" in warnings[0]
+    assert node(desc, "normal_map").options["space"] == "TANGENT"
+    assert "BLENDER_OBJECT" in warnings[0]
 
 
 def test_normal_map_reads_tangents_of_its_layer():

@@ -114,7 +114,9 @@ TEST(Diffuse, AlbedosAreThoseOfTheLobes) {
                     Frame::around(kNormal),
                     [&](const Vec3& wi) { return f_cos(kind, wo, wi); }, 1e-5, 2);
                 EXPECT_NEAR(albedo(kind, wo).x, all, 2e-3) << roughness << " " << degrees;
-                if (exchanged == 1.0f) EXPECT_NEAR(all, 1.0, 2e-3);  // a white wall keeps nothing
+                if (exchanged == 1.0f) {
+                    EXPECT_NEAR(all, 1.0, 2e-3);  // a white wall keeps nothing
+                }
             }
 }
 

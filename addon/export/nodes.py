@@ -167,10 +167,9 @@ def _sky(converter, node, desc) -> None:
 
 _GLOSSY = NodeKind(
     "bsdf_glossy",
-    ("Color", "Roughness", "Normal"),
+    ("Color", "Roughness", "Normal", "Anisotropy", "Rotation", "Tangent"),
     ("BSDF",),
     options={"distribution": (*DISTRIBUTIONS, "ASHIKHMIN_SHIRLEY")},
-    neutral_inputs={"Anisotropy": 0.0},
     adjust=_sharp,
 )
 
@@ -248,6 +247,26 @@ NODES = {
     "ShaderNodeHoldout": NodeKind("holdout", (), ("Holdout",)),
     "ShaderNodeBsdfGlossy": _GLOSSY,
     "ShaderNodeBsdfAnisotropic": _GLOSSY,
+    "ShaderNodeBsdfMetallic": NodeKind(
+        "bsdf_metallic",
+        (
+            "Base Color",
+            "Edge Tint",
+            "IOR",
+            "Extinction",
+            "Roughness",
+            "Anisotropy",
+            "Rotation",
+            "Normal",
+            "Tangent",
+        ),
+        ("BSDF",),
+        options={
+            "distribution": DISTRIBUTIONS,
+            "fresnel_type": ("F82", "PHYSICAL_CONDUCTOR"),
+        },
+        neutral_inputs={"Thin Film Thickness": 0.0},
+    ),
     "ShaderNodeBsdfGlass": NodeKind(
         "bsdf_glass",
         ("Color", "Roughness", "IOR", "Normal"),
@@ -291,12 +310,14 @@ NODES = {
             "Sheen Weight",
             "Sheen Roughness",
             "Sheen Tint",
+            "Anisotropic",
+            "Anisotropic Rotation",
+            "Tangent",
         ),
         ("BSDF",),
         options={"distribution": ("GGX", "MULTI_GGX")},
         neutral_inputs={
             "Subsurface Weight": 0.0,
-            "Anisotropic": 0.0,
             "Thin Film Thickness": 0.0,
         },
         adjust=_old_principled,

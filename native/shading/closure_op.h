@@ -24,6 +24,7 @@ enum class ClosureOp : uint8_t {  // operands after weight and normal
     glossy,                       // alpha, colour
     ashikhmin_shirley,            // alpha, colour
     metal,                        // alpha, colour at normal incidence, tint at 82 degrees
+    conductor,                    // alpha, index, extinction
     dielectric,  // alpha, index of a front face, reflection tint, transmission tint
     coated,  // alpha, index, reflectance at normal incidence, colour and roughness below: a dielectric's reflection over
              // rough_diffuse
@@ -73,6 +74,7 @@ inline constexpr std::array<ClosureOpTraits, static_cast<size_t>(ClosureOp::coun
     {.op = ClosureOp::ashikhmin_shirley, .arity = 4, .alpha = 2, .reflection = 3, .other_facets = true},
     // Black at normal incidence it still reflects at grazing angles.
     {.op = ClosureOp::metal, .arity = 5, .alpha = 2, .reflection = kUncolored, .may_glint = true},
+    {.op = ClosureOp::conductor, .arity = 5, .alpha = 2, .reflection = kUncolored, .may_glint = true},
     {.op = ClosureOp::dielectric, .arity = 6, .alpha = 2, .ior = 3, .reflection = 4, .refraction = 5},
     {.op = ClosureOp::coated,
      .arity = 7,

@@ -97,6 +97,7 @@ void Compiler::add_term(ClosureTerm term) {
         term.in.pop_back();
         term.op = ClosureOp::lambert;
     }
+    if (term.grain.exists() && expr.is_constant(term.alpha(), 0.0f)) term.grain = {};  // a mirror
     terms_.push_back(std::move(term));
 }
 

@@ -10,6 +10,8 @@ namespace {
 
 // Cycles takes rough facets below this roughness for none.
 constexpr float kSmoothDiffuse = 1e-5f;
+// Neither axis of a brushed lobe is a delta.
+constexpr float kLeastStretchedAlpha = 2.0f * kDeltaAlpha;
 
 template <class T>
 void run_image(const Instruction& i, const Registers<T>& r, std::span<const Image> images) {
@@ -39,6 +41,14 @@ Vector3<T> run_bump(const Program& program, const Instruction& i, const Register
 template <class T>
 Vector3<T> constant(const Vec3& a) {
     return {T(a.x), T(a.y), T(a.z)};
+}
+
+// Around the object's Z axis, world; not normalised. It turns like normals, as in Cycles.
+template <class T>
+Vector3<T> radial_tangent(const ShadingPoint<T>& point) {
+    const Vector3<T>& p = point.position_object;
+    const Vector3<T> around{T(0.0f) - p.y, p.x, T(0.0f)};
+    return apply_transposed(point.world_to_object->row, around);
 }
 
 Spectrum spectrum(const Vector3<float>& a) { return {a.x, a.y, a.z}; }
@@ -74,6 +84,7 @@ void run(const Program& program, const Section& section, std::span<const Image> 
                                                                facing_normal(point))));
                 break;
             case Op::normal: r.store(i.out, facing_normal(point)); break;
+            case Op::radial_tangent: r.store(i.out, radial_tangent(point)); break;
             case Op::true_normal: r.store(i.out, constant<T>(point.ng)); break;
             case Op::incoming: r.store(i.out, constant<T>(point.wo)); break;
             case Op::facing: {
@@ -176,11 +187,20 @@ public:
             case ClosureOp::glossy: return add_glossy(c, weight);
             case ClosureOp::ashikhmin_shirley: {
                 if (alpha(c) <= kDeltaAlpha) return add_glossy(c, weight);
-                return add(c, color(c, 3) * weight, AshikhminShirley{glossy_normal(c), alpha(c)});
+                AshikhminShirley lobe{glossy_normal(c), alpha(c)};
+                stretch(c, lobe);
+                return add(c, color(c, 3) * weight, lobe);
             }
             case ClosureOp::metal: {
                 Fresnel fresnel;
                 fresnel.kind = Fresnel::Kind::f82;
+                fresnel.f0 = color(c, 3);
+                fresnel.f82 = color(c, 4);
+                return add_reflection(c, weight, fresnel);
+            }
+            case ClosureOp::conductor: {
+                Fresnel fresnel;
+                fresnel.kind = Fresnel::Kind::conductor;
                 fresnel.f0 = color(c, 3);
                 fresnel.f82 = color(c, 4);
                 return add_reflection(c, weight, fresnel);
@@ -218,7 +238,24 @@ private:
         return bump_correction_ == BumpCorrection::smoothed ? glossy_normal(c) : normal(c);
     }
     MicrofacetReflection reflection(const ClosureInstruction& c, const Fresnel& fresnel) const {
-        return {glossy_normal(c), alpha(c), c.modes.model, fresnel, c.modes.energy_compensated};
+        MicrofacetReflection lobe{glossy_normal(c), alpha(c), c.modes.model, fresnel,
+                                  c.modes.energy_compensated};
+        lobe.alpha_y = lobe.alpha;
+        stretch(c, lobe);
+        return lobe;
+    }
+    // Along the grain, if there is one that the normal does not follow.
+    template <class Lobe>
+    void stretch(const ClosureInstruction& c, Lobe& lobe) const {
+        if (c.stretch == kNoOperand || lobe.alpha <= kDeltaAlpha) return;
+        const Vec3 along = value_of(r_.vector(c.tangent));
+        const Vec3 tangent = along - lobe.n * dot(lobe.n, along);
+        const float factor = r_.scalar(c.stretch);
+        if (!(length_squared(tangent) > 0.0f) || factor == 1.0f) return;
+        lobe.tangent = normalize(tangent);
+        const float alpha = lobe.alpha;
+        lobe.alpha = std::clamp(alpha * factor, kLeastStretchedAlpha, 1.0f);
+        lobe.alpha_y = std::clamp(alpha / factor, kLeastStretchedAlpha, 1.0f);
     }
     void add(const ClosureInstruction& c, const Spectrum& weight, const ClosureKind& kind) {
         list_.add(weight, kind, point_.wo, stays_on_caster_normal(c));

@@ -65,6 +65,7 @@ void sheen(NodeContext& node, ExprId weight);
 void toon(NodeContext& node, ExprId weight);
 void holdout(NodeContext& node, ExprId weight);
 void glossy(NodeContext& node, ExprId weight);
+void metallic(NodeContext& node, ExprId weight);
 void glass(NodeContext& node, ExprId weight);
 void refraction(NodeContext& node, ExprId weight);
 void transparent(NodeContext& node, ExprId weight);

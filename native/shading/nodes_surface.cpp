@@ -26,6 +26,30 @@ ExprId alpha_of(NodeContext& node, ExprId roughness) {
 // Indices at and below zero mean nothing; Cycles' bound.
 ExprId ior_of(NodeContext& node, ExprId ior) { return node.e.maximum(ior, node.e.constant(1e-5f)); }
 
+// Along a socket's tangent, or around the object's axis, turned about the normal by a share of a whole
+// turn.
+Grain grain_of(NodeContext& node, ExprId stretch, ExprId normal, int tangent_socket, int turn_socket) {
+    ExprBuilder& e = node.e;
+    if (e.is_constant(stretch, 1.0f)) return {};
+    ExprId tangent = node.input(tangent_socket);
+    if (tangent == kNoExpr) tangent = e.make(Op::radial_tangent, {});
+    const ExprId turn = node.input(turn_socket);
+    if (!e.is_constant(turn, 0.0f)) {
+        const ExprId axis = normal == kNoExpr ? e.make(Op::normal, {}) : normal;
+        const ExprId angle = e.multiply(turn, e.constant(2.0f * kPi));
+        tangent = e.make(Op::rotate_axis, {tangent, axis, angle});
+    }
+    return {stretch, tangent};
+}
+
+// Of nodes that follow [Burley12]: alphas are in a ratio of 1 - 0.9 of the anisotropy.
+ExprId stretch_of(NodeContext& node, ExprId anisotropic) {
+    ExprBuilder& e = node.e;
+    const ExprId ratio =
+        e.one_minus(e.multiply(e.clamp01(anisotropic), e.constant(0.9f)));
+    return e.divide(e.constant(1.0f), e.square_root(ratio));
+}
+
 ClosureModes modes_of(const std::string& distribution) {
     ClosureModes modes;
     if (distribution == "BECKMANN") modes.model = MicrofacetModel::beckmann;
@@ -137,12 +161,51 @@ void holdout(NodeContext& node, ExprId weight) {
 }
 
 void glossy(NodeContext& node, ExprId weight) {
-    enum { kColor, kRoughness, kNormal };
+    enum { kColor, kRoughness, kNormal, kAnisotropy, kRotation, kTangent };
+    ExprBuilder& e = node.e;
     const ExprId alpha = alpha_of(node, node.input(kRoughness));
     const bool phong = node.option(0) == "ASHIKHMIN_SHIRLEY";
-    node.c.add_term(term(node, phong ? ClosureOp::ashikhmin_shirley : ClosureOp::glossy, "",
-                         {weight, node.normal(kNormal), alpha, node.input(kColor)},
-                         modes_of(node.option(0))));
+    ClosureTerm lobe = term(node, phong ? ClosureOp::ashikhmin_shirley : ClosureOp::glossy, "",
+                            {weight, node.normal(kNormal), alpha, node.input(kColor)},
+                            modes_of(node.option(0)));
+    // Cycles' bounds; a negative one stretches across the tangent what a positive one does along it.
+    const ExprId bound = e.constant(0.99f), one = e.constant(1.0f);
+    const ExprId anisotropy = e.make(
+        Op::clamp, {node.input(kAnisotropy), e.constant(-0.99f), bound});
+    const ExprId stretch =
+        e.divide(e.one_minus(e.non_negative(anisotropy)),
+                 e.subtract(one, e.non_negative(e.subtract(e.constant(0.0f), anisotropy))));
+    lobe.grain = grain_of(node, stretch, lobe.normal(), kTangent, kRotation);
+    node.c.add_term(lobe);
+}
+
+void metallic(NodeContext& node, ExprId weight) {
+    enum {
+        kBaseColor,
+        kEdgeTint,
+        kIndex,
+        kExtinction,
+        kRoughness,
+        kAnisotropy,
+        kRotation,
+        kNormal,
+        kTangent
+    };
+    ExprBuilder& e = node.e;
+    const ExprId normal = node.normal(kNormal), alpha = alpha_of(node, node.input(kRoughness));
+    const bool physical = node.option(1) == "PHYSICAL_CONDUCTOR";
+    ClosureTerm lobe =
+        physical ? term(node, ClosureOp::conductor, "",
+                        {weight, normal, alpha, e.non_negative(node.input(kIndex)),
+                         e.non_negative(node.input(kExtinction))},
+                        modes_of(node.option(0)))
+                 : term(node, ClosureOp::metal, "",
+                        {weight, normal, alpha, e.clamp01(node.input(kBaseColor)),
+                         e.clamp01(node.input(kEdgeTint))},
+                        modes_of(node.option(0)));
+    lobe.grain =
+        grain_of(node, stretch_of(node, node.input(kAnisotropy)), normal, kTangent, kRotation);
+    node.c.add_term(lobe);
 }
 
 void glass(NodeContext& node, ExprId weight) {
@@ -194,7 +257,10 @@ void principled(NodeContext& node, ExprId weight) {
         kDiffuseRoughness,
         kSheenWeight,
         kSheenRoughness,
-        kSheenTint
+        kSheenTint,
+        kAnisotropic,
+        kAnisotropicRotation,
+        kTangent
     };
     ExprBuilder& e = node.e;
     const ClosureModes modes = modes_of(node.option(0));
@@ -204,6 +270,8 @@ void principled(NodeContext& node, ExprId weight) {
     const ExprId tint = e.non_negative(node.input(kSpecularTint)), clamped_tint = e.clamp01(tint);
     const ExprId rough_alpha = alpha_of(node, node.input(kRoughness));
     const ExprId ior = ior_of(node, node.input(kIor));
+    const Grain grain = grain_of(node, stretch_of(node, node.input(kAnisotropic)), normal, kTangent,
+                                 kAnisotropicRotation);
 
     const ExprId coverage = e.clamp01(node.input(kAlpha));
     node.c.add_term(term(node, ClosureOp::transparent, " (alpha)",
@@ -231,6 +299,7 @@ void principled(NodeContext& node, ExprId weight) {
         node, ClosureOp::metal, " (metal)",
         {e.multiply(weight, metallic), normal, rough_alpha, clamped_base, clamped_tint}, modes);
     metal.coat = over;
+    metal.grain = grain;
     node.c.add_term(metal);
     weight = e.multiply(weight, e.one_minus(metallic));
 
@@ -252,6 +321,7 @@ void principled(NodeContext& node, ExprId weight) {
         term(node, ClosureOp::coated, " (specular)",
              {weight, normal, rough_alpha, index, f0, base, node.input(kDiffuseRoughness)}, modes);
     coated.coat = over;
+    coated.grain = grain;
     node.c.add_term(coated);
     node.c.add_term(coat);
 }

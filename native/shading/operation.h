@@ -111,6 +111,7 @@ enum class Op : uint8_t {
     position_object,   // object space
     normal_object,     // unit, in object space, on the side of wo
     normal,            // the interpolated one, unit, world, on the side of wo
+    radial_tangent,    // around the Z axis of the object
     true_normal,       // that of the geometry, likewise
     incoming,          // wo
     facing,            // cosine between wo and a normal, or the interpolated one
@@ -263,6 +264,12 @@ inline constexpr std::array<OpTraits, static_cast<size_t>(Op::count)> kOpTraits{
      .mean = MeanOf::zero},
     {.op = Op::normal_object, .arity = 0, .lanes = 3, .varies = true, .mean = MeanOf::zero},
     {.op = Op::normal, .arity = 0, .lanes = 3, .varies = true, .mean = MeanOf::zero},
+    {.op = Op::radial_tangent,
+     .arity = 0,
+     .lanes = 3,
+     .varies = true,
+     .reads = kReadsObjectPosition,
+     .mean = MeanOf::zero},
     {.op = Op::true_normal, .arity = 0, .lanes = 3, .varies = true, .mean = MeanOf::zero},
     {.op = Op::incoming, .arity = 0, .lanes = 3, .varies = true, .mean = MeanOf::zero, .derivatives = 0},
     {.op = Op::facing, .arity = 1, .lanes = 1, .varies = true, .mean = MeanOf::one, .derivatives = 0},

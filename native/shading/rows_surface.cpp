@@ -22,8 +22,24 @@ constexpr InputSocket kTranslucentIn[] = {grey_input(0.8f), kNormalInput};
 constexpr InputSocket kSheenIn[] = {grey_input(0.8f), scalar_input("Roughness", 0.5f), kNormalInput};
 constexpr InputSocket kToonIn[] = {grey_input(0.8f), scalar_input("Size", 0.5f),
                                    scalar_input("Smooth", 0.0f), kNormalInput};
-constexpr InputSocket kGlossyIn[] = {grey_input(0.8f), scalar_input("Roughness", 0.5f),
-                                     kNormalInput};
+constexpr InputSocket kTangentInput{"Tangent", {}, vector, Unlinked::tangent};
+constexpr InputSocket kGlossyIn[] = {grey_input(0.8f),
+                                     scalar_input("Roughness", 0.5f),
+                                     kNormalInput,
+                                     scalar_input("Anisotropy", 0.0f),
+                                     scalar_input("Rotation", 0.0f),
+                                     kTangentInput};
+constexpr InputSocket kMetallicIn[] = {{"Base Color", {0.617f, 0.577f, 0.540f}, color},
+                                       {"Edge Tint", {0.695f, 0.726f, 0.770f}, color},
+                                       {"IOR", {2.757f, 2.513f, 2.231f}, vector},
+                                       {"Extinction", {3.867f, 3.404f, 3.009f}, vector},
+                                       scalar_input("Roughness", 0.5f),
+                                       scalar_input("Anisotropy", 0.0f),
+                                       scalar_input("Rotation", 0.0f),
+                                       kNormalInput,
+                                       kTangentInput};
+constexpr NodeOption kMetallicModels[] = {{"distribution", "GGX|BECKMANN|MULTI_GGX"},
+                                          {"fresnel_type", "F82|PHYSICAL_CONDUCTOR"}};
 constexpr InputSocket kGlassIn[] = {grey_input(1.0f), scalar_input("Roughness", 0.0f),
                                     scalar_input("IOR", 1.5f), kNormalInput};
 constexpr InputSocket kRefractionIn[] = {grey_input(1.0f), scalar_input("Roughness", 0.0f),
@@ -55,7 +71,10 @@ constexpr InputSocket kPrincipledIn[] = {grey_input(0.8f, "Base Color"),
                                          scalar_input("Diffuse Roughness", 0.0f),
                                          scalar_input("Sheen Weight", 0.0f),
                                          scalar_input("Sheen Roughness", 0.5f),
-                                         grey_input(1.0f, "Sheen Tint")};
+                                         grey_input(1.0f, "Sheen Tint"),
+                                         scalar_input("Anisotropic", 0.0f),
+                                         scalar_input("Anisotropic Rotation", 0.0f),
+                                         kTangentInput};
 constexpr NodeOption kPrincipledModels[] = {{"distribution", "GGX|MULTI_GGX"}};
 
 constexpr NodeKind kRows[] = {
@@ -94,6 +113,12 @@ constexpr NodeKind kRows[] = {
      .outputs = kBsdf,
      .options = kGlossyModels,
      .shade = nodes::glossy},
+    {.name = "bsdf_metallic",
+     .label = "Metallic BSDF",
+     .inputs = kMetallicIn,
+     .outputs = kBsdf,
+     .options = kMetallicModels,
+     .shade = nodes::metallic},
     {.name = "bsdf_glass",
      .label = "Glass BSDF",
      .inputs = kGlassIn,

@@ -21,16 +21,16 @@ public:
     Budget(double work, double seconds, const std::atomic<bool>& cancelled)
         : work_(work), seconds_(seconds), cancelled_(&cancelled) {}
 
-    // Whether the stage must end where it is. Any thread may ask at any moment; if so, it leaves out the
-    // rest of what it does.
+    // Whether the stage must end where it is. Any thread may ask at any moment; if so, it leaves
+    // out the rest of what it does.
     bool must_end() const { return is_cancelled() || !(elapsed() < seconds_); }
-    // Whether the render was cancelled. Then what the stage has made so far is not used; a stage whose
-    // time is over keeps it.
+    // Whether the render was cancelled. Then what the stage has made so far is not used; a stage
+    // whose time is over keeps it.
     bool is_cancelled() const {
         return cancelled_ != nullptr && cancelled_->load(std::memory_order_relaxed);
     }
-    // Whether a stage that has done so much `work` may do no more. Stages ask between rounds, which do not
-    // depend on the number of threads, so that all machines stop at the same round.
+    // Whether a stage that has done so much `work` may do no more. Stages ask between rounds, which
+    // do not depend on the number of threads, so that all machines stop at the same round.
     bool is_spent(uint64_t work) const {
         // A stage may begin anew and count from 0; the share that is shown must not fall.
         done_.store(std::max(done_.load(std::memory_order_relaxed), static_cast<double>(work)),

@@ -35,9 +35,9 @@ private:
     double total_ = 0.0;
 };
 
-// Densities over [0, 1)^2 in proportion to an image of width x height texels. Between the centres of texels
-// they are bilinear, as the image is when it is looked up, so that it is sampled exactly. They are periodic
-// in x and fall to zero at y = 0 and y = 1.
+// Densities over [0, 1)^2 in proportion to an image of width x height texels. Between the centres
+// of texels they are bilinear, as the image is when it is looked up, so that it is sampled exactly.
+// They are periodic in x and fall to zero at y = 0 and y = 1.
 class BilinearMap {
 public:
     BilinearMap() = default;
@@ -52,7 +52,8 @@ public:
 
         bool empty() const { return marginal.empty(); }
     };
-    // The density over the cells with a corner that `keep` picks. Empty if the image is zero in all of them.
+    // The density over the cells with a corner that `keep` picks. Empty if the image is zero in all
+    // of them.
     using Keep = std::function<bool(uint32_t x, uint32_t y)>;
     Cells cells(const Keep& keep) const;
 

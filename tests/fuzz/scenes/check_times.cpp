@@ -11,7 +11,8 @@ namespace {
 constexpr uint32_t kSide = 96;      // pixels
 constexpr uint32_t kPoll = 2;       // ms
 constexpr float kTimeLimit = 1.0f;  // s
-// The first sample is promised after kFirstSample, s, and so many times as long as path tracing's takes.
+// The first sample is promised after kFirstSample, s, and so many times as long as path tracing's
+// takes.
 constexpr double kFirstSample = 3.0, kFirstSampleOverPathTracing = 2.0;
 // The end of the render is promised so long after the limit or the call, s.
 constexpr double kAfterLimit = 1.0 + 0.05 * double(kTimeLimit);

@@ -126,8 +126,8 @@ T& named(std::vector<T>& things, const std::string& name) {
                          [&](const T& thing) { return thing.name == name; });
 }
 
-// Collects the parts of all things of one kind: each thing as a whole, and each field that is not as simple
-// as it may be.
+// Collects the parts of all things of one kind: each thing as a whole, and each field that is not
+// as simple as it may be.
 template <class T>
 class PartsOf {
 public:

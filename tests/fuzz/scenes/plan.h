@@ -80,8 +80,8 @@ struct Plan {
 
 Plan random_plan(uint64_t seed);
 
-// What may be left out of a plan, and how. Names stay valid: a plan without some of its parts has no names
-// that the whole plan lacks.
+// What may be left out of a plan, and how. Names stay valid: a plan without some of its parts has
+// no names that the whole plan lacks.
 struct Part {
     std::string name;
     std::function<void(Plan&)> leave_out;

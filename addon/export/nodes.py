@@ -98,22 +98,17 @@ def _clearcoat(converter, node, desc) -> None:
         converter.set_constant(desc, "Coat Weight", (*[0.25 * weight.default_value] * 3, 1.0))
 
 
-def _schlick_sheen(converter, node, desc) -> None:
-    """Until 3.6 the sheen was another one, whose tint was a factor."""
-    sheen = compat.find_input(node, "Sheen Weight")
-    if compat.find_input(node, "Sheen Roughness"):
-        return
-    converter.set_constant(desc, "Sheen Tint", WHITE)
-    if sheen.is_linked or sheen.default_value:
-        converter.set_constant(desc, "Sheen Weight", (0.0, 0.0, 0.0, 1.0))
-        converter.warn(node, "Sheen is not supported and has no effect")
+def _sheen(converter, node, desc) -> None:
+    """Until 3.6 the sheen was another one, whose tint was a factor between white and the base's hue."""
+    new = compat.find_input(node, "Sheen Roughness")
+    desc.options["sheen"] = "MICROFIBER" if new else "SCHLICK"
 
 
 def _old_principled(converter, node, desc) -> None:
     """Converts what the Principled BSDF called and meant otherwise until 3.6."""
     _scalar_tint(converter, node, desc)
     _clearcoat(converter, node, desc)
-    _schlick_sheen(converter, node, desc)
+    _sheen(converter, node, desc)
 
 
 def _ramp(node) -> np.ndarray:
@@ -316,12 +311,38 @@ NODES = {
         ),
         ("BSDF",),
         options={"distribution": ("GGX", "MULTI_GGX")},
+        fixed_options={"sheen": "MICROFIBER"},
         neutral_inputs={
             "Subsurface Weight": 0.0,
             "Thin Film Thickness": 0.0,
         },
         adjust=_old_principled,
     ),
+    "ShaderNodeSubsurfaceScattering": NodeKind(
+        "subsurface_scattering",
+        ("Color", "Scale", "Radius", "IOR", "Roughness", "Anisotropy", "Normal"),
+        ("BSSRDF",),
+    ),
+    "ShaderNodeBsdfHair": NodeKind(
+        "bsdf_hair",
+        ("Color", "Offset", "RoughnessU", "RoughnessV"),
+        ("BSDF",),
+        options={"component": ("Reflection", "Transmission")},
+    ),
+    "ShaderNodeBsdfHairPrincipled": NodeKind(
+        "bsdf_hair_principled",
+        (
+            "Color",
+            "Melanin",
+            "Melanin Redness",
+            "Tint",
+            "Absorption Coefficient",
+            "Radial Roughness",
+        ),
+        ("BSDF",),
+        options={"parametrization": ("COLOR", "MELANIN", "ABSORPTION")},
+    ),
+    "ShaderNodeBsdfRayPortal": NodeKind("bsdf_ray_portal", ("Color",), ("BSDF",)),
     "ShaderNodeVolumeAbsorption": NodeKind("volume_absorption", ("Color", "Density"), ("Volume",)),
     "ShaderNodeVolumePrincipled": NodeKind(
         "volume_principled",

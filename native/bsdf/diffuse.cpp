@@ -86,8 +86,9 @@ struct SheenLobe {
             (0.0000254053f + 1.71228f * x - 1.71506f * x * y + 1.34174f * y * y)) {}
 };
 Frame sheen_frame(const Vec3& n, const Vec3& wo) {
+    constexpr float kSlant = 1e-4f;  // below it rounding turns the plane of wo, and b vanishes
     const Vec3 along = wo - n * dot(n, wo);
-    if (!(length_squared(along) > 0.0f)) return Frame::around(n);
+    if (!(length_squared(along) > sqr(kSlant))) return Frame::around(n);
     const Vec3 x = normalize(along);
     return {x, cross(n, x), n};
 }

@@ -78,6 +78,14 @@ ExprId between_normals(NodeContext& node, ExprId from, ExprId to, ExprId share) 
                   {e.add(e.scale(known(from), e.one_minus(share)), e.scale(known(to), share))});
 }
 
+// From white to the colour at a luminance of 1.
+ExprId hue_of(NodeContext& node, ExprId color, ExprId factor) {
+    ExprBuilder& e = node.e;
+    const ExprId one = e.constant(Vec3(1.0f));
+    const ExprId hue = e.divide(color, e.splat(e.luminance(color)));
+    return e.add(e.scale(one, e.one_minus(factor)), e.scale(hue, factor));
+}
+
 // Adds the sheen that lies over the rest. The share of light that goes on below it.
 ExprId sheen_layer(NodeContext& node, ExprId weight, ExprId normal, ExprId color, ExprId roughness) {
     ExprBuilder& e = node.e;
@@ -279,11 +287,14 @@ void principled(NodeContext& node, ExprId weight) {
     weight = e.multiply(weight, coverage);
 
     const ExprId share = e.clamp01(node.input(kCoatWeight));
-    const ExprId below_sheen = sheen_layer(
-        node, weight, between_normals(node, normal, node.normal(kCoatNormal), share),
-        e.scale(e.non_negative(node.input(kSheenTint)), e.non_negative(node.input(kSheenWeight))),
-        node.input(kSheenRoughness));
-    weight = e.multiply(weight, below_sheen);
+    const ExprId sheen = e.non_negative(node.input(kSheenWeight)),
+                 sheen_tint = e.non_negative(node.input(kSheenTint));
+    const bool old_sheen = node.option(1) == "SCHLICK";
+    if (!old_sheen)
+        weight = e.multiply(
+            weight, sheen_layer(node, weight,
+                                between_normals(node, normal, node.normal(kCoatNormal), share),
+                                e.scale(sheen_tint, sheen), node.input(kSheenRoughness)));
 
     const ClosureTerm coat = term(node, ClosureOp::coat, " (coat)",
                                   {e.multiply(weight, share), node.normal(kCoatNormal),
@@ -312,6 +323,11 @@ void principled(NodeContext& node, ExprId weight) {
     glass.coat = over;
     node.c.add_term(glass);
     weight = e.multiply(weight, e.one_minus(transmission));
+
+    if (old_sheen)
+        node.c.add_term(
+            term(node, ClosureOp::schlick_sheen, " (sheen)",
+                 {e.multiply(weight, sheen), normal, hue_of(node, base, e.lane(sheen_tint, 0))}));
 
     const ExprId index = e.make(Op::dielectric_ior, {ior, node.input(kSpecularLevel)});
     const ExprId ratio =

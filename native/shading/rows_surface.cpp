@@ -75,7 +75,29 @@ constexpr InputSocket kPrincipledIn[] = {grey_input(0.8f, "Base Color"),
                                          scalar_input("Anisotropic", 0.0f),
                                          scalar_input("Anisotropic Rotation", 0.0f),
                                          kTangentInput};
-constexpr NodeOption kPrincipledModels[] = {{"distribution", "GGX|MULTI_GGX"}};
+constexpr InputSocket kSubsurfaceIn[] = {grey_input(0.8f),
+                                         scalar_input("Scale", 0.05f),
+                                         {"Radius", {1.0f, 0.2f, 0.1f}, vector},
+                                         scalar_input("IOR", 1.4f),
+                                         scalar_input("Roughness", 1.0f),
+                                         scalar_input("Anisotropy", 0.0f),
+                                         kNormalInput};
+constexpr OutputSocket kBssrdf[] = {{"BSSRDF", shader}};
+constexpr InputSocket kHairIn[] = {grey_input(0.8f), scalar_input("Offset", 0.0f),
+                                   scalar_input("RoughnessU", 0.1f),
+                                   scalar_input("RoughnessV", 1.0f)};
+constexpr NodeOption kHairModels[] = {{"component", "Reflection|Transmission"}};
+constexpr InputSocket kPrincipledHairIn[] = {
+    {"Color", {0.017513f, 0.005763f, 0.002059f}, color},
+    scalar_input("Melanin", 0.8f),
+    scalar_input("Melanin Redness", 1.0f),
+    grey_input(1.0f, "Tint"),
+    {"Absorption Coefficient", {0.245531f, 0.52f, 1.365f}, vector},
+    scalar_input("Radial Roughness", 0.3f)};
+constexpr NodeOption kPrincipledHairModels[] = {{"parametrization", "COLOR|MELANIN|ABSORPTION"}};
+constexpr InputSocket kPortalIn[] = {grey_input(1.0f)};
+constexpr NodeOption kPrincipledModels[] = {{"distribution", "GGX|MULTI_GGX"},
+                                              {"sheen", "MICROFIBER|SCHLICK"}};
 
 constexpr NodeKind kRows[] = {
     {.name = "output",
@@ -142,6 +164,28 @@ constexpr NodeKind kRows[] = {
      .outputs = kBsdf,
      .options = kPrincipledModels,
      .shade = nodes::principled},
+    {.name = "subsurface_scattering",
+     .label = "Subsurface Scattering",
+     .inputs = kSubsurfaceIn,
+     .outputs = kBssrdf,
+     .shade = nodes::subsurface},
+    {.name = "bsdf_hair",
+     .label = "Hair BSDF",
+     .inputs = kHairIn,
+     .outputs = kBsdf,
+     .options = kHairModels,
+     .shade = nodes::hair},
+    {.name = "bsdf_hair_principled",
+     .label = "Principled Hair BSDF",
+     .inputs = kPrincipledHairIn,
+     .outputs = kBsdf,
+     .options = kPrincipledHairModels,
+     .shade = nodes::principled_hair},
+    {.name = "bsdf_ray_portal",
+     .label = "Ray Portal BSDF",
+     .inputs = kPortalIn,
+     .outputs = kBsdf,
+     .shade = nodes::ray_portal},
     {.name = "emission",
      .label = "Emission",
      .inputs = kEmissionIn,

@@ -87,7 +87,7 @@ MATERIALS = {
     ),
 }
 # What is not in every Blender.
-SHEENS = {
+OTHERS = {
     "velvet": ("ShaderNodeBsdfVelvet", None, {"Color": COPPER, "Sigma": 0.7}),
     "ashikhmin": ("ShaderNodeBsdfSheen", "ASHIKHMIN", {"Color": COPPER, "Roughness": 0.7}),
     "microfiber": ("ShaderNodeBsdfSheen", "MICROFIBER", {"Color": COPPER, "Roughness": 0.5}),
@@ -96,6 +96,22 @@ SHEENS = {
         "GGX",
         {"Base Color": COPPER, "Sheen Weight": 1.0, "Sheen Roughness": 0.4},
     ),
+    "brushed": (
+        "ShaderNodeBsdfAnisotropic",
+        "GGX",
+        {"Color": COPPER, "Roughness": 0.5, "Anisotropy": 0.7},
+    ),
+    "brushed across": (
+        "ShaderNodeBsdfAnisotropic",
+        "GGX",
+        {"Color": COPPER, "Roughness": 0.5, "Anisotropy": -0.5, "Rotation": 0.1},
+    ),
+    "brushed metal": (
+        "ShaderNodeBsdfPrincipled",
+        "GGX",
+        {"Base Color": COPPER, "Metallic": 1.0, "Anisotropic": 0.8},
+    ),
+    "metallic": ("ShaderNodeBsdfMetallic", "GGX", {"Roughness": 0.4, "Anisotropy": 0.5}),
     "rough principled": (
         "ShaderNodeBsdfPrincipled",
         "GGX",
@@ -332,9 +348,9 @@ def test_material(stage, name):
     stage(TOLERANCE_CLOSURES)
 
 
-@pytest.mark.parametrize("name", SHEENS)
-def test_sheen(stage, name):
-    bl_idname, distribution, inputs = SHEENS[name]
+@pytest.mark.parametrize("name", OTHERS)
+def test_other_closures(stage, name):
+    bl_idname, distribution, inputs = OTHERS[name]
     if not hasattr(bpy.types, bl_idname) or (
         bl_idname == "ShaderNodeBsdfPrincipled" and bpy.app.version < (4, 3, 0)
     ):

@@ -254,7 +254,7 @@ def test_a_link_with_nothing_behind_it_is_none(name):
 def test_unknown_shader_is_magenta_and_warned_of_once():
     material = new_material("strange")
     mix = add_node(material, "ShaderNodeMixShader", surface(material))
-    strange = add_node(material, "ShaderNodeSubsurfaceScattering", mix.inputs[1])
+    strange = add_node(material, "ShaderNodeEeveeSpecular", mix.inputs[1])
     material.node_tree.links.new(strange.outputs[0], mix.inputs[2])
     desc, _, warnings, _ = convert(material)
     assert all(n.inputs["Color"] == (1, 0, 1, 1) for n in desc.nodes if n.kind == "emission")

@@ -98,17 +98,17 @@ def _clearcoat(converter, node, desc) -> None:
         converter.set_constant(desc, "Coat Weight", (*[0.25 * weight.default_value] * 3, 1.0))
 
 
-def _sheen(converter, node, desc) -> None:
-    """Until 3.6 the sheen was another one, whose tint was a factor between white and the base's hue."""
+def _principled_model(converter, node, desc) -> None:
+    """Until 3.6 base and sheen were Burley's, and nothing took light from what lies below."""
     new = compat.find_input(node, "Sheen Roughness")
-    desc.options["sheen"] = "MICROFIBER" if new else "SCHLICK"
+    desc.options["model"] = "LAYERED" if new else "BURLEY"
 
 
 def _old_principled(converter, node, desc) -> None:
     """Converts what the Principled BSDF called and meant otherwise until 3.6."""
     _scalar_tint(converter, node, desc)
     _clearcoat(converter, node, desc)
-    _sheen(converter, node, desc)
+    _principled_model(converter, node, desc)
 
 
 def _ramp(node) -> np.ndarray:

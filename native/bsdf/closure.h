@@ -96,7 +96,7 @@ struct Transparent {  // a delta
 
 using ClosureKind =
     std::variant<Lambert, MicrofacetReflection, MicrofacetDielectric, Transparent, Translucent,
-                 OrenNayar, Sheen, Velvet, SchlickSheen, DiffuseToon, GlossyToon, AshikhminShirley>;
+                 OrenNayar, Sheen, Velvet, BurleyDiffuse, SchlickSheen, DiffuseToon, GlossyToon, AshikhminShirley>;
 inline const ClosureTraits& traits(const ClosureKind& kind) {
     return *std::visit([](const auto& c) { return &c.kTraits; }, kind);
 }

@@ -178,6 +178,9 @@ public:
                 const float sigma = std::clamp(scalar(c, 3), 0.01f, 1.0f);  // Cycles' bounds
                 return add(c, color(c, 2) * weight, Velvet{diffuse_normal(c), sigma});
             }
+            case ClosureOp::burley_diffuse:
+                return add(c, color(c, 2) * weight,
+                           BurleyDiffuse{diffuse_normal(c), clamp01(scalar(c, 3))});
             case ClosureOp::schlick_sheen:
                 return add(c, color(c, 2) * weight, SchlickSheen{diffuse_normal(c)});
             case ClosureOp::diffuse_toon: return add_toon<BounceKind::diffuse>(c, weight);
@@ -311,7 +314,8 @@ private:
         add(c, weight, d);
     }
 
-    // What the reflection takes from wo's light, by its albedo, does not reach the layer below.
+    // What the reflection takes from wo's light, by its albedo, does not reach the layer below. As in Cycles
+    // that is the albedo with what facets exchange, even of a reflection that loses it.
     void add_coated(const ClosureInstruction& c, const Spectrum& weight) {
         Fresnel fresnel;
         fresnel.kind = Fresnel::Kind::dielectric_f0;
@@ -319,7 +323,8 @@ private:
         fresnel.f0 = color(c, 4);
         Spectrum below = weight;
         if (fresnel.eta != 1.0f) {
-            const ClosureKind layer = reflection(c, fresnel);
+            MicrofacetReflection layer = reflection(c, fresnel);
+            layer.energy_compensated = true;
             add_reflection(c, weight, fresnel);
             below *= clamp01(1.0f - max_component(albedo(layer, point_.wo)));
         }

@@ -289,8 +289,8 @@ void principled(NodeContext& node, ExprId weight) {
     const ExprId share = e.clamp01(node.input(kCoatWeight));
     const ExprId sheen = e.non_negative(node.input(kSheenWeight)),
                  sheen_tint = e.non_negative(node.input(kSheenTint));
-    const bool old_sheen = node.option(1) == "SCHLICK";
-    if (!old_sheen)
+    const bool layered = node.option(1) == "LAYERED";
+    if (layered)
         weight = e.multiply(
             weight, sheen_layer(node, weight,
                                 between_normals(node, normal, node.normal(kCoatNormal), share),
@@ -324,10 +324,13 @@ void principled(NodeContext& node, ExprId weight) {
     node.c.add_term(glass);
     weight = e.multiply(weight, e.one_minus(transmission));
 
-    if (old_sheen)
+    if (!layered) {
         node.c.add_term(
             term(node, ClosureOp::schlick_sheen, " (sheen)",
                  {e.multiply(weight, sheen), normal, hue_of(node, base, e.lane(sheen_tint, 0))}));
+        node.c.add_term(term(node, ClosureOp::burley_diffuse, " (base)",
+                             {weight, normal, base, node.input(kRoughness)}));
+    }
 
     const ExprId index = e.make(Op::dielectric_ior, {ior, node.input(kSpecularLevel)});
     const ExprId ratio =
@@ -335,7 +338,9 @@ void principled(NodeContext& node, ExprId weight) {
     const ExprId f0 = e.clamp01(e.scale(tint, e.multiply(ratio, ratio)));
     ClosureTerm coated =
         term(node, ClosureOp::coated, " (specular)",
-             {weight, normal, rough_alpha, index, f0, base, node.input(kDiffuseRoughness)}, modes);
+             {weight, normal, rough_alpha, index, f0, layered ? base : e.constant(Vec3(0.0f)),
+              node.input(kDiffuseRoughness)},
+             modes);
     coated.coat = over;
     coated.grain = grain;
     node.c.add_term(coated);

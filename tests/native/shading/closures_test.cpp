@@ -114,7 +114,7 @@ TEST(Sheen, OfAnOlderPrincipled) {
                                                  {"Metallic", {0.25f}},
                                                  {"Sheen Weight", {0.8f}},
                                                  {"Sheen Tint", {0.5f, 0.5f, 0.5f}}},
-                                                {{"sheen", "SCHLICK"}}));
+                                                {{"model", "BURLEY"}}));
     int found = -1;
     for (int i = 0; i < list.count; ++i)
         if (std::holds_alternative<SchlickSheen>(list.closures[static_cast<size_t>(i)].kind)) found = i;

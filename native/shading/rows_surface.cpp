@@ -97,7 +97,7 @@ constexpr InputSocket kPrincipledHairIn[] = {
 constexpr NodeOption kPrincipledHairModels[] = {{"parametrization", "COLOR|MELANIN|ABSORPTION"}};
 constexpr InputSocket kPortalIn[] = {grey_input(1.0f)};
 constexpr NodeOption kPrincipledModels[] = {{"distribution", "GGX|MULTI_GGX"},
-                                              {"sheen", "MICROFIBER|SCHLICK"}};
+                                            {"sheen", "MICROFIBER|SCHLICK"}};
 
 constexpr NodeKind kRows[] = {
     {.name = "output",

@@ -12,7 +12,8 @@
 // A scene under construction, or frozen: `builder` until commit, `world` after it.
 struct spc_scene {
     std::unique_ptr<spc::SceneBuilder> builder = std::make_unique<spc::SceneBuilder>();
-    std::optional<spc::RenderScene> world;
+    std::shared_ptr<const spc::RenderScene> before{};  // the snapshot before, until commit
+    std::shared_ptr<spc::RenderScene> world{};
     std::string report;
     double commit_seconds = 0.0;
     // What the last answers refer to.

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Rows of the nodes that read images, coordinates and constants.
+#include "shading/node_rows.h"
+
+namespace spc::rows {
+namespace {
+
+constexpr InputSocket kImageIn[] = {{"Vector", {}, vector, Unlinked::uv}};
+constexpr NodeOption kImageOptions[] = {{"interpolation", "Linear|Closest|Cubic|Smart"},
+                                        {"extension", "REPEAT|EXTEND|CLIP|MIRROR"}};
+constexpr InputSocket kEnvironmentIn[] = {{"Vector", {}, vector, Unlinked::direction}};
+constexpr NodeOption kEnvironmentOptions[] = {{"projection", "EQUIRECTANGULAR|MIRROR_BALL"},
+                                              {"interpolation", "Linear|Closest|Cubic|Smart"}};
+constexpr InputSocket kNormalMapIn[] = {scalar_input("Strength", 1.0f),
+                                        color_input(0.5f, 0.5f, 1.0f)};
+constexpr OutputSocket kNormalOut[] = {{"Normal", vector}};
+constexpr NodeOption kNormalMapOptions[] = {{"space", "TANGENT|OBJECT|WORLD"}, {"uv_map", ""}};
+constexpr InputSocket kBumpIn[] = {scalar_input("Strength", 1.0f), scalar_input("Distance", 1.0f),
+                                   scalar_input("Height", 1.0f), kNormalInput};
+constexpr NodeOption kBumpOptions[] = {{"invert", "False|True"}};
+constexpr OutputSocket kUvOut[] = {{"UV", vector}};
+constexpr NodeOption kUvOptions[] = {{"uv_map", ""}};
+constexpr OutputSocket kCoordinateOut[] = {
+    {"Generated", vector}, {"Normal", vector}, {"UV", vector}, {"Object", vector}};
+constexpr InputSocket kMappingIn[] = {vector_input("Vector", 0.0f), vector_input("Location", 0.0f),
+                                      vector_input("Rotation", 0.0f), vector_input("Scale", 1.0f)};
+constexpr NodeOption kMappingOptions[] = {{"vector_type", "POINT|TEXTURE|VECTOR|NORMAL"}};
+constexpr InputSocket kRgbIn[] = {grey_input(0.5f)};
+constexpr InputSocket kValueIn[] = {scalar_input("Value", 0.5f)};
+
+constexpr NodeKind kRows[] = {
+    {.name = "image_texture",
+     .label = "Image Texture",
+     .inputs = kImageIn,
+     .outputs = kColorAlphaOut,
+     .options = kImageOptions,
+     .reads_image = true,
+     .value = nodes::image_texture},
+    {.name = "environment_texture",
+     .label = "Environment Texture",
+     .inputs = kEnvironmentIn,
+     .outputs = kColorOut,
+     .options = kEnvironmentOptions,
+     .reads_image = true,
+     .value = nodes::environment_texture},
+    {.name = "normal_map",
+     .label = "Normal Map",
+     .inputs = kNormalMapIn,
+     .outputs = kNormalOut,
+     .options = kNormalMapOptions,
+     .value = nodes::normal_map},
+    {.name = "bump",
+     .label = "Bump",
+     .inputs = kBumpIn,
+     .outputs = kNormalOut,
+     .options = kBumpOptions,
+     .value = nodes::bump},
+    {.name = "uv_map",
+     .label = "UV Map",
+     .outputs = kUvOut,
+     .options = kUvOptions,
+     .value = nodes::uv_map},
+    {.name = "texture_coordinate",
+     .label = "Texture Coordinate",
+     .outputs = kCoordinateOut,
+     .value = nodes::texture_coordinate},
+    {.name = "mapping",
+     .label = "Mapping",
+     .inputs = kMappingIn,
+     .outputs = kVectorOut,
+     .options = kMappingOptions,
+     .value = nodes::mapping},
+    {.name = "rgb",
+     .label = "RGB",
+     .inputs = kRgbIn,
+     .outputs = kColorOut,
+     .value = nodes::same_as_input},
+    {.name = "value",
+     .label = "Value",
+     .inputs = kValueIn,
+     .outputs = kValueOut,
+     .value = nodes::same_as_input},
+};
+
+}  // namespace
+
+std::span<const NodeKind> value() { return kRows; }
+
+}  // namespace spc::rows

@@ -14,8 +14,9 @@ import time
 import numpy as np
 
 from . import native
-from .abi import Method, Pass, RenderSettings, RenderState
+from .abi import Method, Pass, RenderProgress, RenderSettings, RenderState
 from .export.desc import CameraDesc
+from .progress import progress_text
 from .upload import camera_struct
 
 COARSE_SECONDS = 0.05  # that one sample of the moving picture may take
@@ -32,11 +33,10 @@ class Picture:
 
 
 class Refinement:
-    """Renders of one committed scene from one place at a time; `close` frees it with the scene."""
+    """Renders of one committed scene at a time, from one place; `stop` ends them."""
 
-    def __init__(self, scene: native.Scene):
-        """Owns `scene` from here on."""
-        self._scene = scene
+    def __init__(self):
+        self._scene: native.Scene | None = None
         self._settings: RenderSettings | None = None
         self._exposure = 1.0
         self._camera: CameraDesc | None = None
@@ -44,6 +44,11 @@ class Refinement:
         self._factor = 1  # pixels along the edge of one that is rendered
         self._fast_factor = 4.0  # with which a sample of the picture takes COARSE_SECONDS
         self._moved = 0.0  # when the camera did last, s
+
+    def show(self, scene: native.Scene) -> None:
+        """Takes another scene, which must live until `stop`; `look` begins to render it."""
+        self.stop()
+        self._scene = scene
 
     def look(self, camera: CameraDesc, settings: RenderSettings, exposure: float) -> None:
         """Begins anew from there; what was under way is cancelled. `settings.samples` is how far
@@ -70,20 +75,22 @@ class Refinement:
     @property
     def is_final(self) -> bool:
         """Whether nothing better will come."""
-        return self._render is None or (self._factor == 1 and self._render.ended)
+        return self._render is not None and self._factor == 1 and self._render.ended
 
     def progress(self) -> str:
-        """Such as "sample 12.3/256"; empty while a coarse picture is shown."""
-        if self._render is None or self._factor > 1:
+        """Such as "sample 12.3/256 | 0:05, 0:21 left"; empty while a coarse picture is shown."""
+        if self._render is None or self._factor > 1 or self._render.progress is None:
             return ""
-        return f"sample {self._render.samples:.1f}/{self._settings.samples}"
+        return progress_text(self._render.progress, self._render.samples, self._settings.samples)
 
-    def close(self) -> None:
-        self._stop()
-        self._scene.close()
+    def stop(self) -> None:
+        """Ends what is under way."""
+        if self._render is not None:
+            self._render.close()
+            self._render = None
 
     def _begin(self, factor: int) -> None:
-        self._stop()
+        self.stop()
         self._factor = factor
         path_traced = native.changed(self._settings, method=Method.PT)
         if factor > 1:
@@ -95,11 +102,6 @@ class Refinement:
         camera = coarser(self._camera, factor) if factor > 1 else self._camera
         self._render = _Render(self._scene, camera, self._camera.crop, wanted, self._exposure)
 
-    def _stop(self) -> None:
-        if self._render is not None:
-            self._render.close()
-            self._render = None
-
 
 class _Render:
     """Sessions of one camera: of path tracing alone, or until the method has a sample, too."""
@@ -107,6 +109,7 @@ class _Render:
     def __init__(self, scene, camera: CameraDesc, shown: tuple, wanted: list, exposure: float):
         self._crop, self._shown, self._exposure = camera.crop, shown, exposure
         self.seconds, self.samples, self.ended = 0.0, 0.0, False
+        self.progress: RenderProgress | None = None  # of the method, at the last look
         self._read = (-1, 0.0)  # sessions and samples of the last picture
         self._sessions: list[native.Session] = []
         scene.set("camera", camera_struct(camera))
@@ -119,7 +122,7 @@ class _Render:
 
     def picture(self) -> Picture | None:
         """Empty until each pixel has a sample."""
-        progress = self._sessions[-1].wait(0)
+        progress = self.progress = self._sessions[-1].wait(0)
         self.seconds = progress.seconds
         self.ended = progress.state != RenderState.RUNNING
         stats = [session.stats() for session in self._sessions]

@@ -12,6 +12,15 @@ import numpy as np
 
 from .sky import Sky
 
+# ------------------------------------------------------------------------------------------- data
+
+
+def identity(data) -> int:
+    """Tells an ID, evaluated or not, from all others of the session; before 4.1 from those that
+    live at the same time."""
+    return getattr(data, "session_uid", 0) or data.original.as_pointer()
+
+
 # ------------------------------------------------------------------------------- Cycles' settings
 
 

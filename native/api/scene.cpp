@@ -467,9 +467,9 @@ spc_status spc_scene_commit(spc_scene* scene, uint32_t threads) {
         const std::shared_ptr<const spc::RenderScene> before = std::move(scene->before);
         std::unique_ptr<spc::Scene> frozen = spc::with_memory_for(
             "the trees over the scene's geometry", [&] { return taken->freeze(threads); });
-        spc::RenderScene world =
-            spc::with_memory_for("the tables of the scene's lights and casters",
-                                 [&] { return spc::prepare(std::move(frozen), threads, before.get()); });
+        spc::RenderScene world = spc::with_memory_for(
+            "the tables of the scene's lights and casters",
+            [&] { return spc::prepare(std::move(frozen), threads, before.get()); });
         for (const std::string& line : world.scene->report) scene->report += line + "\n";
         scene->world = std::make_shared<spc::RenderScene>(std::move(world));
         scene->commit_seconds =

@@ -51,7 +51,8 @@ void finish(Image& image, ColorSpace space, AlphaMode alpha, bool stored_premult
             if (image.channels != 4 || i % 4 != 3) texels[i] = srgb_to_linear(texels[i]);
     }
     if (image.channels != 4) return;
-    apply_alpha(image.bytes.writable(), uint8_t{255}, alpha == AlphaMode::none, associates && !multiplied);
+    apply_alpha(image.bytes.writable(), uint8_t{255}, alpha == AlphaMode::none,
+                associates && !multiplied);
     apply_alpha(image.floats.writable(), 1.0f, alpha == AlphaMode::none, associates && !multiplied);
 }
 

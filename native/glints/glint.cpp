@@ -92,7 +92,7 @@ std::optional<GlintPoint> GlintPoint::at(const GlintSet& glints, const GlintSett
     if (index == kNone) return std::nullopt;
     const SlopeField& field = glints.fields[index];
     const std::optional<Footprint> footprint =
-        footprint_at(scene, scene.materials[material].slopes, field.width(), field.height(),
+        footprint_at(scene, scene.materials[material]->slopes, field.width(), field.height(),
                      surface, path, distance);
     if (!footprint) return std::nullopt;
     float alpha = kInfinity;

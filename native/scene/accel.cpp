@@ -111,8 +111,7 @@ struct Device {
     RTCDevice handle;
 
     explicit Device(uint32_t threads) {
-        const std::string config =
-            threads == 0 ? std::string() : fmt::format("threads={}", threads);
+        const std::string config = threads == 0 ? std::string() : fmt::format("threads={}", threads);
         handle = rtcNewDevice(config.c_str());
         if (handle != nullptr) return;
         const RTCError code = rtcGetDeviceError(nullptr);
@@ -156,7 +155,9 @@ struct MeshTree {
 
     MeshTree(std::shared_ptr<const Device> device_, const Shared<Mesh>& mesh_,
              const SharedArray<Vec3>& world_positions_)
-        : device(std::move(device_)), mesh(mesh_), world_positions(world_positions_),
+        : device(std::move(device_)),
+          mesh(mesh_),
+          world_positions(world_positions_),
           scene(device->new_scene()) {
         RTCGeometry geometry = device->triangles(vertices(), mesh, kVisibleAll);
         rtcAttachGeometryByID(scene, geometry, 0);
@@ -226,9 +227,8 @@ struct Accel::Impl {
         const Instance& instance = source.instances[index];
         const bool is_baked = !instance.world_positions.empty();
         if (is_baked && !source.has_trees_to_share) {
-            baked[index] =
-                device->triangles(instance.world_positions.data(), source.meshes[instance.mesh],
-                                  instance.visibility);
+            baked[index] = device->triangles(instance.world_positions.data(),
+                                             source.meshes[instance.mesh], instance.visibility);
             rtcAttachGeometryByID(scene, baked[index], index);
             return;
         }
@@ -263,8 +263,8 @@ struct Accel::Impl {
 Accel::Accel(const Scene& scene, uint32_t threads, const Accel* before)
     : impl_(std::make_unique<Impl>()) {
     const Impl* impl_before = before != nullptr ? before->impl_.get() : nullptr;
-    impl_->device = impl_before != nullptr ? impl_before->device
-                                           : std::make_shared<const Device>(threads);
+    impl_->device =
+        impl_before != nullptr ? impl_before->device : std::make_shared<const Device>(threads);
     impl_->instance_count = static_cast<uint32_t>(scene.instances.size());
     impl_->tree_of.resize(scene.instances.size(), nullptr);
     impl_->baked.resize(scene.instances.size(), nullptr);

@@ -56,9 +56,8 @@ void bake_single_users(Scene& scene, const Scene* before) {
         if (users[instance.mesh] != 1) continue;
         const Shared<Mesh>& mesh = scene.meshes[instance.mesh];
         const auto known = baked_before.find(mesh.get());
-        const bool stays =
-            known != baked_before.end() &&
-            same_place(known->second->object_to_world, instance.object_to_world);
+        const bool stays = known != baked_before.end() &&
+                           same_place(known->second->object_to_world, instance.object_to_world);
         instance.world_positions =
             stays ? known->second->world_positions : baked(mesh, instance.object_to_world);
     }

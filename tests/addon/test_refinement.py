@@ -17,11 +17,12 @@ SECONDS = 30
 
 @pytest.fixture
 def refinement():
-    scene = upload(glowing_triangle())
-    scene.commit(2)
-    made = Refinement(scene)
-    yield made
-    made.close()
+    with upload(glowing_triangle()) as scene:
+        scene.commit(2)
+        made = Refinement()
+        made.show(scene)
+        yield made
+        made.stop()
 
 
 def pictures(refinement: Refinement) -> list:

@@ -137,7 +137,7 @@ class _Render:
         whole = [
             (session, of["samples"])
             for session, of in zip(self._sessions, stats, strict=True)
-            if of["first_sample_seconds"] > 0.0
+            if of["first_sample_seconds"] > 0.0 and of["samples"] > 0  # not all at one moment
         ]
         total = sum(samples for _, samples in whole)
         if not whole or (len(whole), total) == self._read:

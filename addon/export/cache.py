@@ -170,9 +170,12 @@ def _changes(updates) -> _Changes:
             if update.is_updated_geometry:
                 changes.shapes.add(compat.identity(data))
             continue
+        shades = not isinstance(data, _NOT_OF_MATERIALS)
+        if not shades and update.is_updated_shading and not update.is_updated_geometry:
+            continue  # a material on it has changed
         changes.data.add(compat.identity(data))
         own = isinstance(data, (bpy.types.Material, bpy.types.World)) or data.is_embedded_data
-        changes.all_materials |= not own and not isinstance(data, _NOT_OF_MATERIALS)
+        changes.all_materials |= shades and not own
     return changes
 
 

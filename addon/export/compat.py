@@ -16,9 +16,10 @@ from .sky import Sky
 
 
 def identity(data) -> int:
-    """Tells an ID, evaluated or not, from all others of the session; before 4.1 from those that
-    live at the same time."""
-    return getattr(data, "session_uid", 0) or data.original.as_pointer()
+    """Tells an ID, evaluated or not, from all others of the session; before 4.1, and what is part
+    of another ID, from those that live at the same time."""
+    original = data.original
+    return getattr(original, "session_uid", 0) or original.as_pointer()
 
 
 # ------------------------------------------------------------------------------- Cycles' settings

@@ -6,7 +6,16 @@ from __future__ import annotations
 import random
 
 import bpy
-from scenes import add_camera, add_light, add_mesh, add_node, new_image, new_material, surface
+from scenes import (
+    add_camera,
+    add_light,
+    add_mesh,
+    add_node,
+    add_uv,
+    new_image,
+    new_material,
+    surface,
+)
 
 MOST = 9  # objects: as many are deleted as added
 LEAST = 3
@@ -17,6 +26,7 @@ COARSE = {"uv_sphere": {"segments": 8, "ring_count": 6}, "torus": {"major_segmen
 def make_scene() -> None:
     """A floor, a few objects, textures, glass, a moving lamp and an animated colour."""
     floor = add_mesh("Floor")
+    add_uv(floor.data)
     floor.scale = (4, 4, 1)
     floor.location.z = -0.83
     for name, kind in (("Plain", "Diffuse"), ("Glass", "Glass"), ("Metal", "Glossy")):
@@ -209,6 +219,7 @@ class Edits:
         image = bpy.data.images["Pattern"]
         image.pixels[self._random.randrange(0, 64) * 4] = self._random.random()
         image.update()
+        image.update_tag()  # which a stroke of the brush does
 
     def light(self) -> None:
         light = self._any("LIGHT")

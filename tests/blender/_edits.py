@@ -248,3 +248,13 @@ class Edits:
 
     def select(self) -> None:
         self._select(self._any())
+
+    def undo(self) -> None:
+        """An undo, or an undo and a redo."""
+        bpy.ops.ed.undo_push(message="before")
+        self.move()
+        self.light()
+        bpy.ops.ed.undo_push(message="after")
+        bpy.ops.ed.undo()
+        if self._random.random() < 0.5:
+            bpy.ops.ed.redo()

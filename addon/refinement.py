@@ -39,6 +39,7 @@ class Refinement:
         self._scene: native.Scene | None = None
         self._settings: RenderSettings | None = None
         self._exposure = 1.0
+        self._pass = Pass.COMBINED
         self._camera: CameraDesc | None = None
         self._render: _Render | None = None
         self._factor = 1  # pixels along the edge of one that is rendered
@@ -50,10 +51,17 @@ class Refinement:
         self.stop()
         self._scene = scene
 
-    def look(self, camera: CameraDesc, settings: RenderSettings, exposure: float) -> None:
+    def look(
+        self,
+        camera: CameraDesc,
+        settings: RenderSettings,
+        exposure: float,
+        shown: Pass = Pass.COMBINED,
+    ) -> None:
         """Begins anew from there; what was under way is cancelled. `settings.samples` is how far
-        the picture gets, `exposure` a factor on it."""
+        the picture gets, `exposure` a factor on it, `shown` the pass that it is."""
         self._camera, self._settings, self._exposure = camera, settings, exposure
+        self._pass = shown
         self._moved = time.monotonic()
         self._begin(max(1, round(self._fast_factor)))
 
@@ -64,7 +72,9 @@ class Refinement:
         """
         if self._render is None:
             return None
-        picture = self._render.picture()
+        picture = self._render.picture(self._pass)
+        if picture is not None and self._pass != Pass.NORMAL:
+            picture.pixels[:, :, :3] *= self._exposure
         if self._factor > 1 and self._render.ended:
             slower = np.sqrt(max(self._render.seconds, 1e-4) / COARSE_SECONDS)
             self._fast_factor = float(np.clip(self._factor * slower, LEAST_COARSE, MOST_COARSE))
@@ -92,22 +102,24 @@ class Refinement:
     def _begin(self, factor: int) -> None:
         self.stop()
         self._factor = factor
-        path_traced = native.changed(self._settings, method=Method.PT)
+        quick = self._settings
+        if self._pass != Pass.CAUSTICS:  # of which path tracing tells nothing
+            quick = native.changed(quick, method=Method.PT)
         if factor > 1:
-            wanted = [native.changed(path_traced, samples=1)]
-        elif self._settings.method == Method.PT:
-            wanted = [path_traced]
+            wanted = [native.changed(quick, samples=1)]
+        elif quick.method == self._settings.method:
+            wanted = [quick]
         else:
-            wanted = [path_traced, self._settings]
+            wanted = [quick, self._settings]
         camera = coarser(self._camera, factor) if factor > 1 else self._camera
-        self._render = _Render(self._scene, camera, self._camera.crop, wanted, self._exposure)
+        self._render = _Render(self._scene, camera, self._camera.crop, wanted)
 
 
 class _Render:
     """Sessions of one camera: of path tracing alone, or until the method has a sample, too."""
 
-    def __init__(self, scene, camera: CameraDesc, shown: tuple, wanted: list, exposure: float):
-        self._crop, self._shown, self._exposure = camera.crop, shown, exposure
+    def __init__(self, scene, camera: CameraDesc, shown: tuple, wanted: list):
+        self._crop, self._shown = camera.crop, shown
         self.seconds, self.samples, self.ended = 0.0, 0.0, False
         self.progress: RenderProgress | None = None  # of the method, at the last look
         self._read = (-1, 0.0)  # sessions and samples of the last picture
@@ -120,8 +132,8 @@ class _Render:
             self.close()
             raise
 
-    def picture(self) -> Picture | None:
-        """Empty until each pixel has a sample."""
+    def picture(self, wanted: Pass) -> Picture | None:
+        """A pass as it stands; None until each pixel has a sample."""
         progress = self.progress = self._sessions[-1].wait(0)
         self.seconds = progress.seconds
         self.ended = progress.state != RenderState.RUNNING
@@ -144,10 +156,11 @@ class _Render:
             return None
         self._read = (len(whole), total)
         blend = sum(
-            np.float32(samples / total) * session.read(Pass.COMBINED, *self._crop[2:])
+            np.float32(samples / total) * session.read(wanted, *self._crop[2:])
             for session, samples in whole
         )
-        blend[:, :3] *= self._exposure
+        if blend.shape[1] == 3:
+            blend = np.column_stack([blend, np.ones(len(blend), np.float32)])
         return Picture(blend.reshape(self._crop[3], self._crop[2], 4), self._shown)
 
     def close(self) -> None:

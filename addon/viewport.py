@@ -13,6 +13,7 @@ import gpu
 from gpu_extras.presets import draw_texture_2d
 
 from . import diagnosis, native
+from .abi import Pass
 from .export.log import ExportLog
 from .export.settings import film_exposure, viewport_settings
 from .export.view import export_view, is_shown
@@ -96,10 +97,12 @@ class Viewport:
             return
         settings = viewport_settings(context.scene, context.view_layer)
         exposure = film_exposure(context.scene)
-        seen_now = (seen(context), native.struct_fields(settings), exposure)
+        shown_pass = Pass[context.space_data.shading.specula.render_pass]
+        seen_now = (seen(context), native.struct_fields(settings), exposure, shown_pass)
         if seen_now != self._seen:
             self._seen = seen_now
-            self._refinement.look(export_view(context, depsgraph), settings, exposure)
+            view = export_view(context, depsgraph)
+            self._refinement.look(view, settings, exposure, shown_pass)
             self._tick_soon()
         picture = self._refinement.picture()
         if picture is not None:

@@ -77,6 +77,17 @@ def test_looking_elsewhere_begins_anew(refinement):
     assert final[8, 16] == pytest.approx((1.0, 0.5, 0.25, 1.0))  # the exposure doubles
 
 
+def test_it_shows_other_passes(refinement):
+    view = camera(32, 16)
+    settings = native.render_settings(method=abi.Method.AUTO, samples=2)
+    refinement.look(view, settings, 2.0, abi.Pass.NORMAL)
+    final = pictures(refinement)[-1].pixels
+    assert final[8, 16] == pytest.approx((0.0, 0.0, 1.0, 1.0))
+    refinement.look(view, settings, 2.0, abi.Pass.CAUSTICS)
+    final = pictures(refinement)[-1].pixels
+    assert np.array_equal(final[8, 16], (0.0, 0.0, 0.0, 1.0))
+
+
 def test_slow_pictures_are_coarser_the_next_time_however_late_they_come(refinement, monkeypatch):
     monkeypatch.setattr("specula.refinement.COARSE_SECONDS", 1e-9)  # nothing is as fast
     monkeypatch.setattr("specula.refinement.REST_SECONDS", 0.0)

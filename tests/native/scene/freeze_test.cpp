@@ -219,7 +219,7 @@ TEST(Freeze, ReportsTexelsThatWereRepaired) {
     Image broken;
     broken.name = "broken";
     broken.width = broken.height = broken.channels = 1;
-    broken.floats = {0.0f};
+    broken.floats.writable() = {0.0f};
     Image whole = broken;
     whole.name = "whole";
     broken.repaired_texels = 3;

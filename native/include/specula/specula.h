@@ -88,7 +88,8 @@ SPC_API void spc_scene_destroy(spc_scene* scene);
  * follows from that: trees over geometry, tables of the world and of glints. Its pictures are those of a scene
  * into which all has been added anew, to the bit but for surfaces that coincide. Each instance has a tree of
  * its own, which takes a little longer to render and makes the next scene cheap. `before` may be NULL, for
- * the first of a series, and be destroyed at any time. Embree's threads are those of the first commit. */
+ * the first of a series, and be destroyed at any time. Embree's threads are those of the first commit.
+ * The scene keeps its light sheets while its camera moves. */
 SPC_API spc_status spc_scene_edit(const spc_scene* before, spc_scene** scene);
 
 /* Adds what the scene before has at an index, as the calls that add do, but shares it. A material needs the

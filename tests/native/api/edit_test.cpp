@@ -316,6 +316,38 @@ TEST(Edit, DoesNotDisturbTheSceneBefore) {
     EXPECT_TRUE(same_bits(render_all(second.get(), settings, kWidth, kHeight), alone));
 }
 
+// Rays of a render by light sheets, and its picture.
+uint64_t rays_by_sheets(const spc_scene* scene, std::vector<float>& picture) {
+    spc_render_settings settings = quick_settings();
+    settings.method = SPC_METHOD_SHEETS;
+    const SessionPtr session = start(scene, settings);
+    EXPECT_EQ(wait_for(session.get()).state, static_cast<uint32_t>(SPC_RENDER_DONE));
+    picture = read_pass(session.get(), SPC_PASS_COMBINED, kWidth, kHeight);
+    auto stats = sized<spc_render_stats>();
+    EXPECT_EQ(spc_render_get_stats(session.get(), &stats), SPC_OK);
+    return stats.rays;
+}
+
+TEST(Edit, LightSheetsAreTracedOnceForAllCameras) {
+    State state;
+    state.things = {{0, 0, {0.0f, 0.0f, -0.5f}, 0.3f}, {1, 2, {0.2f, 0.1f, 0.8f}, 0.7f}};
+    const ScenePtr scene = edited(nullptr);
+    const Build build(scene.get(), state, nullptr);
+    std::vector<float> first, second, anew;
+    rays_by_sheets(scene.get(), first);
+    state.camera_x = 0.2f;
+    spc_camera_desc camera = valid_camera(kWidth, kHeight);
+    camera.transform[3] = state.camera_x;
+    ASSERT_EQ(spc_scene_set_camera(scene.get(), &camera), SPC_OK) << spc_last_error();
+    const uint64_t rays = rays_by_sheets(scene.get(), second);
+    const ScenePtr other = new_scene();
+    const Build from_nothing(other.get(), state, nullptr);
+    const uint64_t all_rays = rays_by_sheets(other.get(), anew);
+    EXPECT_LT(rays, all_rays);
+    EXPECT_TRUE(same_bits(second, anew));
+    EXPECT_FALSE(same_bits(first, second)) << "the move does not show";
+}
+
 TEST(Edit, RefusesWhatItCannotKeep) {
     uint32_t index = 0;
     const ScenePtr plain = new_scene();

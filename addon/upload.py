@@ -8,10 +8,10 @@ objects.
 from __future__ import annotations
 
 import ctypes
+import dataclasses
 import os
 import pickle
-from collections.abc import Callable
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -70,7 +70,7 @@ class Snapshot:
     content: tuple  # tells it, but for the camera, from others; see `_content`
     # By the identity of the description, which stays alive with it; no index where another part
     # stands for it.
-    parts: dict[int, tuple[object, int | None]] = field(default_factory=dict)
+    parts: dict[int, tuple[object, int | None]] = dataclasses.field(default_factory=dict)
 
     def close(self) -> None:
         self.scene.close()
@@ -109,32 +109,29 @@ def _content(scene_desc: desc.SceneDesc) -> tuple:
 def _add_parts(
     made: Snapshot, scene_desc: desc.SceneDesc, log: ExportLog | None, before: Snapshot | None
 ) -> None:
-    parts_before = before.parts if before else {}
+    scene, parts_before = made.scene, before.parts if before else {}
     same_images = set()  # indices of images that are what they were in the scene before
 
-    def add(kind: str, part, new: Callable[[], int | None], can_be_kept: bool = True) -> None:
+    def kept(kind: str, part) -> int | None:
         _, index_before = parts_before.get(id(part), (None, None))
-        if index_before is not None and can_be_kept:
-            index = made.scene.keep(kind, index_before)
-            if kind == "image" and index == index_before:
-                same_images.add(index)
-        else:
-            index = new()
+        index = None if index_before is None else scene.keep(kind, index_before)
+        if kind == "image" and index is not None and index == index_before:
+            same_images.add(index)
+        return index
+
+    def note(part, index: int | None) -> None:
         made.parts[id(part)] = part, index
 
     for image in scene_desc.images:
-        add("image", image, lambda image=image: _take_image(made.scene, image, log))
+        index = kept("image", image)
+        note(image, _take_image(scene, image, log) if index is None else index)
     for material in scene_desc.materials:
         images = {node.image for node in material.nodes if node.image != desc.NONE}
-        struct = material_struct
-        add(
-            "material",
-            material,
-            lambda material=material: made.scene.add("material", struct(material)),
-            can_be_kept=images <= same_images,
-        )
+        index = kept("material", material) if images <= same_images else None
+        note(material, scene.add("material", material_struct(material)) if index is None else index)
     for mesh in scene_desc.meshes:
-        add("mesh", mesh, lambda mesh=mesh: _take_mesh(made.scene, mesh))
+        index = kept("mesh", mesh)
+        note(mesh, _take_mesh(scene, mesh) if index is None else index)
 
 
 def _take_image(scene: native.Scene, image: desc.ImageDesc, log: ExportLog | None) -> int | None:

@@ -4,8 +4,8 @@
 The last argument is a JSON file, the job: `scene` (path), `motion` (of MOTIONS), `frames`, `size`,
 `engine` (SPECULA or CYCLES), `seconds` for each frame or 0, `samples` (the most), `seed`,
 `changing` (whether each frame has a seed of its own), `settings` (of spc_render_settings),
-`pictures` (.npz to write: `combined` and, from Specula, `caustics`, (F, H, W, 3) float32, bottom row
-first), `strip` (.png to write, or null) and `result` (the JSON file to write).
+`pictures` (.npz to write: `combined` and, from Specula, `caustics`, (F, H, W, 3) float32, bottom
+row first), `strip` (.png to write, or null) and `result` (the JSON file to write).
 """
 
 from __future__ import annotations

@@ -2,8 +2,9 @@
 """How caustics and glints flicker: frames of moving scenes, beside references of the same frames.
 
 The scenes are the examples, moved by a script: a turning slab of glass, waves in the pool, a lamp
-that moves around a glass ball, a camera around the ring and around the shoes. Each method renders each frame for
-as long as the others. In the pixels that see caustics in some frame (of the shoes in all) it tells
+that moves around a glass ball, a camera around the ring and around the shoes. Each method renders
+each frame for as long as the others. In the pixels that see caustics in some frame (of the shoes in
+all) it tells
 
     noise     standard deviation from frame to frame of what the references do not have
     variance  over time, by that of the references
@@ -54,7 +55,9 @@ def arguments() -> argparse.Namespace:
         description=__doc__,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("--out", type=Path, default=DEFAULT_OUT, metavar="DIR", help="(%(default)s)")
+    parser.add_argument(
+        "--out", type=Path, default=DEFAULT_OUT, metavar="DIR", help="(%(default)s)"
+    )
     parser.add_argument("--only", default=",".join(SCENES), help="scenes, of: %(default)s")
     parser.add_argument("--methods", default=",".join(METHODS), help="of: %(default)s")
     parser.add_argument("--frames", type=int, default=24)

@@ -130,6 +130,12 @@ class Glints(IntEnum):
     OFF = 2
 
 
+class BumpCorrection(IntEnum):
+    NONE = 0
+    SMOOTHED = 1
+    MICROFACET = 2
+
+
 class MaterialDesc(SizedStructure):
     _fields_ = [
         ("struct_size", c_size_t),
@@ -145,6 +151,7 @@ class MaterialDesc(SizedStructure):
         ("links", POINTER(NodeLink)),
         ("link_count", c_uint32),
         ("glints", c_uint32),
+        ("bump_correction", c_uint32),
     ]
 
 
@@ -215,6 +222,7 @@ class InstanceDesc(SizedStructure):
         ("material_count", c_uint32),
         ("visibility", c_uint32),
         ("caustics_role", c_uint32),
+        ("terminator_offset", c_float),
     ]
 
 

@@ -253,6 +253,7 @@ def material_struct(material: desc.MaterialDesc) -> abi.MaterialDesc:
         links=(abi.NodeLink * len(links))(*links),
         link_count=len(links),
         glints=material.glints,
+        bump_correction=material.bump_correction,
     )
     arrays = []
     for index, node in enumerate(material.nodes):

@@ -10,6 +10,7 @@ import math
 
 import numpy as np
 
+from .desc import BumpCorrection
 from .sky import Sky
 
 # ------------------------------------------------------------------------------------------- data
@@ -104,6 +105,7 @@ OLD_IDENTIFIERS = {
     "Coat Normal": ("Clearcoat Normal",),
     "Sheen Weight": ("Sheen",),
     "Subsurface Weight": ("Subsurface",),
+    "Roughness": ("Sigma",),  # of a Velvet BSDF
     # Of the nodes that separated and combined colours until Separate Color and Combine Color.
     "Color": ("Image",),
     "Red": ("R", "H"),
@@ -137,6 +139,23 @@ def output_name(socket, names: tuple[str, ...]) -> str | None:
 def is_sharp(node) -> bool:
     """The distribution 'SHARP' was removed in 4.0; it is GGX of roughness 0."""
     return getattr(node, "distribution", "") == "SHARP"
+
+
+def diffuse_exchanges() -> bool:
+    """Whether facets of a rough diffuse surface give light to each other. The version tells."""
+    import bpy  # not above: tables that use this module are also read without Blender
+
+    return bpy.app.version >= (4, 3, 0)
+
+
+def bump_correction(material) -> BumpCorrection:
+    """What Cycles does where shading normals disagree with the surface, since 4.2 by material."""
+    if not cycles_value(material, "use_bump_map_correction", True):
+        return BumpCorrection.NONE
+    import bpy  # not above: tables that use this module are also read without Blender
+
+    new = bpy.app.version >= (4, 2, 0)
+    return BumpCorrection.MICROFACET if new else BumpCorrection.SMOOTHED
 
 
 def sky(node) -> Sky:

@@ -16,6 +16,7 @@ from ..abi import (
     NONE,
     AlphaMode,
     AreaShape,
+    BumpCorrection,
     CausticsRole,
     ColorSpace,
     Glints,
@@ -77,6 +78,7 @@ class MaterialDesc:
     nodes: list[NodeDesc] = field(default_factory=list)
     links: list[LinkDesc] = field(default_factory=list)
     glints: Glints = Glints.AUTO
+    bump_correction: BumpCorrection = BumpCorrection.NONE
 
 
 @dataclass(frozen=True)
@@ -122,6 +124,7 @@ class InstanceDesc:
     materials: list[int]  # one for each of the mesh's slots; NONE: nothing is drawn there
     visibility: Visibility = Visibility.ALL
     caustics_role: CausticsRole = CausticsRole.AUTO
+    terminator_offset: float = 0.0  # 0 .. 1: how far the edge of light moves into the light
 
 
 @dataclass

@@ -142,6 +142,7 @@ class SceneExport:
                 materials=[index for index, _ in materials],
                 visibility=visibility,
                 caustics_role=caustics_role(instance),
+                terminator_offset=compat.cycles_value(obj, "shadow_terminator_offset", 0.0),
             )
         )
 

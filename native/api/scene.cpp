@@ -85,6 +85,8 @@ Graph to_graph(const spc_material_desc& desc) {
     graph.name = name_or(desc.name, "material");
     const std::string owner = named("material", graph.name);
     graph.glints = checked_enum<GlintsMode>(desc.glints, SPC_GLINTS_OFF, owner, "choice of glints");
+    graph.bump_correction = checked_enum<BumpCorrection>(
+        desc.bump_correction, SPC_BUMP_CORRECTION_MICROFACET, owner, "bump correction");
     require(desc.nodes != nullptr && desc.node_count > 0, owner + ": the material has no nodes");
     require(desc.inputs != nullptr || desc.input_count == 0, owner + ": inputs is null");
     require(desc.options != nullptr || desc.option_count == 0, owner + ": options is null");
@@ -191,6 +193,9 @@ Instance to_instance(const spc_instance_desc& desc) {
     instance.visibility = desc.visibility;
     instance.role =
         checked_enum<CausticsRole>(desc.caustics_role, SPC_CAUSTICS_BOTH, owner, "caustics role");
+    require(desc.terminator_offset >= 0.0f && desc.terminator_offset <= 1.0f,
+            owner + ": terminator_offset is not within 0 and 1");
+    instance.terminator_stretch = 1.0f / (1.0f - 0.5f * desc.terminator_offset);
     return instance;
 }
 

@@ -112,8 +112,7 @@ bool PathTracer::survive_roulette(const Sampler& sampler) {
 
 std::optional<CausticVertex> PathTracer::rough_vertex_at(const Surface& surface,
                                                          const ClosureSample& next) const {
-    if (next.kind == BounceKind::diffuse || next.glints || rough_visit(surface).before == nullptr)
-        return std::nullopt;
+    if (!next.facets || next.glints || rough_visit(surface).before == nullptr) return std::nullopt;
     return rough_vertex(techniques_of(world, settings), surface.hit, surface.ng, next.wi);
 }
 
@@ -156,10 +155,11 @@ PathSample path_radiance(const RenderScene& world, const IntegratorSettings& set
         const std::optional<Hit> hit = path.go_to_surface(surface, out.radiance);
         if (!hit) {
             const Spectrum& t = path.throughput;
-            if (settings.transparent_film && path.ray_kind == kVisibleCamera)
-                out.alpha = 1.0f - (t.x + t.y + t.z) / 3.0f;
+            if (settings.transparent_film && path.ray_kind == kVisibleCamera) out.alpha -= mean(t);
             break;
         }
+        if (path.ray_kind == kVisibleCamera)
+            out.alpha -= mean(path.throughput * surface.closures.holdout);
         if (path.bounces.exhausted(settings.limits)) {
             if (path.look_for_lights_behind(*hit, surface)) continue;
             break;

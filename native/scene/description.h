@@ -55,6 +55,7 @@ struct Instance {
     std::vector<uint32_t> materials;  // index into Scene::materials for each slot
     uint32_t visibility = kVisibleAll;
     CausticsRole role = CausticsRole::automatic;
+    float terminator_stretch = 1.0f;  // Terminator::stretch
     // Set when the scene is frozen.
     std::vector<std::vector<uint32_t>>
         uv_layers;  // [slot][layer of the material] -> layer of the mesh, or kNone

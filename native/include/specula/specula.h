@@ -196,6 +196,15 @@ typedef struct spc_node_link {
  * says why a material has none. OFF: none. */
 typedef enum spc_glints { SPC_GLINTS_AUTO = 0, SPC_GLINTS_ON = 1, SPC_GLINTS_OFF = 2 } spc_glints;
 
+/* What is done where shading normals disagree with the surface: with reflections that would go below
+ * it, and at the edge between light and shadow. NONE: nothing. SMOOTHED: as in Cycles of Blender 3.4.
+ * MICROFACET: as in that of 5.0. */
+typedef enum spc_bump_correction {
+    SPC_BUMP_CORRECTION_NONE = 0,
+    SPC_BUMP_CORRECTION_SMOOTHED = 1,
+    SPC_BUMP_CORRECTION_MICROFACET = 2
+} spc_bump_correction;
+
 /* Exactly one node has kind "output". Its socket "Surface" is the surface, or the background of a
  * world. Its socket "Volume" is the medium behind front faces, which absorbs if all kinds of rays
  * see the instance. A graph may contain unused nodes; cycles are refused. */
@@ -212,7 +221,8 @@ typedef struct spc_material_desc {
     uint32_t array_count;
     const spc_node_link* links;
     uint32_t link_count;
-    uint32_t glints; /* spc_glints; a world ignores it */
+    uint32_t glints;          /* spc_glints; a world ignores it */
+    uint32_t bump_correction; /* spc_bump_correction; likewise */
 } spc_material_desc;
 
 /* Compiles a material and gives its index. Errors: SPC_WRONG_STATE (after commit). */
@@ -305,6 +315,7 @@ typedef struct spc_instance_desc {
     uint32_t material_count;   /* must equal the mesh's slot_count */
     uint32_t visibility;       /* of spc_visibility */
     uint32_t caustics_role;    /* spc_caustics_role */
+    float terminator_offset; /* 0 .. 1: how far the edge of light on smooth normals moves into the light */
 } spc_instance_desc;
 
 /* Places a mesh in the world and gives the instance's index. Errors: SPC_WRONG_STATE (after

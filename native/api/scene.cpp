@@ -309,7 +309,8 @@ spc_status spc_scene_edit(const spc_scene* before, spc_scene** scene) {
         spc_scene*& out = checked_output(scene, "scene");
         std::shared_ptr<const spc::RenderScene> world;
         if (before != nullptr) {
-            world_of(before);
+            require(world_of(before).scene->has_trees_to_share,
+                    "the scene before was not made to be edited");
             world = before->world;
         }
         auto made = std::make_unique<spc_scene>();

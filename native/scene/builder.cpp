@@ -226,7 +226,7 @@ uint32_t SceneBuilder::keep_image(uint32_t index) {
 }
 
 uint32_t SceneBuilder::keep_mesh(uint32_t index) {
-    return keep(before().meshes, index, scene_->meshes, "mesh");
+    return keep(before().sources, index, scene_->meshes, "mesh");
 }
 
 uint32_t SceneBuilder::keep_material(uint32_t index) {
@@ -360,6 +360,7 @@ void SceneBuilder::require_complete() const {
 
 std::unique_ptr<Scene> SceneBuilder::freeze(uint32_t threads) {
     require_complete();
+    if (scene_->has_trees_to_share) scene_->sources = scene_->meshes;
     for (const Material& material : scene_->materials)
         for (const std::string& warning : material.warnings) scene_->report.push_back(warning);
     report_images(*scene_);

@@ -84,17 +84,18 @@ SPC_API spc_status spc_scene_create(spc_scene** scene);
 /* Frees a scene. All of its sessions must have been destroyed before. */
 SPC_API void spc_scene_destroy(spc_scene* scene);
 
-/* A new scene that shares with `before`, which is committed, what it keeps of it by the calls below and what
- * follows from that: trees over geometry, tables of the world and of glints. Its pictures are those of a scene
- * into which all has been added anew, to the bit but for surfaces that coincide. Each instance has a tree of
- * its own, which takes a little longer to render and makes the next scene cheap. `before` may be NULL, for
- * the first of a series, and be destroyed at any time. Embree's threads are those of the first commit.
- * The scene keeps its light sheets while its camera moves. */
+/* Creates a scene that shares with `before`, which was made by this call and is committed, what it
+ * keeps of it by the calls below and what follows from that: trees over geometry, tables of the world
+ * and of glints. Its pictures are those of a scene into which all has been added anew, to the bit but
+ * for surfaces that coincide. Each instance has a tree of its own, which takes a little longer to
+ * render and makes the next scene cheap. `before` may be NULL, for the first of a series, and be
+ * destroyed at any time. Embree's threads are those of the first commit. The scene keeps its light
+ * sheets while its camera moves. Errors: SPC_WRONG_STATE (`before` is not committed). */
 SPC_API spc_status spc_scene_edit(const spc_scene* before, spc_scene** scene);
 
-/* Adds what the scene before has at an index, as the calls that add do, but shares it. A material needs the
- * images that it reads kept before it, with their indices. Errors: SPC_WRONG_STATE (there is none before),
- * SPC_INVALID_ARGUMENT. */
+/* Adds what the scene before has at an index, as the calls that add do, but shares it. A material
+ * needs the images that it reads kept before it, with their indices. Errors: SPC_WRONG_STATE (there
+ * is no scene before). */
 SPC_API spc_status spc_scene_keep_image(spc_scene* scene, uint32_t before, uint32_t* image_index);
 SPC_API spc_status spc_scene_keep_material(spc_scene* scene, uint32_t before,
                                            uint32_t* material_index);

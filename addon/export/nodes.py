@@ -311,7 +311,7 @@ NODES = {
         ),
         ("BSDF",),
         options={"distribution": ("GGX", "MULTI_GGX")},
-        fixed_options={"sheen": "MICROFIBER"},
+        fixed_options={"model": "LAYERED"},
         neutral_inputs={
             "Subsurface Weight": 0.0,
             "Thin Film Thickness": 0.0,

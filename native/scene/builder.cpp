@@ -370,7 +370,7 @@ std::unique_ptr<Scene> SceneBuilder::freeze(uint32_t threads) {
     assign_caustics_roles(*scene_);
     check_light_tracing(*scene_);
     center_on_casters(*scene_);
-    bake_single_users(*scene_, before_.get());
+    bake_positions(*scene_, before_.get());
     bound_scene(*scene_);
     scene_->accel =
         std::make_unique<Accel>(*scene_, threads, before_ ? before_->accel.get() : nullptr);

@@ -56,9 +56,9 @@ void find_media(Scene& scene);         // which instances absorb
 void assign_caustics_roles(Scene& scene);
 void check_light_tracing(Scene& scene);  // after the roles
 void center_on_casters(Scene& scene);    // after the roles
-// World-space vertices for meshes with one instance; those of `before`, if it is not null, where
+// World-space vertices for meshes with one instance, and for copies of small ones; those of `before`, if it is not null, where
 // neither mesh nor place has changed.
-void bake_single_users(Scene& scene, const Scene* before);
+void bake_positions(Scene& scene, const Scene* before);
 void bound_scene(Scene& scene);
 
 }  // namespace spc

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <numeric>
 #include <unordered_map>
 
 namespace spc {
@@ -42,18 +44,42 @@ SharedArray<Vec3> baked(const Mesh& mesh, const Transform& to_world) {
     return SharedArray(std::move(world));
 }
 
+// Copies of triangles that are made at most, some 0.1 kB each.
+constexpr size_t kMostCopies = 512 * 1024;
+
+// One tree over all triangles is faster than a tree of instances, whose boxes overlap: where leaves
+// are instances, by more than twice. The smallest meshes come first, an instance of which takes about
+// as much memory as its triangles. Trees that are shared are those of meshes.
+std::vector<char> meshes_to_bake(const Scene& scene) {
+    const size_t count = scene.meshes.size();
+    std::vector<size_t> users(count, 0), by_size(count);
+    for (const Instance& instance : scene.instances) ++users[instance.mesh];
+    std::iota(by_size.begin(), by_size.end(), size_t{0});
+    const auto triangles = [&](size_t mesh) { return scene.meshes[mesh]->triangles.size(); };
+    std::stable_sort(by_size.begin(), by_size.end(),
+                     [&](size_t a, size_t b) { return triangles(a) < triangles(b); });
+    std::vector<char> baked(count, 0);
+    size_t left = scene.has_trees_to_share ? 0 : kMostCopies;
+    for (const size_t mesh : by_size) {
+        const size_t copies = users[mesh] > 1 ? users[mesh] * triangles(mesh) : 0;
+        if (copies > left) continue;
+        baked[mesh] = 1;
+        left -= copies;
+    }
+    return baked;
+}
+
 }  // namespace
 
-void bake_single_users(Scene& scene, const Scene* before) {
+void bake_positions(Scene& scene, const Scene* before) {
     std::unordered_map<const Mesh*, const Instance*> baked_before;
     if (before != nullptr)
         for (const Instance& instance : before->instances)
             if (!instance.world_positions.empty())
                 baked_before[before->meshes[instance.mesh].get()] = &instance;
-    std::vector<uint32_t> users(scene.meshes.size(), 0);
-    for (const Instance& instance : scene.instances) ++users[instance.mesh];
+    const std::vector<char> to_bake = meshes_to_bake(scene);
     for (Instance& instance : scene.instances) {
-        if (users[instance.mesh] != 1) continue;
+        if (to_bake[instance.mesh] == 0) continue;
         const Shared<Mesh>& mesh = scene.meshes[instance.mesh];
         const auto known = baked_before.find(mesh.get());
         const bool stays = known != baked_before.end() &&

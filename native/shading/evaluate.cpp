@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The interpreter: value instructions over T, then closures from their results.
+#include "bsdf/albedo.h"
 #include "bsdf/fresnel.h"
 #include "core/uninitialized_array.h"
 #include "shading/normal_map.h"
@@ -314,8 +315,6 @@ private:
         add(c, weight, d);
     }
 
-    // What the reflection takes from wo's light, by its albedo, does not reach the layer below. As in Cycles
-    // that is the albedo with what facets exchange, even of a reflection that loses it.
     void add_coated(const ClosureInstruction& c, const Spectrum& weight) {
         Fresnel fresnel;
         fresnel.kind = Fresnel::Kind::dielectric_f0;
@@ -323,10 +322,9 @@ private:
         fresnel.f0 = color(c, 4);
         Spectrum below = weight;
         if (fresnel.eta != 1.0f) {
-            MicrofacetReflection layer = reflection(c, fresnel);
-            layer.energy_compensated = true;
+            const MicrofacetReflection layer = reflection(c, fresnel);
             add_reflection(c, weight, fresnel);
-            below *= clamp01(1.0f - max_component(albedo(layer, point_.wo)));
+            below *= clamp01(1.0f - max_component(kept_from_below(layer, point_.wo)));
         }
         add_rough_diffuse(c, below);
     }

@@ -84,7 +84,8 @@ Graph mapped_mirror(Map map, float strength) {
 
 // The instance under test is number 0.
 std::unique_ptr<Scene> geometry_scene(const GeometryCase& c) {
-    SceneBuilder builder;
+    // Trees that are kept for later scenes are those of meshes.
+    SceneBuilder builder = c.shared ? SceneBuilder(nullptr) : SceneBuilder();
     builder.set_camera(Camera{});
     builder.add_image(wavy_normals());
     Instance instance;

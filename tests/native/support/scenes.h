@@ -110,7 +110,7 @@ inline Transform rotation_x(float angle, const Vec3& t = Vec3(0.0f)) {
 
 class SceneMaker {
 public:
-    SceneMaker() {
+    explicit SceneMaker(SceneBuilder empty = {}) : builder(std::move(empty)) {
         Camera camera;
         builder.set_camera(camera);
     }

@@ -33,7 +33,7 @@ class SizedStructure(Structure):
         super().__init__(struct_size=sizeof(type(self)), **fields)
 
 
-API_VERSION = 9
+API_VERSION = 10
 NONE = 0xFFFFFFFF
 
 
@@ -130,6 +130,12 @@ class Glints(IntEnum):
     OFF = 2
 
 
+class Displacement(IntEnum):
+    BUMP = 0
+    VERTICES = 1
+    BOTH = 2
+
+
 class MaterialDesc(SizedStructure):
     _fields_ = [
         ("struct_size", c_size_t),
@@ -145,6 +151,7 @@ class MaterialDesc(SizedStructure):
         ("links", POINTER(NodeLink)),
         ("link_count", c_uint32),
         ("glints", c_uint32),
+        ("displacement", c_uint32),
     ]
 
 
@@ -180,6 +187,7 @@ class MeshDesc(SizedStructure):
         ("triangles", POINTER(c_uint32)),
         ("triangle_count", c_uint32),
         ("normals", POINTER(c_float)),
+        ("flat_faces", POINTER(c_uint32)),
         ("material_slots", POINTER(c_uint32)),
         ("slot_count", c_uint32),
         ("uv_layers", POINTER(UvLayer)),

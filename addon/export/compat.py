@@ -10,6 +10,7 @@ import math
 
 import numpy as np
 
+from .desc import Displacement
 from .sky import Sky
 
 # ------------------------------------------------------------------------------- Cycles' settings
@@ -43,6 +44,20 @@ def cycles_value(owner, name: str, default):
 
 
 # ------------------------------------------------------------------------------------------ meshes
+
+
+DISPLACEMENTS = {
+    "BUMP": Displacement.BUMP,
+    "DISPLACEMENT": Displacement.VERTICES,
+    "BOTH": Displacement.BOTH,
+}
+
+
+def displacement(material) -> Displacement:
+    """What a material's displacement does; until 4.1 a setting of Cycles."""
+    method = getattr(material, "displacement_method", None)
+    method = method or cycles_value(material, "displacement_method", "BUMP")
+    return DISPLACEMENTS[method] if isinstance(method, str) else Displacement(method)
 
 
 def is_flat(mesh) -> bool:
@@ -147,6 +162,13 @@ def sky(node) -> Sky:
         sun_size=node.sun_size if node.sun_disc else 0.0,
         sun_intensity=node.sun_intensity,
     )
+
+
+def is_principled_by_default() -> bool:
+    """Whether Cycles shades what has no material by a Principled BSDF, not a diffuse one."""
+    import bpy  # not above: tables that use this module are also read without Blender
+
+    return bpy.app.version >= (5, 0, 0)
 
 
 def voronoi_hash() -> str:

@@ -18,6 +18,7 @@ from ..abi import (
     AreaShape,
     CausticsRole,
     ColorSpace,
+    Displacement,
     Glints,
     LightType,
     Projection,
@@ -77,6 +78,7 @@ class MaterialDesc:
     nodes: list[NodeDesc] = field(default_factory=list)
     links: list[LinkDesc] = field(default_factory=list)
     glints: Glints = Glints.AUTO
+    displacement: Displacement = Displacement.BUMP
 
 
 @dataclass(frozen=True)
@@ -108,6 +110,7 @@ class MeshDesc:
     positions: np.ndarray  # (V, 3) float32, m
     triangles: np.ndarray  # (T, 3) uint32
     normals: np.ndarray | None = None  # (T, 3, 3) float32 at corners; None: every face is flat
+    flat_faces: np.ndarray | None = None  # (T,) uint32: 1 where a face is flat; None: as `normals`
     material_slots: np.ndarray | None = None  # (T,) uint32 < slot_count; None: all 0
     slot_count: int = 1
     uv_layers: list[UvLayerDesc] = field(default_factory=list)

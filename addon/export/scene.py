@@ -103,6 +103,7 @@ class SceneExport:
         if instance.object.is_shadow_catcher:
             self.log.warn(owner, "shadow catchers are not supported, the object is rendered")
         ignored.warn_of_object(original(instance), self.log)
+        ignored.warn_of_subdivision(self.depsgraph.scene_eval, original(instance), self.log)
         if self.layer.use_strand and any(
             system.settings.type == "HAIR" and system.settings.render_type == "PATH"
             for system in instance.object.particle_systems

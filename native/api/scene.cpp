@@ -84,6 +84,8 @@ Graph to_graph(const spc_material_desc& desc) {
     Graph graph;
     graph.name = name_or(desc.name, "material");
     const std::string owner = named("material", graph.name);
+    graph.displacement = checked_enum<DisplacementMode>(desc.displacement, SPC_DISPLACEMENT_BOTH,
+                                                        owner, "choice of displacement");
     graph.glints = checked_enum<GlintsMode>(desc.glints, SPC_GLINTS_OFF, owner, "choice of glints");
     require(desc.nodes != nullptr && desc.node_count > 0, owner + ": the material has no nodes");
     require(desc.inputs != nullptr || desc.input_count == 0, owner + ": inputs is null");
@@ -170,6 +172,9 @@ Mesh to_mesh(const spc_mesh_desc& desc) {
     mesh.triangles = copied<std::array<uint32_t, 3>>(desc.triangles, triangles, owner, "triangles");
     if (desc.normals != nullptr)
         mesh.normals = copied<Vec3>(desc.normals, 3 * triangles, owner, "normals");
+    mesh.shaded_smooth = desc.normals != nullptr;
+    if (desc.flat_faces != nullptr)
+        mesh.flat_faces = copied<uint32_t>(desc.flat_faces, triangles, owner, "flat_faces");
     if (desc.material_slots != nullptr)
         mesh.slots = copied<uint32_t>(desc.material_slots, triangles, owner, "material_slots");
     mesh.slot_count = desc.slot_count;

@@ -35,8 +35,11 @@ struct Mesh {
     std::string name;
     std::vector<Vec3> positions;  // object space
     std::vector<std::array<uint32_t, 3>> triangles;
-    std::vector<Vec3> normals;    // 3 a triangle, unit, object space; empty = flat
-    std::vector<uint32_t> slots;  // material slot of each triangle; empty = all 0
+    std::vector<Vec3> normals;   // 3 a triangle, unit, object space; empty = flat
+    bool shaded_smooth = false;  // displaced, it has normals of its vertices, but for these faces:
+    std::vector<uint32_t> flat_faces;  // not 0 for each that stays flat; empty: none
+    std::vector<Vec3> rest_positions;  // before vertices were displaced; empty where nothing reads them
+    std::vector<uint32_t> slots;       // material slot of each triangle; empty = all 0
     uint32_t slot_count = 1;
     std::vector<UvLayer> uv_layers;
     uint32_t active_uv_layer = 0;

@@ -203,7 +203,8 @@ Program generate(const ExprBuilder& expr, const std::vector<ClosureTerm>& terms,
     const Section emission = generator.section(roots.emission),
                   transparency = generator.section(roots.transparency);
     const Section caster_normal = generator.section(roots.caster_normal),
-                  background = generator.section(roots.background);
+                  background = generator.section(roots.background),
+                  displacement = generator.section(roots.displacement);
     generator.append_heights();
     Program program = generator.take();
     program.surface = surface;
@@ -211,6 +212,7 @@ Program generate(const ExprBuilder& expr, const std::vector<ClosureTerm>& terms,
     program.transparency = transparency;
     program.caster_normal = caster_normal;
     program.background = background;
+    program.displacement = displacement;
     return program;
 }
 

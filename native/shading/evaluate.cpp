@@ -65,11 +65,29 @@ void run(const Program& program, const Section& section, std::span<const Image> 
                 break;
             case Op::position: r.store(i.out, point.position); break;
             case Op::position_object: r.store(i.out, point.position_object); break;
-            case Op::normal_object:
-                r.store(i.out, safe_normalize(apply_transposed(point.object_to_world->row,
-                                                               facing_normal(point))));
+            case Op::normal_object: {
+                const Vector3<T> n =
+                    r.operand(i, 0) == kNoOperand ? facing_normal(point) : r.vector(i, 0);
+                const Vector3<T> held = i.mode == kHeldStill ? constant<T>(value_of(n)) : n;
+                r.store(i.out, safe_normalize(apply_transposed(point.object_to_world->row, held)));
                 break;
-            case Op::normal: r.store(i.out, facing_normal(point)); break;
+            }
+            case Op::normal: {
+                const Vector3<T> n = facing_normal(point);
+                r.store(i.out, i.mode == kHeldStill ? constant<T>(value_of(n)) : n);
+                break;
+            }
+            case Op::tangent_object: {
+                const bool known = point.tangent_object != nullptr;
+                r.store(i.out, known ? constant<T>(value_of(point.tangent_object[i.index]))
+                                     : Vector3<T>{});
+                r.store(static_cast<Operand>(i.out + 3),
+                        T(known ? point.bitangent_sign[i.index] : 1.0f));
+                break;
+            }
+            case Op::direction_to_world:
+                r.store(i.out, apply_rows(point.object_to_world->row, r.vector(i, 0)));
+                break;
             case Op::true_normal: r.store(i.out, constant<T>(point.ng)); break;
             case Op::incoming: r.store(i.out, constant<T>(point.wo)); break;
             case Op::facing: {
@@ -254,6 +272,12 @@ Spectrum evaluate_emission(const Material& material, std::span<const Image> imag
 Spectrum evaluate_transparency(const Material& material, std::span<const Image> images,
                                const ShadingPoint<float>& point) {
     return evaluate_spectrum(*material.program, material.program->transparency, images, point);
+}
+
+Vec3 evaluate_displacement(const Material& material, std::span<const Image> images,
+                           const ShadingPoint<float>& point) {
+    return value_of(
+        evaluate_vector(*material.program, material.program->displacement, images, point));
 }
 
 Spectrum evaluate_background(const Material& material, std::span<const Image> images,

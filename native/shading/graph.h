@@ -41,8 +41,12 @@ struct GraphLink {
 // Whether narrow lobes on a normal or bump map are looked at through the pixel's footprint.
 enum class GlintsMode : uint8_t { automatic, on, off };
 
+// What the output's Displacement does: turns normals, moves vertices, or both.
+enum class DisplacementMode : uint8_t { bump, vertices, both };
+
 struct Graph {
     std::string name;
+    DisplacementMode displacement = DisplacementMode::bump;
     GlintsMode glints = GlintsMode::automatic;
     std::vector<GraphNode> nodes;
     std::vector<GraphInput> inputs;

@@ -9,7 +9,8 @@ constexpr OutputSocket kBsdf[] = {{"BSDF", shader}};
 constexpr OutputSocket kShader[] = {{"Shader", shader}};
 constexpr NodeOption kReflectionModels[] = {{"distribution", "GGX|BECKMANN|MULTI_GGX"}};
 constexpr NodeOption kRefractionModels[] = {{"distribution", "GGX|BECKMANN"}};
-constexpr InputSocket kOutputIn[] = {shader_input("Surface"), shader_input("Volume")};
+constexpr InputSocket kOutputIn[] = {shader_input("Surface"), shader_input("Volume"),
+                                     vector_input("Displacement", 0.0f)};
 constexpr InputSocket kDiffuseIn[] = {grey_input(0.8f), scalar_input("Roughness", 0.0f),
                                       kNormalInput};
 constexpr InputSocket kGlossyIn[] = {grey_input(0.8f), scalar_input("Roughness", 0.5f),

@@ -47,7 +47,7 @@ extern "C" {
 #endif
 
 /* This number is raised whenever a struct or the meaning of a call changes. */
-#define SPC_API_VERSION 9u
+#define SPC_API_VERSION 10u
 
 /* This value stands for "no index" where an index is optional. */
 #define SPC_NONE 0xffffffffu
@@ -179,6 +179,16 @@ typedef struct spc_node_link {
  * says why a material has none. OFF: none. */
 typedef enum spc_glints { SPC_GLINTS_AUTO = 0, SPC_GLINTS_ON = 1, SPC_GLINTS_OFF = 2 } spc_glints;
 
+/* What the output's socket "Displacement" does, which is in metres of the world. BUMP: it turns
+ * normals, as a bump of the surface. VERTICES: it moves vertices, when the scene is committed and
+ * once for each mesh with the same materials, as the first such instance stands. BOTH: vertices, and
+ * the normals of the surface as it was. */
+typedef enum spc_displacement {
+    SPC_DISPLACEMENT_BUMP = 0,
+    SPC_DISPLACEMENT_VERTICES = 1,
+    SPC_DISPLACEMENT_BOTH = 2
+} spc_displacement;
+
 /* Exactly one node has kind "output". Its socket "Surface" is the surface, or the background of a
  * world. Its socket "Volume" is the medium behind front faces, which absorbs if all kinds of rays
  * see the instance. A graph may contain unused nodes; cycles are refused. */
@@ -195,7 +205,8 @@ typedef struct spc_material_desc {
     uint32_t array_count;
     const spc_node_link* links;
     uint32_t link_count;
-    uint32_t glints; /* spc_glints; a world ignores it */
+    uint32_t glints;       /* spc_glints; a world ignores it */
+    uint32_t displacement; /* spc_displacement; a world ignores it */
 } spc_material_desc;
 
 /* Compiles a material and gives its index. Errors: SPC_WRONG_STATE (after commit). */
@@ -244,6 +255,9 @@ typedef struct spc_mesh_desc {
     const uint32_t* triangles;
     uint32_t triangle_count;
     const float* normals; /* float[triangle_count][3][3] of corners, object space; NULL = flat */
+    /* uint32_t[triangle_count]: not 0 for triangles that stay flat however their vertices are
+     * displaced; NULL: none, but all without normals */
+    const uint32_t* flat_faces;
     const uint32_t* material_slots; /* uint32_t[triangle_count], each < slot_count; NULL = slot 0 */
     uint32_t slot_count;            /* >= 1 */
     const spc_uv_layer* uv_layers;

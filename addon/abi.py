@@ -223,6 +223,7 @@ class InstanceDesc(SizedStructure):
         ("material_count", c_uint32),
         ("visibility", c_uint32),
         ("caustics_role", c_uint32),
+        ("holdout", c_uint32),
     ]
 
 
@@ -279,6 +280,13 @@ class LightDesc(SizedStructure):
 class Projection(IntEnum):
     PERSPECTIVE = 0
     ORTHOGRAPHIC = 1
+    EQUIRECTANGULAR = 2
+    FISHEYE_EQUIDISTANT = 3
+    FISHEYE_EQUISOLID = 4
+    FISHEYE_POLYNOMIAL = 5
+    MIRROR_BALL = 6
+    EQUIANGULAR_CUBEMAP_FACE = 7
+    CENTRAL_CYLINDRICAL = 8
 
 
 class CameraDesc(SizedStructure):
@@ -290,6 +298,7 @@ class CameraDesc(SizedStructure):
         ("height", c_uint32),
         ("crop", c_uint32 * 4),
         ("viewplane", c_float * 4),
+        ("panorama", c_float * 8),
         ("clip_near", c_float),
         ("clip_far", c_float),
         ("aperture_radius", c_float),
@@ -382,6 +391,8 @@ class RenderSettings(SizedStructure):
         ("pixel_filter", c_uint32),
         ("filter_width", c_float),
         ("transparent_film", c_uint32),
+        ("transparent_glass", c_uint32),
+        ("transparent_glass_roughness", c_float),
         ("chain_family", c_char_p),
     ]
 
@@ -470,6 +481,10 @@ PROTOTYPES = {
     "spc_scene_add_image": (c_int, (c_void_p, POINTER(ImageDesc), POINTER(c_uint32))),
     "spc_scene_add_material": (c_int, (c_void_p, POINTER(MaterialDesc), POINTER(c_uint32))),
     "spc_scene_material_needs": (c_int, (c_void_p, c_uint32, POINTER(MaterialNeeds))),
+    "spc_scene_material_emission": (
+        c_int,
+        (c_void_p, c_uint32, POINTER(c_float), POINTER(c_uint32)),
+    ),
     "spc_node_kinds": (c_char_p, ()),
     "spc_scene_add_mesh": (c_int, (c_void_p, POINTER(MeshDesc), POINTER(c_uint32))),
     "spc_scene_add_instance": (c_int, (c_void_p, POINTER(InstanceDesc), POINTER(c_uint32))),

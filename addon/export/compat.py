@@ -197,6 +197,14 @@ def world_of(scene, view_layer):
     return getattr(view_layer, "world_override", None) or scene.world
 
 
+# ----------------------------------------------------------------------------------------- cameras
+
+
+def panorama_settings(camera):
+    """What holds the projection of a panoramic camera; until 4.x Cycles' settings of it."""
+    return camera if hasattr(camera, "panorama_type") else cycles_settings(camera)
+
+
 # ------------------------------------------------------------------------------------------ lights
 
 

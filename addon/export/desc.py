@@ -125,6 +125,7 @@ class InstanceDesc:
     materials: list[int]  # one for each of the mesh's slots; NONE: nothing is drawn there
     visibility: Visibility = Visibility.ALL
     caustics_role: CausticsRole = CausticsRole.AUTO
+    holdout: bool = False  # the camera sees a hole in its place
 
 
 @dataclass
@@ -159,10 +160,12 @@ class CameraDesc:
     width: int  # of the full frame, pixels
     height: int
     crop: tuple[int, int, int, int]  # x0, y0, width, height from the bottom left, pixels
-    viewplane: tuple[float, float, float, float]  # left, right, bottom, top at distance 1, or m
+    # left, right, bottom, top at distance 1; orthographic: m; panoramic: shares of the panorama
+    viewplane: tuple[float, float, float, float]
     clip_near: float = 0.0  # m along the viewing axis
     clip_far: float = 1e10
     projection: Projection = Projection.PERSPECTIVE
+    panorama: tuple[float, ...] = (0.0,) * 8  # as the projection says
     aperture_radius: float = 0.0  # m; 0: all is in focus, and nothing below is read
     focus_distance: float = 1.0  # m along the viewing axis
     aperture_blades: int = 0  # sides of the polygon, at least 3; 0: a disc

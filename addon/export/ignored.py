@@ -22,14 +22,7 @@ class Ignored:
     message: str
 
 
-SCENE = (
-    Ignored("use_fast_gi", False, "fast GI is not supported, all light is followed"),
-    Ignored(
-        "film_transparent_glass",
-        False,
-        "transparent glass is not supported, the film is opaque where glass is",
-    ),
-)
+SCENE = (Ignored("use_fast_gi", False, "fast GI is not supported, all light is followed"),)
 OBJECT = (
     Ignored(
         "shadow_terminator_geometry_offset",

@@ -85,7 +85,8 @@ class Converter:
             if of_material:
                 self._input(0, output, "Displacement", path=())
                 self._volume(output)
-            elif output.inputs["Volume"].is_linked:
+            volume = None if of_material else compat.find_input(output, "Volume")
+            if volume and volume.is_linked:
                 self.warn(output, "Volume is not supported and has no effect")
         return MaterialDesc(name, self._nodes, self._links)
 

@@ -85,6 +85,9 @@ void exchange(const Way& way, Host& host, Core& core) {
         way.number("filter_width", host.filter_width, core.filter_width, kNarrowestFilter,
                    kWidestFilter);
     way.flag(host.transparent_film, integrator.transparent_film);
+    way.flag(host.transparent_glass, integrator.transparent_glass);
+    way.number("transparent_glass_roughness", host.transparent_glass_roughness,
+               integrator.transparent_glass_alpha, 0.0f, 1.0f);
 }
 
 ChainFinder finder_of(uint32_t method) {

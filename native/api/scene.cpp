@@ -196,6 +196,7 @@ Instance to_instance(const spc_instance_desc& desc) {
     instance.visibility = desc.visibility;
     instance.role =
         checked_enum<CausticsRole>(desc.caustics_role, SPC_CAUSTICS_BOTH, owner, "caustics role");
+    instance.holdout = desc.holdout != 0;
     return instance;
 }
 
@@ -223,13 +224,14 @@ LightDesc to_light(const spc_light_desc& desc) {
 
 Camera to_camera(const spc_camera_desc& desc) {
     Camera camera;
-    camera.projection = checked_enum<Projection>(desc.projection, SPC_PROJECTION_ORTHOGRAPHIC,
-                                                 "camera", "projection");
+    camera.projection = checked_enum<Projection>(
+        desc.projection, SPC_PROJECTION_CENTRAL_CYLINDRICAL, "camera", "projection");
     camera.to_world = transform_of(desc.transform, "camera");
     camera.width = desc.width;
     camera.height = desc.height;
     std::copy(std::begin(desc.crop), std::end(desc.crop), camera.crop.begin());
     std::copy(std::begin(desc.viewplane), std::end(desc.viewplane), camera.viewplane.begin());
+    std::copy(std::begin(desc.panorama), std::end(desc.panorama), camera.panorama.begin());
     camera.clip_near = desc.clip_near;
     camera.clip_far = desc.clip_far;
     camera.aperture_radius = desc.aperture_radius;
@@ -338,6 +340,16 @@ spc_status spc_scene_material_needs(spc_scene* scene, uint32_t material_index,
             scene->needed_layers.push_back({layer.c_str(), tangents ? 1u : 0u});
         needs->uv_layers = scene->needed_layers.data();
         needs->uv_layer_count = static_cast<uint32_t>(scene->needed_layers.size());
+    });
+}
+
+spc_status spc_scene_material_emission(spc_scene* scene, uint32_t material_index, float* mean,
+                                       uint32_t* varies) {
+    return gate("spc_scene_material_emission", [&] {
+        const spc::Material& material = builder_of(scene).material(material_index);
+        require(mean != nullptr && varies != nullptr, "mean or varies is null");
+        for (int i = 0; i < 3; ++i) mean[i] = material.mean_emission[i];
+        *varies = material.constant_emission ? 0 : 1;
     });
 }
 

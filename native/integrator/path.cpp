@@ -7,12 +7,14 @@ std::optional<Hit> PathTracer::go_to_surface(Surface& surface, Spectrum& radianc
     for (;;) {
         const std::optional<Hit> hit = intersect();
         if (!hit) {
-            const bool shows_film = settings.transparent_film && ray_kind == kVisibleCamera;
+            const bool shows_film = settings.transparent_film && sees_film;
             go_towards(ray.direction);
             if (!shows_film) radiance += throughput * emission_from_afar();
             return hit;
         }
         if (hit->light == kNone) {
+            in_hole = is_held_out(*hit);
+            if (in_hole) return std::nullopt;
             evaluate(*hit, surface);
             come_to(surface.p);
             radiance += throughput * emission_of_surface(*hit, surface);
@@ -40,6 +42,7 @@ bool PathTracer::scatter(const Hit& hit, const Surface& surface, const ClosureSa
     if (next.kind == BounceKind::transparent) return look_through(hit);
     const BounceCounts before = bounces;
     bounces.add(next.kind);
+    sees_film = sees_film && lets_film_through(next);
     if (differential && !propagate_through_bounce(scene(), surface, next,
                                                   static_cast<double>(hit.t), *differential))
         differential.reset();
@@ -155,7 +158,7 @@ PathSample path_radiance(const RenderScene& world, const IntegratorSettings& set
         const std::optional<Hit> hit = path.go_to_surface(surface, out.radiance);
         if (!hit) {
             const Spectrum& t = path.throughput;
-            if (settings.transparent_film && path.ray_kind == kVisibleCamera)
+            if (path.in_hole || (settings.transparent_film && path.sees_film))
                 out.alpha = 1.0f - (t.x + t.y + t.z) / 3.0f;
             break;
         }

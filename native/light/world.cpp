@@ -141,7 +141,7 @@ double integral_of(const BilinearMap::Cells& cells) {
 void build_world(const Scene& scene, LightSet& lights, uint32_t threads) {
     if (scene.environment.material == kNone) return;
     const Material& material = scene.materials[scene.environment.material];
-    if (material.constant_background) {
+    if (material.constant_emission) {
         lights.world_is_constant = true;
         lights.world_constant = evaluate_background(material, scene.images, Vec3(0.0f, 0.0f, 1.0f));
         lights.has_world = luminance(lights.world_constant) > 0.0f;

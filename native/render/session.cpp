@@ -348,6 +348,11 @@ FilmSample Session::take_sample(uint32_t x, uint32_t y, uint32_t index,
     const Vec2 offset = filter_.sample(sampler[Domain::film].two());
     const Vec2 lens = camera.aperture_radius > 0.0f ? sampler[Domain::lens].two() : Vec2(0.0f, 0.0f);
     const Vec2 film = Vec2(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f) + offset;
+    if (!camera.sees(film)) {
+        ++stats.samples;
+        const Spectrum none(0.0f);
+        return {none, none, none, none, 0.0f, 1e10f, {}};
+    }
     const Ray ray = camera.ray(film.x, film.y, lens);
     const PixelKernel pixel{&filter_, film, offset};
     const ManifoldStats before = stats.path.manifold;

@@ -221,6 +221,10 @@ Camera checked_camera(const Camera& camera) {
         require_within(edge, kFarthest, "camera", "the viewplane");
     if (!(camera.clip_near >= 0.0f && camera.clip_near < camera.clip_far))
         invalid("camera: clipping needs 0 <= near < far");
+    for (const float number : camera.panorama)
+        require_within(number, kLargestNumber, "camera", "a number of the panorama");
+    if (camera.projection == Projection::fisheye_equisolid && !(camera.panorama[1] > 0.0f))
+        invalid("camera: the fisheye's focal length must be positive");
     require_within(camera.clip_near, kFarthest, "camera", "the near clip");
     check_aperture(camera);
     // Scale would otherwise change depths.

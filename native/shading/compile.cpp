@@ -127,7 +127,7 @@ void Compiler::describe(Material& material) {
             scatters(term, row.diffuse) || (row.has_facets() && !delta(term.alpha()));
     }
     material.is_background = is_world_;
-    material.constant_background = is_world_ && expr.is_constant(emission);
+    material.constant_emission = expr.is_constant(emission);
     material.emits = !is_black(emission);
     if (material.emits) material.mean_emission = Spectrum(expr.mean_value(emission, images_));
     material.absorption = medium();

@@ -97,8 +97,8 @@ struct Material {
     // has none.
     std::string narrow_lobe;
     bool is_background = false;  // surface is a Background shader
-    bool constant_background =
-        false;                     // of the same radiance in every direction, by the graph itself
+    bool constant_emission =
+        true;  // the same everywhere and in every direction, by the graph itself
     std::vector<uint32_t> images;  // that some part of it reads, by index into the scene's
     SpecularInterface specular;    // of deltas
     SpecularInterface rough;       // of a narrow lobe, where there are no deltas

@@ -68,6 +68,10 @@ class Recorder:
     def separator(self):
         pass
 
+    def template_node_view(self, tree, node, socket):
+        assert socket.node == node
+        self.shown.append("nodes")
+
     def column(self, **_):
         return self
 
@@ -80,7 +84,7 @@ class Context:
     def __init__(self, **members):
         self.scene = bpy.context.scene
         self.view_layer = bpy.context.view_layer
-        self.light = self.object = self.world = self.material = None
+        self.light = self.object = self.world = self.material = self.camera = None
         self.__dict__.update(members)
 
 
@@ -113,7 +117,9 @@ def test_every_panel_draws(light):
         "object": add_mesh(),
         "world": bpy.data.worlds.new("World"),
         "material": new_material(),
+        "camera": bpy.data.cameras.new("Camera"),
     }
+    members["camera"].type = "PANO"
     bpy.context.scene.specula.method = "SMS_UNBIASED"  # which has settings of its own
     for panel in ui.PANELS:
         layout = draw(panel, Context(**members))

@@ -231,6 +231,11 @@ typedef struct spc_material_needs {
 SPC_API spc_status spc_scene_material_needs(spc_scene* scene, uint32_t material_index,
                                             spc_material_needs* needs);
 
+/* Says, before commit, what a material emits: `mean` (float[3]) is its emission with the means of what
+ * varies over a surface, and `varies` is 1 if anything does. Errors: SPC_WRONG_STATE (after commit). */
+SPC_API spc_status spc_scene_material_emission(spc_scene* scene, uint32_t material_index,
+                                               float* mean, uint32_t* varies);
+
 /* Lists the kinds of nodes, one in a line: `kind: in Socket:type ... out Socket:type ... option
  * name=A|B ... array name:COLUMNS ...`. The text is static. */
 SPC_API const char* spc_node_kinds(void);
@@ -302,6 +307,7 @@ typedef struct spc_instance_desc {
     uint32_t material_count;   /* must equal the mesh's slot_count */
     uint32_t visibility;       /* of spc_visibility */
     uint32_t caustics_role;    /* spc_caustics_role */
+    uint32_t holdout;          /* 1: the camera sees a hole of alpha 0 in its place */
 } spc_instance_desc;
 
 /* Places a mesh in the world and gives the instance's index. Errors: SPC_WRONG_STATE (after
@@ -376,7 +382,19 @@ SPC_API spc_status spc_scene_add_light(spc_scene* scene, const spc_light_desc* d
 
 typedef enum spc_projection {
     SPC_PROJECTION_PERSPECTIVE = 0,
-    SPC_PROJECTION_ORTHOGRAPHIC = 1 /* parallel rays from the plane through the camera */
+    SPC_PROJECTION_ORTHOGRAPHIC = 1, /* parallel rays from the plane through the camera */
+    /* Panoramic, with the numbers that `panorama` holds; angles in rad. */
+    SPC_PROJECTION_EQUIRECTANGULAR = 2, /* least and largest longitude, least and largest latitude */
+    SPC_PROJECTION_FISHEYE_EQUIDISTANT = 3, /* field of view */
+    /* field of view, focal length > 0, width and height of the sensor in its unit */
+    SPC_PROJECTION_FISHEYE_EQUISOLID = 4,
+    /* field of view, k0 to k4 of the angle -(k0 + k1 r + k2 r^2 + ...), width and height of the
+     * sensor in the unit of r */
+    SPC_PROJECTION_FISHEYE_POLYNOMIAL = 5,
+    SPC_PROJECTION_MIRROR_BALL = 6,              /* none */
+    SPC_PROJECTION_EQUIANGULAR_CUBEMAP_FACE = 7, /* none */
+    /* least and largest longitude, least and largest height on a cylinder of radius 1 */
+    SPC_PROJECTION_CENTRAL_CYLINDRICAL = 8
 } spc_projection;
 
 typedef struct spc_camera_desc {
@@ -388,12 +406,13 @@ typedef struct spc_camera_desc {
      * frame */
     uint32_t crop[4];
     /* left, right, bottom, top of the full frame: perspective, on the plane at distance 1;
-     * orthographic, in m */
+     * orthographic, in m; panoramic, in shares of the whole panorama, which 0, 1, 0, 1 is */
     float viewplane[4];
-    float clip_near, clip_far; /* along the viewing axis, m; 0 <= near < far */
+    float panorama[8];         /* as the projection says */
+    float clip_near, clip_far; /* along the viewing axis or a panorama's ray, m; 0 <= near < far */
     /* Depth of field: a thin lens. */
     float aperture_radius; /* m, >= 0; 0: all is in focus, and nothing below is read */
-    float focus_distance;  /* along the viewing axis, m, > 0 */
+    float focus_distance;  /* along the viewing axis or a panorama's ray, m, > 0 */
     /* sides of the aperture, a regular polygon with its corners on the radius: >= 3; 0: a disc */
     uint32_t aperture_blades;
     float aperture_rotation; /* of the polygon, rad, from +X to +Y; 0: a side's middle is at +X */
@@ -517,6 +536,9 @@ typedef struct spc_render_settings {
     uint32_t pixel_filter;     /* spc_pixel_filter */
     float filter_width;        /* pixels, full width; [0.01, 1000]; ignored by the box */
     uint32_t transparent_film; /* 1: the world is seen as alpha 0 by the camera */
+    /* 1: also through glass, of at most this roughness, [0, 1] */
+    uint32_t transparent_glass;
+    float transparent_glass_roughness;
     /* The only chains that walks look for, from the receiver on, at most 6: "TT" are two
      * refractions, "R" is one reflection; the rest is path tracing's. NULL or empty: all. Ignored
      * by other methods. */

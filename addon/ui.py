@@ -45,6 +45,15 @@ EXCLUDED_PANELS = {
     "WORLD_PT_mist",
 }
 
+# Of the scene's light paths in Cycles.
+IGNORED = (
+    "sample_clamp_direct",
+    "sample_clamp_indirect",
+    "blur_glossy",
+    "light_sampling_threshold",
+    "use_fast_gi",
+)
+
 # EEVEE's panels that only show slots, node trees and previews.
 BORROWED_PANELS = (
     "MATERIAL_PT_preview",
@@ -116,6 +125,13 @@ def draw_overrides(column, scene, names: tuple[str, ...]) -> None:
 
         if is_inherited(scene, name):
             draw_note(column, inherited_text(scene, name))
+
+
+def draw_ignored(column, owner, names: tuple[str, ...]) -> None:
+    """Those of Cycles' settings of `owner` that are set and do nothing here."""
+    for name in names:
+        if getattr(owner, name, None):
+            draw_note(column, f"{owner.bl_rna.properties[name].name}: no effect", icon="INFO")
 
 
 def draw_forecast(column, ask) -> None:
@@ -197,6 +213,7 @@ class SPECULA_PT_light_paths(SpeculaPanel, bpy.types.Panel):
             column.separator()
             column.prop(cycles, "caustics_reflective")
             column.prop(cycles, "caustics_refractive")
+            draw_ignored(column, cycles, IGNORED)
 
 
 class SPECULA_PT_film(SpeculaPanel, bpy.types.Panel):
@@ -433,8 +450,9 @@ class SPECULA_PT_panorama(SpeculaPanel, bpy.types.Panel):
             column.label(text="Enable the addon Cycles, which holds the settings", icon="INFO")
             return
         column.prop(owner, "panorama_type")
-        for name in owner.bl_rna.properties.keys():
-            if name.startswith(self.PROPERTIES.get(owner.panorama_type, ("-",))):
+        of_type = self.PROPERTIES.get(owner.panorama_type, ())
+        for name in (prop.identifier for prop in owner.bl_rna.properties):
+            if name.startswith(of_type):
                 column.prop(owner, name)
 
 

@@ -93,9 +93,12 @@ def _node_emission(
     material = converter.convert(owner, light.node_tree)
     converter.draw_suns()
     emission, varies = core.emission(core.add(material, images.descs))
-    if varies:
-        log.warn(owner, "nodes that vary are not supported in a light, their mean is used")
-    return emission
+    if not varies:
+        return emission
+    known = any(emission)  # the mean of what depends on the ray is not
+    used = "their mean" if known else "white emission"
+    log.warn(owner, f"nodes that vary are not supported in a light, {used} is used")
+    return emission if known else (1.0, 1.0, 1.0)
 
 
 def _point(desc: LightDesc, light, owner: str, log: ExportLog) -> None:

@@ -136,6 +136,14 @@ def test_settings_that_are_left_to_cycles_say_what_holds():
     assert "0: as Cycles, 77" not in draw(ui.SPECULA_PT_sampling, Context()).texts
 
 
+def test_settings_of_cycles_that_do_nothing_say_so():
+    cycles = bpy.context.scene.cycles
+    cycles.sample_clamp_indirect, cycles.sample_clamp_direct = 10.0, 0.0
+    texts = draw(ui.SPECULA_PT_light_paths, Context()).texts
+    assert "Clamp Indirect: no effect" in texts
+    assert "Clamp Direct: no effect" not in texts
+
+
 def test_advanced_settings_are_closed_and_only_there_where_they_matter():
     panel = ui.SPECULA_PT_advanced
     assert panel.bl_parent_id == "SPECULA_PT_sampling"

@@ -119,7 +119,7 @@ class Stage:
     # -------------------------------------------------------------------------------- materials
 
     def material(self, shader: Node | None, displacement: str = "BUMP", **sockets: Node):
-        """A new material; `sockets`: Volume or Displacement, which does what `displacement` says."""
+        """A new material; `sockets`: Volume or Displacement, whose method is `displacement`."""
         material = bpy.data.materials.new("Subject")
         self.graph(material, "ShaderNodeOutputMaterial", {"Surface": shader} | sockets)
         if "Displacement" in sockets:

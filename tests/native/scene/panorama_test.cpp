@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Panoramic cameras against what their projections are named after.
+#include "scene/description.h"
 #include "shading/graphs.h"
 #include "support/numerics.h"
 

@@ -16,6 +16,7 @@ from ..abi import (
     NONE,
     AlphaMode,
     AreaShape,
+    BumpCorrection,
     CausticsRole,
     ColorSpace,
     Displacement,
@@ -79,6 +80,7 @@ class MaterialDesc:
     links: list[LinkDesc] = field(default_factory=list)
     glints: Glints = Glints.AUTO
     displacement: Displacement = Displacement.BUMP
+    bump_correction: BumpCorrection = BumpCorrection.NONE
 
 
 @dataclass(frozen=True)
@@ -126,6 +128,7 @@ class InstanceDesc:
     visibility: Visibility = Visibility.ALL
     caustics_role: CausticsRole = CausticsRole.AUTO
     holdout: bool = False  # the camera sees a hole in its place
+    terminator_offset: float = 0.0  # 0 .. 1: how far the edge of light moves into the light
 
 
 @dataclass

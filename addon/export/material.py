@@ -48,6 +48,7 @@ def export_material(material, images: Images, log: ExportLog) -> MaterialDesc:
     _make_emission(desc)
     desc.glints = Glints[material.specula.glints]
     desc.displacement = compat.displacement(material)
+    desc.bump_correction = compat.bump_correction(material)
     return desc
 
 

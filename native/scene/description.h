@@ -2,6 +2,7 @@
 // The parts of a scene as plain data: what the builder collects and the frozen Scene keeps.
 #pragma once
 
+#include "core/shared.h"
 #include "math/bounds.h"
 #include "shading/program.h"
 
@@ -57,11 +58,13 @@ struct Instance {
     std::vector<uint32_t> materials;  // index into Scene::materials for each slot
     uint32_t visibility = kVisibleAll;
     CausticsRole role = CausticsRole::automatic;
-    bool holdout = false;  // a hole in what the camera sees
+    bool holdout = false;             // a hole in what the camera sees
+    float terminator_stretch = 1.0f;  // Terminator::stretch
     // Set when the scene is frozen.
     std::vector<std::vector<uint32_t>>
         uv_layers;  // [slot][layer of the material] -> layer of the mesh, or kNone
-    std::vector<Vec3> world_positions;  // of every vertex if the mesh has this instance alone, else empty
+    // Of every vertex if the mesh has this instance alone, else empty.
+    SharedArray<Vec3> world_positions;
     bool caster = false, receiver = false;
     bool rough_caster = false;  // throws blurred caustics; see docs/glossary.md
     bool emits = false;

@@ -89,7 +89,7 @@ std::vector<Vec3> vertex_normals(const Mesh& mesh, const std::vector<Vec3>& posi
 // Cycles on flat faces too.
 void turn_normals(const Scene& scene, const Instance& instance, const Mesh& before, Mesh& mesh) {
     const auto is_both = [&](uint32_t material) {
-        return scene.materials[material].displacement == DisplacementMode::both;
+        return scene.materials[material]->displacement == DisplacementMode::both;
     };
     if (!mesh.shaded_smooth &&
         std::none_of(instance.materials.begin(), instance.materials.end(), is_both))
@@ -137,7 +137,7 @@ Mesh displaced(Scene& scene, uint32_t index, uint32_t threads) {
                         instance.name, refused));
     turn_normals(scene, instance, before, mesh);
     for (const uint32_t material : instance.materials)
-        if (scene.materials[material].displacement == DisplacementMode::both)
+        if (scene.materials[material]->displacement == DisplacementMode::both)
             mesh.rest_positions = before.positions;
     drop_degenerate_triangles(mesh);
     normalize_corner_normals(mesh);
@@ -154,7 +154,7 @@ void displace(Scene& scene, uint32_t threads) {
     for (uint32_t i = 0; i < scene.instances.size(); ++i) {
         Instance& instance = scene.instances[i];
         const auto moves = [&](uint32_t material) {
-            return scene.materials[material].moves_vertices;
+            return scene.materials[material]->moves_vertices;
         };
         if (std::none_of(instance.materials.begin(), instance.materials.end(), moves)) continue;
         const auto [mesh, is_new] = known.try_emplace({instance.mesh, instance.materials},

@@ -3,6 +3,7 @@
 // compile() in program.h validates it.
 #pragma once
 
+#include "bsdf/terminator.h"
 #include "math/vec.h"
 
 #include <string>
@@ -48,6 +49,7 @@ struct Graph {
     std::string name;
     DisplacementMode displacement = DisplacementMode::bump;
     GlintsMode glints = GlintsMode::automatic;
+    BumpCorrection bump_correction = BumpCorrection::none;
     std::vector<GraphNode> nodes;
     std::vector<GraphInput> inputs;
     std::vector<GraphOption> options;

@@ -96,6 +96,7 @@ struct Material {
     // Why it throws blurred caustics: a strong lobe that is narrow without being a delta. Empty if it
     // has none.
     std::string narrow_lobe;
+    BumpCorrection bump_correction = BumpCorrection::none;
     bool is_background = false;  // surface is a Background shader
     bool constant_emission =
         true;  // the same everywhere and in every direction, by the graph itself

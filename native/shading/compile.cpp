@@ -194,7 +194,7 @@ void Compiler::displace(DisplacementMode mode, Material& material, ProgramRoots&
     material.moves_vertices = mode != DisplacementMode::bump;
     if (material.moves_vertices) roots.displacement = displacement;
     if (mode == DisplacementMode::vertices) return;
-    surface_normal_ = bump_of(displacement);
+    surface_normal_ = roots.surface_normal = bump_of(displacement);
     evaluate_values();
 }
 

@@ -52,7 +52,7 @@ struct ClosureTerm {
 // What was asked of a program (codegen.cpp). kNoExpr for zero.
 struct ProgramRoots {
     ExprId emission = kNoExpr, transparency = kNoExpr, caster_normal = kNoExpr,
-           background = kNoExpr, displacement = kNoExpr;
+           background = kNoExpr, displacement = kNoExpr, surface_normal = kNoExpr;
 };
 
 class Compiler {

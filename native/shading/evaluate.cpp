@@ -168,13 +168,14 @@ Spectrum evaluate_spectrum(const Program& program, const Section& section,
 class ClosureBuilder {
 public:
     ClosureBuilder(const Registers<float>& registers, const ShadingPoint<float>& point,
-                   BumpCorrection bump_correction, ClosureList& list)
+                   Operand surface_normal, BumpCorrection bump_correction, ClosureList& list)
         : r_(registers),
           point_(point),
           bump_correction_(bump_correction),
           list_(list),
-          facing_normal_(value_of(facing_normal(point))) {
-        list.terminator = {bump_correction, 1.0f, facing_normal_};
+          surface_normal_(value_of(surface_normal == kNoOperand ? facing_normal(point)
+                                                                : registers.vector(surface_normal))) {
+        list.terminator = {bump_correction, 1.0f, surface_normal_};
     }
 
     void add(const ClosureInstruction& c) {
@@ -244,7 +245,7 @@ private:
     }
     Vec3 normal(const ClosureInstruction& c) const {
         const Operand n = operand(c, kNormalOperand);
-        return n == kNoOperand ? facing_normal_ : value_of(r_.vector(n));
+        return n == kNoOperand ? surface_normal_ : value_of(r_.vector(n));
     }
     // Of closures that mirror or refract. Those that glint have the normals of their map.
     Vec3 glossy_normal(const ClosureInstruction& c) const {
@@ -348,7 +349,7 @@ private:
     const ShadingPoint<float>& point_;
     const BumpCorrection bump_correction_;
     ClosureList& list_;
-    Vec3 facing_normal_;
+    Vec3 surface_normal_;  // where a closure has none of its own
 };
 
 }  // namespace
@@ -359,7 +360,8 @@ void evaluate_closures(const Material& material, std::span<const Image> images,
     closures.clear();
     const RegisterFile<float> file(program);
     run(program, program.surface, images, point, file.registers);
-    ClosureBuilder builder(file.registers, point, material.bump_correction, closures);
+    ClosureBuilder builder(file.registers, point, program.surface_normal, material.bump_correction,
+                           closures);
     for (const ClosureInstruction& closure : program.closures) builder.add(closure);
     if (program.surface.result != kNoOperand)
         closures.emission = spectrum(file.registers.vector(program.surface.result));

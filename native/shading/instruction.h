@@ -80,7 +80,9 @@ struct Program {
     std::vector<ClosureInstruction> closures;
     Section surface;  // operands of the closures; its result is the emission
     Section emission, transparency, caster_normal, background;
-    Section displacement;          // by which vertices move: m, world
+    Operand surface_normal =
+        kNoOperand;        // of the surface's section: after displacement; none: interpolated
+    Section displacement;  // by which vertices move: m, world
     std::vector<Section> heights;  // of bumps; what they need is not part of the other sections
 };
 

@@ -255,6 +255,8 @@ def material_struct(material: desc.MaterialDesc) -> abi.MaterialDesc:
         glints=material.glints,
         displacement=material.displacement,
         bump_correction=material.bump_correction,
+        pass_index=material.pass_index,
+        crypto=material.crypto,
     )
     arrays = []
     for index, node in enumerate(material.nodes):

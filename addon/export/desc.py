@@ -19,6 +19,7 @@ from ..abi import (
     BumpCorrection,
     CausticsRole,
     ColorSpace,
+    Crypto,
     Displacement,
     Glints,
     LightType,
@@ -81,6 +82,8 @@ class MaterialDesc:
     glints: Glints = Glints.AUTO
     displacement: Displacement = Displacement.BUMP
     bump_correction: BumpCorrection = BumpCorrection.NONE
+    pass_index: int = 0
+    crypto: float = 0.0  # identifier for Cryptomatte; 0: none
 
 
 @dataclass(frozen=True)
@@ -129,6 +132,9 @@ class InstanceDesc:
     caustics_role: CausticsRole = CausticsRole.AUTO
     holdout: bool = False  # the camera sees a hole in its place
     terminator_offset: float = 0.0  # 0 .. 1: how far the edge of light moves into the light
+    pass_index: int = 0
+    crypto_object: float = 0.0  # identifiers for Cryptomatte; 0: none
+    crypto_asset: float = 0.0
 
 
 @dataclass
@@ -192,3 +198,5 @@ class SceneDesc:
     lights: list[LightDesc] = field(default_factory=list)
     camera: CameraDesc | None = None
     environment: EnvironmentDesc | None = None
+    # Names that Cryptomatte may show, by spc_crypto; empty if nobody asks.
+    crypto_names: dict[Crypto, set[str]] = field(default_factory=dict)

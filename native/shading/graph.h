@@ -48,6 +48,8 @@ enum class DisplacementMode : uint8_t { bump, vertices, both };
 struct Graph {
     std::string name;
     DisplacementMode displacement = DisplacementMode::bump;
+    uint32_t pass_index = 0;  // what its pass shows
+    float crypto = 0.0f;      // identifier, 0: none
     GlintsMode glints = GlintsMode::automatic;
     BumpCorrection bump_correction = BumpCorrection::none;
     std::vector<GraphNode> nodes;

@@ -268,7 +268,7 @@ def test_settings_of_cycles_that_are_ignored_are_named_once():
     world.cycles.max_bounces = 0
     _, warnings = export()
     owners = [warning.partition(":")[0] for warning in warnings]
-    expected = ["scene"] + ["object Ball"] + ["light Lamp", "world Sky"]
+    expected = ["scene", "object Ball", "light Lamp", "world Sky"]
     assert sorted(owners) == sorted(expected)
 
 

@@ -55,6 +55,10 @@ class Inquiry:
             frozenset(layers), frozenset(name for name, tangents in layers.items() if tangents)
         )
 
+    def emission(self, material: int) -> tuple[tuple[float, float, float], bool]:
+        """What the material at that index emits, on average, and whether that varies."""
+        return self._scene.material_emission(material)
+
     def forecast(
         self, materials: list[int], role: CausticsRole, visibility: Visibility
     ) -> Forecast:

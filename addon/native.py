@@ -262,6 +262,13 @@ class Scene:
         layers = needs.uv_layers[: needs.uv_layer_count]
         return {need.layer.decode(): bool(need.tangents) for need in layers}
 
+    def material_emission(self, material: int) -> tuple[tuple[float, float, float], bool]:
+        """Mean of what the material at that index emits, and whether it varies."""
+        mean, varies = (c_float * 3)(), c_uint32()
+        call = library().spc_scene_material_emission
+        _check(call(self.handle, material, mean, byref(varies)))
+        return tuple(mean), bool(varies.value)
+
     def forecast(self, materials: list[int], role: int, visibility: int) -> dict:
         """spc_forecast by name, of an object with these materials."""
         forecast, count = abi.Forecast(), len(materials)

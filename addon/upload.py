@@ -253,6 +253,7 @@ def material_struct(material: desc.MaterialDesc) -> abi.MaterialDesc:
         links=(abi.NodeLink * len(links))(*links),
         link_count=len(links),
         glints=material.glints,
+        displacement=material.displacement,
         bump_correction=material.bump_correction,
         pass_index=material.pass_index,
         crypto=material.crypto,
@@ -280,6 +281,7 @@ def _mesh(mesh: desc.MeshDesc) -> abi.MeshDesc:
     _point_to(struct, struct, "positions", mesh.positions, (vertices, 3))
     _point_to(struct, struct, "triangles", mesh.triangles, (triangles, 3))
     _point_to(struct, struct, "normals", mesh.normals, (triangles, 3, 3))
+    _point_to(struct, struct, "flat_faces", mesh.flat_faces, (triangles,))
     _point_to(struct, struct, "material_slots", mesh.material_slots, (triangles,))
     layers = (abi.UvLayer * len(mesh.uv_layers))()
     for uv_layer, layer in zip(layers, mesh.uv_layers, strict=True):

@@ -40,11 +40,20 @@ def export_mesh(obj, needs: MaterialNeeds, slot_count: int) -> MeshDesc | None:
         positions=read(mesh.vertices, "co", (3,), np.float32),
         triangles=vertices.view(np.uint32),
         normals=None if compat.is_flat(mesh) else compat.corner_normals(mesh)[corners],
+        flat_faces=_flat_faces(mesh),
         material_slots=_material_slots(mesh, slot_count),
         slot_count=slot_count,
         uv_layers=layers,
         active_uv_layer=_active_index(mesh, layers),
     )
+
+
+def _flat_faces(mesh) -> np.ndarray | None:
+    """(T,) uint32, 1 for triangles without smooth normals; None where all are of one kind."""
+    smooth = read(mesh.polygons, "use_smooth", (), bool)
+    if smooth.all() or not smooth.any():
+        return None
+    return (~smooth)[read(mesh.loop_triangles, "polygon_index", (), np.int32)].astype(np.uint32)
 
 
 def _material_slots(mesh, slot_count: int) -> np.ndarray | None:

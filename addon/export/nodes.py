@@ -390,6 +390,18 @@ NODES = {
         ("Normal",),
         options={"invert": ("False", "True")},
     ),
+    "ShaderNodeDisplacement": NodeKind(
+        "displacement",
+        ("Height", "Midlevel", "Scale", "Normal"),
+        ("Displacement",),
+        options={"space": ("OBJECT", "WORLD")},
+    ),
+    "ShaderNodeVectorDisplacement": NodeKind(
+        "vector_displacement",
+        ("Vector", "Midlevel", "Scale"),
+        ("Displacement",),
+        options={"space": ("TANGENT", "OBJECT", "WORLD")},
+    ),
     "ShaderNodeUVMap": NodeKind(
         "uv_map",
         (),

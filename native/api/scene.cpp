@@ -86,6 +86,8 @@ Graph to_graph(const spc_material_desc& desc) {
     graph.pass_index = desc.pass_index;
     graph.crypto = desc.crypto;
     const std::string owner = named("material", graph.name);
+    graph.displacement = checked_enum<DisplacementMode>(desc.displacement, SPC_DISPLACEMENT_BOTH,
+                                                        owner, "choice of displacement");
     graph.glints = checked_enum<GlintsMode>(desc.glints, SPC_GLINTS_OFF, owner, "choice of glints");
     graph.bump_correction = checked_enum<BumpCorrection>(
         desc.bump_correction, SPC_BUMP_CORRECTION_MICROFACET, owner, "bump correction");
@@ -174,6 +176,9 @@ Mesh to_mesh(const spc_mesh_desc& desc) {
     mesh.triangles = copied<std::array<uint32_t, 3>>(desc.triangles, triangles, owner, "triangles");
     if (desc.normals != nullptr)
         mesh.normals = copied<Vec3>(desc.normals, 3 * triangles, owner, "normals");
+    mesh.shaded_smooth = desc.normals != nullptr;
+    if (desc.flat_faces != nullptr)
+        mesh.flat_faces = copied<uint32_t>(desc.flat_faces, triangles, owner, "flat_faces");
     if (desc.material_slots != nullptr)
         mesh.slots = copied<uint32_t>(desc.material_slots, triangles, owner, "material_slots");
     mesh.slot_count = desc.slot_count;
@@ -198,6 +203,7 @@ Instance to_instance(const spc_instance_desc& desc) {
     instance.crypto_asset = desc.crypto_asset;
     instance.role =
         checked_enum<CausticsRole>(desc.caustics_role, SPC_CAUSTICS_BOTH, owner, "caustics role");
+    instance.holdout = desc.holdout != 0;
     require(desc.terminator_offset >= 0.0f && desc.terminator_offset <= 1.0f,
             owner + ": terminator_offset is not within 0 and 1");
     instance.terminator_stretch = 1.0f / (1.0f - 0.5f * desc.terminator_offset);
@@ -228,13 +234,14 @@ LightDesc to_light(const spc_light_desc& desc) {
 
 Camera to_camera(const spc_camera_desc& desc) {
     Camera camera;
-    camera.projection = checked_enum<Projection>(desc.projection, SPC_PROJECTION_ORTHOGRAPHIC,
-                                                 "camera", "projection");
+    camera.projection = checked_enum<Projection>(
+        desc.projection, SPC_PROJECTION_CENTRAL_CYLINDRICAL, "camera", "projection");
     camera.to_world = transform_of(desc.transform, "camera");
     camera.width = desc.width;
     camera.height = desc.height;
     std::copy(std::begin(desc.crop), std::end(desc.crop), camera.crop.begin());
     std::copy(std::begin(desc.viewplane), std::end(desc.viewplane), camera.viewplane.begin());
+    std::copy(std::begin(desc.panorama), std::end(desc.panorama), camera.panorama.begin());
     camera.clip_near = desc.clip_near;
     camera.clip_far = desc.clip_far;
     camera.aperture_radius = desc.aperture_radius;
@@ -387,6 +394,16 @@ spc_status spc_scene_material_needs(spc_scene* scene, uint32_t material_index,
             scene->needed_layers.push_back({layer.c_str(), tangents ? 1u : 0u});
         needs->uv_layers = scene->needed_layers.data();
         needs->uv_layer_count = static_cast<uint32_t>(scene->needed_layers.size());
+    });
+}
+
+spc_status spc_scene_material_emission(spc_scene* scene, uint32_t material_index, float* mean,
+                                       uint32_t* varies) {
+    return gate("spc_scene_material_emission", [&] {
+        const spc::Material& material = builder_of(scene).material(material_index);
+        require(mean != nullptr && varies != nullptr, "mean or varies is null");
+        for (int i = 0; i < 3; ++i) mean[i] = material.mean_emission[i];
+        *varies = material.constant_emission ? 0 : 1;
     });
 }
 

@@ -7,12 +7,14 @@ std::optional<Hit> PathTracer::go_to_surface(Surface& surface, PathLight& light)
     for (;;) {
         const std::optional<Hit> hit = intersect();
         if (!hit) {
-            const bool shows_film = settings.transparent_film && ray_kind == kVisibleCamera;
+            const bool shows_film = settings.transparent_film && sees_film;
             go_towards(ray.direction);
             if (!shows_film) add_from_afar(light);
             return hit;
         }
         if (hit->light == kNone) {
+            in_hole = is_held_out(*hit);
+            if (in_hole) return std::nullopt;
             evaluate(*hit, surface);
             come_to(surface.p);
             add_met(throughput * emission_of_surface(*hit, surface), Pass::emission, light);
@@ -41,6 +43,7 @@ bool PathTracer::scatter(const Hit& hit, const Surface& surface, const ClosureSa
     if (bounces.total == 0) lobes = only(lobe_of(next.kind));
     const BounceCounts before = bounces;
     bounces.add(next.kind);
+    sees_film = sees_film && lets_film_through(next);
     if (differential && !propagate_through_bounce(scene(), surface, next,
                                                   static_cast<double>(hit.t), *differential))
         differential.reset();
@@ -161,12 +164,11 @@ PathSample path_radiance(const RenderScene& world, const IntegratorSettings& set
         const std::optional<Hit> hit = path.go_to_surface(surface, light);
         if (!hit) {
             const Spectrum& t = path.throughput;
-            if (settings.transparent_film && path.ray_kind == kVisibleCamera) out.alpha -= mean(t);
-            if (features) features->look_at_world(path.world_seen(), *values);
+            if (path.in_hole || (settings.transparent_film && path.sees_film)) out.alpha -= mean(t);
+            if (features && !path.in_hole) features->look_at_world(path.world_seen(), *values);
             break;
         }
-        if (path.ray_kind == kVisibleCamera)
-            out.alpha -= mean(path.throughput * surface.closures.holdout);
+        if (path.sees_film) out.alpha -= mean(path.throughput * surface.closures.holdout);
         if (values != nullptr && path.bounces.total == 0) path.tell_surface(surface, *values);
         if (features && features->look(*world.scene, surface, hit->t, *values)) features.reset();
         if (path.bounces.exhausted(settings.limits)) {

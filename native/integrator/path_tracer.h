@@ -61,6 +61,8 @@ struct PathTracer {
     PathHistory history{};
     BounceCounts bounces{};
     uint32_t ray_kind = kVisibleCamera;
+    bool sees_film = true;  // through nothing but what lets it through
+    bool in_hole = false;   // has come to a hole in the picture
     // Set while the path may meet glints: its differential, and the footprint on its last surface.
     std::optional<PathDifferential> differential{};
     std::optional<GlintPoint> glints{};
@@ -82,8 +84,16 @@ struct PathTracer {
     // ---- path.cpp: from surface to surface
 
     // Follows the ray to the next surface and evaluates it. Adds the emission that the ray meets on the
-    // way and at the surface. Empty if the ray leaves the scene.
+    // way and at the surface. Empty if the ray leaves the scene, or the picture in a hole.
     std::optional<Hit> go_to_surface(Surface& surface, PathLight& light);
+    bool is_held_out(const Hit& hit) const {
+        return sees_film && scene().instances[hit.surface.instance].holdout;
+    }
+    // Whether the film is seen past such a scattering.
+    bool lets_film_through(const ClosureSample& next) const {
+        return settings.transparent_glass && next.kind == BounceKind::transmission &&
+               next.alpha <= settings.transparent_glass_alpha;
+    }
     CameraSubpath camera_subpath_to(const Surface& surface) const;
     // Both return whether the path continues.
     bool scatter(const Hit& hit, const Surface& surface, const ClosureSample& next, bool receives,

@@ -156,7 +156,7 @@ void build_world(const Scene& scene, LightSet& lights, uint32_t threads, const L
         return;
     }
     lights.world_material = &material;
-    if (material.constant_background) {
+    if (material.constant_emission) {
         lights.world_is_constant = true;
         lights.world_constant = evaluate_background(material, scene.images, Vec3(0.0f, 0.0f, 1.0f));
         lights.has_world = luminance(lights.world_constant) > 0.0f;

@@ -106,11 +106,14 @@ FilmSample Session::take_sample(uint32_t x, uint32_t y, uint32_t index,
     const Vec2 offset = filter_.sample(sampler[Domain::film].two());
     const Vec2 lens = camera.aperture_radius > 0.0f ? sampler[Domain::lens].two() : Vec2(0.0f, 0.0f);
     const Vec2 film = Vec2(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f) + offset;
-    const Ray ray = camera.ray(film.x, film.y, lens);
     const PixelKernel pixel{&filter_, film, offset};
     const ManifoldStats before = stats.path.manifold;
-    PathSample path =
-        path_radiance(world_, integrator, state, ray, lens, sampler, stats.path, &pixel, values);
+    PathSample path;
+    if (camera.sees(film))
+        path = path_radiance(world_, integrator, state, camera.ray(film.x, film.y, lens), lens,
+                             sampler, stats.path, &pixel, values);
+    else
+        path.alpha = 0.0f;
     ++stats.samples;
     if (!can_be_held(path.radiance) || !can_be_held(path.caustics) || !is_finite(path.position) ||
         !is_finite(path.normal) || !std::isfinite(path.alpha)) {

@@ -212,10 +212,14 @@ void assign_caustics_roles(Scene& scene) {
 void check_light_tracing(Scene& scene) {
     const auto casts = [](const Instance& instance) { return instance.turns_light(); };
     if (std::none_of(scene.instances.begin(), scene.instances.end(), casts)) return;
+    if (scene.camera.is_panoramic()) {
+        scene.light_paths_reach_camera = false;
+        scene.report.push_back("camera: it is panoramic, so no light tracing");
+    }
     for (const Instance& instance : scene.instances) {
         const uint32_t seen = instance.visibility & kVisibleScattered;
         if (seen == 0 || seen == kVisibleScattered) continue;
-        scene.same_for_scattered_rays = false;
+        scene.light_paths_reach_camera = false;
         scene.report.push_back(
             fmt::format("{}: hidden from some kinds of rays, so no light tracing", instance.name));
     }

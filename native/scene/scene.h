@@ -25,8 +25,8 @@ struct Scene {
     Environment environment;
     bool any_transparency = false;  // some material lets shadow rays through
     Bounds absorbing;               // around the instances that absorb, world
-    bool same_for_scattered_rays =
-        true;                         // diffuse, glossy and transmission rays see the same objects
+    // Diffuse, glossy and transmission rays see the same objects, and the camera's film has an inverse.
+    bool light_paths_reach_camera = true;
     float bounds_radius = 0.0f;       // half the diagonal of the box around all geometry and lamps
     std::vector<std::string> report;  // for the log
     // Whether each instance has a tree of its own, which the next snapshot shares if it has not changed;

@@ -83,11 +83,12 @@ struct PointAt {
     UninitializedArray<std::array<T, 2>, kMaxUvLayers> uvs;
 };
 
-// Fills in what `reads` asks for; ng, wo and backfacing are the caller's.
+// Fills in what `reads` asks for; ng, wo and backfacing are the caller's. `corner` and `positions`,
+// of the mesh's vertices, say where the surface is: in the world and in object space.
 template <class T>
 void fill_point(const Scene& scene, const SurfaceHit& hit, const T& u, const T& v,
-                const std::array<Vec3, 3>& corner, const Vec3& front_ng, uint32_t reads,
-                PointAt<T>& at) {
+                const std::array<Vec3, 3>& corner, const std::vector<Vec3>& positions,
+                const Vec3& front_ng, uint32_t reads, PointAt<T>& at) {
     const Instance& instance = scene.instances[hit.instance];
     const Mesh& mesh = scene.meshes[instance.mesh];
     const size_t first = 3 * static_cast<size_t>(hit.triangle);
@@ -99,8 +100,8 @@ void fill_point(const Scene& scene, const SurfaceHit& hit, const T& u, const T& 
                                      corner[2] + scene.origin, u, v);
     if ((reads & kReadsObjectPosition) != 0) {
         const auto& index = mesh.triangles[hit.triangle];
-        point.position_object = interpolate(mesh.positions[index[0]], mesh.positions[index[1]],
-                                            mesh.positions[index[2]], u, v);
+        point.position_object =
+            interpolate(positions[index[0]], positions[index[1]], positions[index[2]], u, v);
     }
     if (mesh.normals.empty()) {
         const Vector3<float> n = to_vector(front_ng);
@@ -146,6 +147,16 @@ void fill_point(const Scene& scene, const SurfaceHit& hit, const T& u, const T& 
     }
 }
 
+// World positions of a triangle's corners before it was displaced.
+std::array<Vec3, 3> rest_corners(const Scene& scene, const SurfaceHit& hit) {
+    const Instance& instance = scene.instances[hit.instance];
+    const Mesh& mesh = scene.meshes[instance.mesh];
+    const auto& [a, b, c] = mesh.triangles[hit.triangle];
+    const std::vector<Vec3>& rest = mesh.rest_positions;
+    return {instance.object_to_world.point(rest[a]), instance.object_to_world.point(rest[b]),
+            instance.object_to_world.point(rest[c])};
+}
+
 // The same, with the storage for what a material's heights read.
 template <class T>
 struct PointWithHeights : PointAt<T> {
@@ -158,16 +169,21 @@ void fill_point_seen_from(const Scene& scene, const SurfaceHit& hit, const T& u,
                           const Vec3& wo, uint32_t reads, const Material& material,
                           const std::array<Vec3, 3>& corner, const Vec3& front,
                           PointWithHeights<T>& at) {
-    fill_point(scene, hit, u, v, corner, front, reads, at);
+    const Mesh& mesh = scene.meshes[scene.instances[hit.instance].mesh];
+    fill_point(scene, hit, u, v, corner, mesh.positions, front, reads, at);
     ShadingPoint<T>& point = at.point;
     point.backfacing = dot(front, wo) < 0.0f;
     point.ng = point.backfacing ? front * -1.0f : front;
     point.wo = wo;
     if ((reads & kReadsHeights) == 0) return;
-    point.dp_du = corner[1] - corner[0];
-    point.dp_dv = corner[2] - corner[0];
-    fill_point(scene, hit, Dual<T>(u, T(1.0f), T(0.0f)), Dual<T>(v, T(0.0f), T(1.0f)), corner,
-               front, material.height_reads, at.around.emplace());
+    // A bump that goes with a displacement is of the surface before it.
+    const bool displaced = !mesh.rest_positions.empty();
+    const std::array<Vec3, 3> base = displaced ? rest_corners(scene, hit) : corner;
+    point.dp_du = base[1] - base[0];
+    point.dp_dv = base[2] - base[0];
+    fill_point(scene, hit, Dual<T>(u, T(1.0f), T(0.0f)), Dual<T>(v, T(0.0f), T(1.0f)), base,
+               displaced ? mesh.rest_positions : mesh.positions, front, material.height_reads,
+               at.around.emplace());
     at.around->point.backfacing = point.backfacing;
     point.around = &at.around->point;
 }
@@ -246,6 +262,16 @@ Spectrum surface_transparency(const Scene& scene, const SurfaceHit& hit, const V
     const Material& material = scene.material_of(hit);
     return material.may_be_transparent ? evaluate_alone(evaluate_transparency, scene, hit, wo)
                                        : Spectrum(0.0f);
+}
+
+Vec3 surface_displacement(const Scene& scene, const SurfaceHit& hit) {
+    const Material& material = scene.material_of(hit);
+    const std::array<Vec3, 3> corner = scene.triangle_world(hit.instance, hit.triangle);
+    const Vec3 front = front_normal_of(corner, scene.instances[hit.instance].mirrored);
+    PointWithHeights<float> at;
+    fill_point_seen_from(scene, hit, hit.u, hit.v, front, material.displacement_reads, material,
+                         corner, front, at);
+    return evaluate_displacement(material, scene.images, at.point);
 }
 
 DifferentialGeometry evaluate_caster(const Scene& scene, const SurfaceHit& hit, bool smooth_base) {

@@ -43,6 +43,8 @@ void evaluate_surface(const Scene& scene, const SurfaceHit& hit, const Vec3& wo,
 Spectrum surface_emission(const Scene& scene, const SurfaceHit& hit, const Vec3& wo);
 Spectrum surface_transparency(const Scene& scene, const SurfaceHit& hit, const Vec3& wo);
 Vec3 surface_position(const Scene& scene, const SurfaceHit& hit);
+// By how much the material displaces the point of a hit: m, world. Of materials that move vertices.
+Vec3 surface_displacement(const Scene& scene, const SurfaceHit& hit);
 // Unit geometric normal on the triangle's front side, world. A mirrored instance is taken into account.
 Vec3 front_normal(const Scene& scene, uint32_t instance, uint32_t triangle);
 

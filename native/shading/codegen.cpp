@@ -181,7 +181,7 @@ private:
 Program generate(const ExprBuilder& expr, const std::vector<ClosureTerm>& terms,
                  const ProgramRoots& roots, const std::string& material) {
     Generator generator(expr, material);
-    std::vector<ExprId> surface_roots{roots.emission};
+    std::vector<ExprId> surface_roots{roots.emission, roots.surface_normal};
     for (const ClosureTerm& term : terms) {
         surface_roots.insert(surface_roots.end(), term.in.begin(), term.in.end());
         surface_roots.insert(surface_roots.end(),
@@ -191,6 +191,7 @@ Program generate(const ExprBuilder& expr, const std::vector<ClosureTerm>& terms,
     }
     Section surface = generator.section(surface_roots);
     surface.result = generator.operand(roots.emission);
+    const Operand surface_normal = generator.operand(roots.surface_normal);
     for (const ClosureTerm& term : terms) {
         ClosureInstruction closure{term.op, term.modes, term.on_caster_normal, term.on_slope_map};
         closure.operands = generator.operands(term.in);
@@ -206,14 +207,17 @@ Program generate(const ExprBuilder& expr, const std::vector<ClosureTerm>& terms,
     const Section emission = generator.section(roots.emission),
                   transparency = generator.section(roots.transparency);
     const Section caster_normal = generator.section(roots.caster_normal),
-                  background = generator.section(roots.background);
+                  background = generator.section(roots.background),
+                  displacement = generator.section(roots.displacement);
     generator.append_heights();
     Program program = generator.take();
     program.surface = surface;
+    program.surface_normal = surface_normal;
     program.emission = emission;
     program.transparency = transparency;
     program.caster_normal = caster_normal;
     program.background = background;
+    program.displacement = displacement;
     return program;
 }
 

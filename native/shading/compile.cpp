@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/error.h"
 #include "shading/compiler.h"
+#include "shading/nodes.h"
 
 #include <fmt/format.h>
 
@@ -23,6 +24,7 @@ Compiler::Compiler(const Graph& graph, std::span<const Image> images)
       images_(images),
       outputs_(graph_.nodes.size()),
       absorption_(emission),
+      displacement_(graph.displacement),
       is_world_(has_background(graph_)) {
     for (size_t i = 0; i < outputs_.size(); ++i)
         outputs_[i].assign(graph_.nodes[i].kind->outputs.size(), kNoExpr);
@@ -134,7 +136,7 @@ void Compiler::describe(Material& material) {
     }
     material.bump_correction = bump_correction_;
     material.is_background = is_world_;
-    material.constant_background = is_world_ && expr.is_constant(emission);
+    material.constant_emission = expr.is_constant(emission);
     material.emits = !is_black(emission);
     if (material.emits) material.mean_emission = Spectrum(expr.mean_value(emission, images_));
     material.absorption = medium();
@@ -172,23 +174,53 @@ void Compiler::gather(ShaderPart part) {
     }
 }
 
-Material Compiler::run() {
-    // Values from the leaves up, so that every input is known when it is asked for, however long
-    // the chain.
+// From the leaves up, so that every input is known when it is asked for, however long the chain.
+void Compiler::evaluate_values() {
+    for (std::vector<ExprId>& known : outputs_) std::fill(known.begin(), known.end(), kNoExpr);
     for (auto index = graph_.order.rbegin(); index != graph_.order.rend(); ++index) {
         const ResolvedNode& node = graph_.nodes[*index];
         for (size_t i = 0; i < node.used_outputs.size(); ++i)
             if (node.kind->value != nullptr && node.used_outputs[i])
                 output(*index, static_cast<int>(i));
     }
+}
+
+// A bump turns the normal before any node of the surface reads it, but what displaces sees the
+// surface as it was.
+void Compiler::displace(DisplacementMode mode, Material& material, ProgramRoots& roots) {
+    const ExprId displacement = input(graph_.output, nodes::kDisplacementOfOutput);
+    if (is_world_ || is_black(displacement)) return;
+    material.displacement = mode;
+    material.moves_vertices = mode != DisplacementMode::bump;
+    if (material.moves_vertices) roots.displacement = displacement;
+    if (mode == DisplacementMode::vertices) return;
+    surface_normal_ = roots.surface_normal = bump_of(displacement);
+    evaluate_values();
+}
+
+// The normal of a surface whose points stand where `displacement` moves them along the normal.
+ExprId Compiler::bump_of(ExprId displacement) {
+    const ExprId height = expr.make(Op::dot, {displacement, expr.make(Op::normal, {}, kHeldStill)});
+    if (expr.derivatives(height) < 2) {
+        warn(graph_.output,
+             "a displacement that depends on a bump is not supported; the surface is flat");
+        return kNoExpr;
+    }
+    const ExprId one = expr.constant(1.0f);
+    return expr.make(Op::bump, {one, one, kNoExpr}, 0, static_cast<uint32_t>(height));
+}
+
+Material Compiler::run() {
+    Material material;
+    material.name = graph_.name;
+    ProgramRoots roots;
+    evaluate_values();
+    displace(displacement_, material, roots);
     gather(ShaderPart::surface);
     gather(ShaderPart::volume);
     check_closure_count();
 
-    Material material;
-    material.name = graph_.name;
     describe(material);
-    ProgramRoots roots;
     find_specular_interfaces(expr, graph_, terms_, material, roots.caster_normal, warnings_);
     material.slopes = find_slope_map(expr, glints_, images_, terms_);
     if (material.emits) (is_world_ ? roots.background : roots.emission) = emission;
@@ -203,6 +235,7 @@ Material Compiler::run() {
     material.reads =
         reads_of(program, {0, static_cast<uint32_t>(program.instructions.size()), kNoOperand});
     material.normal_reads = reads_of(program, program.caster_normal);
+    material.displacement_reads = reads_of(program, program.displacement);
     for (const Section& height : program.heights)
         material.height_reads |= reads_of(program, height);
     material.images = images_of(program);

@@ -49,6 +49,12 @@ struct ClosureTerm {
     bool refracts() const { return row().refraction != kAbsent && modes.refracts; }
 };
 
+// What was asked of a program (codegen.cpp). kNoExpr for zero.
+struct ProgramRoots {
+    ExprId emission = kNoExpr, transparency = kNoExpr, caster_normal = kNoExpr,
+           background = kNoExpr, displacement = kNoExpr, surface_normal = kNoExpr;
+};
+
 class Compiler {
 public:
     Compiler(const Graph& graph, std::span<const Image> images);
@@ -75,12 +81,18 @@ public:
         absorption_ = expr.add(absorption_, expr.scale(coefficient, weight));
     }
 
+    // The normal that stands where none is linked; kNoExpr: the interpolated one.
+    ExprId surface_normal() const { return surface_normal_; }
+
     ExprBuilder expr;
     ExprId emission;  // of a surface or of the world
 
 private:
     ExprId output(uint32_t node, int index);
     ExprId convert(ExprId value, SocketType from, SocketType to);
+    void evaluate_values();
+    void displace(DisplacementMode mode, Material& material, ProgramRoots& roots);
+    ExprId bump_of(ExprId displacement);
     void gather(ShaderPart part);
     void check_closure_count() const;
     std::string narrow_lobe(const ClosureTerm& term) const;
@@ -104,6 +116,8 @@ private:
     std::vector<std::string> uv_layers_;
     std::vector<std::string> warnings_;
     ExprId absorption_;  // 1/m
+    ExprId surface_normal_ = kNoExpr;
+    DisplacementMode displacement_;
     bool is_world_ = false;
     ShaderPart part_ = ShaderPart::surface;
 };
@@ -114,12 +128,12 @@ public:
     NodeContext(Compiler& compiler, uint32_t node) : c(compiler), e(compiler.expr), index(node) {}
 
     ExprId input(int i) { return c.input(index, i); }
-    // Of a shading normal: unit, on the side of wo; kNoExpr for the interpolated one, which also
-    // stands in for zero.
+    // Of a shading normal: unit, on the side of wo; kNoExpr for the interpolated one. The surface's
+    // own stands in for none and for zero.
     ExprId normal(int i) {
         const ExprId given = input(i);
-        if (given == kNoExpr || traits(e[given].op).gives_normal) return given;
-        if (e.is_constant(given, 0.0f)) return kNoExpr;
+        if (given == kNoExpr || e.is_constant(given, 0.0f)) return c.surface_normal();
+        if (traits(e[given].op).gives_normal) return given;
         return e.make(Op::shading_normal, {given});
     }
     bool linked(int i) const { return source(i).from_node != kNone; }
@@ -154,10 +168,6 @@ void find_specular_interfaces(const ExprBuilder& expr, const ResolvedGraph& grap
 SlopeMap find_slope_map(const ExprBuilder& expr, GlintsMode mode, std::span<const Image> images,
                         std::vector<ClosureTerm>& terms);
 
-// What was asked of a program (codegen.cpp). kNoExpr for zero.
-struct ProgramRoots {
-    ExprId emission = kNoExpr, transparency = kNoExpr, caster_normal = kNoExpr, background = kNoExpr;
-};
 // Throws Error naming `material` if registers or constants do not suffice.
 Program generate(const ExprBuilder& expr, const std::vector<ClosureTerm>& terms,
                  const ProgramRoots& roots, const std::string& material);

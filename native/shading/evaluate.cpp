@@ -80,11 +80,29 @@ void run(const Program& program, const Section& section, std::span<const Image> 
                 break;
             case Op::position: r.store(i.out, point.position); break;
             case Op::position_object: r.store(i.out, point.position_object); break;
-            case Op::normal_object:
-                r.store(i.out, safe_normalize(apply_transposed(point.object_to_world->row,
-                                                               facing_normal(point))));
+            case Op::normal_object: {
+                const Vector3<T> n =
+                    r.operand(i, 0) == kNoOperand ? facing_normal(point) : r.vector(i, 0);
+                const Vector3<T> held = i.mode == kHeldStill ? constant<T>(value_of(n)) : n;
+                r.store(i.out, safe_normalize(apply_transposed(point.object_to_world->row, held)));
                 break;
-            case Op::normal: r.store(i.out, facing_normal(point)); break;
+            }
+            case Op::normal: {
+                const Vector3<T> n = facing_normal(point);
+                r.store(i.out, i.mode == kHeldStill ? constant<T>(value_of(n)) : n);
+                break;
+            }
+            case Op::tangent_object: {
+                const bool known = point.tangent_object != nullptr;
+                r.store(i.out, known ? constant<T>(value_of(point.tangent_object[i.index]))
+                                     : Vector3<T>{});
+                r.store(static_cast<Operand>(i.out + 3),
+                        T(known ? point.bitangent_sign[i.index] : 1.0f));
+                break;
+            }
+            case Op::direction_to_world:
+                r.store(i.out, apply_rows(point.object_to_world->row, r.vector(i, 0)));
+                break;
             case Op::radial_tangent: r.store(i.out, radial_tangent(point)); break;
             case Op::true_normal: r.store(i.out, constant<T>(point.ng)); break;
             case Op::incoming: r.store(i.out, constant<T>(point.wo)); break;
@@ -151,13 +169,14 @@ Spectrum evaluate_spectrum(const Program& program, const Section& section,
 class ClosureBuilder {
 public:
     ClosureBuilder(const Registers<float>& registers, const ShadingPoint<float>& point,
-                   BumpCorrection bump_correction, ClosureList& list)
+                   Operand surface_normal, BumpCorrection bump_correction, ClosureList& list)
         : r_(registers),
           point_(point),
           bump_correction_(bump_correction),
           list_(list),
-          facing_normal_(value_of(facing_normal(point))) {
-        list.terminator = {bump_correction, 1.0f, facing_normal_};
+          surface_normal_(value_of(surface_normal == kNoOperand ? facing_normal(point)
+                                                                : registers.vector(surface_normal))) {
+        list.terminator = {bump_correction, 1.0f, surface_normal_};
     }
 
     void add(const ClosureInstruction& c) {
@@ -230,7 +249,7 @@ private:
     }
     Vec3 normal(const ClosureInstruction& c) const {
         const Operand n = operand(c, kNormalOperand);
-        return n == kNoOperand ? facing_normal_ : value_of(r_.vector(n));
+        return n == kNoOperand ? surface_normal_ : value_of(r_.vector(n));
     }
     // Of closures that mirror or refract. Those that glint have the normals of their map.
     Vec3 glossy_normal(const ClosureInstruction& c) const {
@@ -333,7 +352,7 @@ private:
     const ShadingPoint<float>& point_;
     const BumpCorrection bump_correction_;
     ClosureList& list_;
-    Vec3 facing_normal_;
+    Vec3 surface_normal_;  // where a closure has none of its own
 };
 
 }  // namespace
@@ -344,7 +363,8 @@ void evaluate_closures(const Material& material, std::span<const Image> images,
     closures.clear();
     const RegisterFile<float> file(program);
     run(program, program.surface, images, point, file.registers);
-    ClosureBuilder builder(file.registers, point, material.bump_correction, closures);
+    ClosureBuilder builder(file.registers, point, program.surface_normal, material.bump_correction,
+                           closures);
     for (const ClosureInstruction& closure : program.closures) builder.add(closure);
     if (program.surface.result != kNoOperand)
         closures.emission = spectrum(file.registers.vector(program.surface.result));
@@ -358,6 +378,12 @@ Spectrum evaluate_emission(const Material& material, std::span<const Image> imag
 Spectrum evaluate_transparency(const Material& material, std::span<const Image> images,
                                const ShadingPoint<float>& point) {
     return evaluate_spectrum(*material.program, material.program->transparency, images, point);
+}
+
+Vec3 evaluate_displacement(const Material& material, std::span<const Image> images,
+                           const ShadingPoint<float>& point) {
+    return value_of(
+        evaluate_vector(*material.program, material.program->displacement, images, point));
 }
 
 Spectrum evaluate_background(const Material& material, std::span<const Image> images,

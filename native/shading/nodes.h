@@ -49,6 +49,11 @@ ExprId wave_texture(NodeContext& node, int output);
 ExprId magic_texture(NodeContext& node, int output);
 ExprId brick_texture(NodeContext& node, int output);
 
+// nodes_displacement.cpp
+inline constexpr int kDisplacementOfOutput = 2;  // input of the output that says where points move
+ExprId displacement(NodeContext& node, int output);
+ExprId vector_displacement(NodeContext& node, int output);
+
 // nodes_input.cpp
 ExprId fresnel(NodeContext& node, int output);
 ExprId layer_weight(NodeContext& node, int output);

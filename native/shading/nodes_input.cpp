@@ -57,6 +57,7 @@ ExprId geometry(NodeContext& node, int output) {
     const ExprId position = e.make(Op::position, {});
     if (output == kPosition) return position;
     if (world) return e.scale(position, e.constant(-1.0f));
+    if (output == kNormal && node.c.surface_normal() != kNoExpr) return node.c.surface_normal();
     const Op op = output == kNormal       ? Op::normal
                   : output == kTrueNormal ? Op::true_normal
                                           : Op::incoming;

@@ -99,7 +99,7 @@ ExprId texture_coordinate(NodeContext& node, int output) {
         case kNormal:
             if (world)
                 return node.e.scale(read_point(node.e, Op::position), node.e.constant(-1.0f));
-            return read_point(node.e, Op::normal_object);
+            return node.e.make(Op::normal_object, {node.c.surface_normal()});
         case kGenerated:
             if (!world)
                 node.warn("Generated coordinates are not supported on a mesh; Object is used");

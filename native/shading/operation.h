@@ -109,19 +109,21 @@ enum class Op : uint8_t {
     uv,                // of a layer
     position,          // world
     position_object,   // object space
-    normal_object,     // unit, in object space, on the side of wo
-    normal,            // the interpolated one, unit, world, on the side of wo
-    radial_tangent,    // around the Z axis of the object
-    true_normal,       // that of the geometry, likewise
-    incoming,          // wo
-    facing,            // cosine between wo and a normal, or the interpolated one
-    backfacing,        // 1 or 0
-    image,             // coordinates to colour, and alpha in a fourth lane
-    tangent_normal,    // (strength, colour) to a unit normal on the side of wo
-    space_normal,      // likewise, of colours in a NormalSpace
-    bump,              // (strength, distance, normal or none) to a unit normal on the side of wo
-    shading_normal,    // any vector to a unit normal; the interpolated one where it is 0
-    coat,              // what a coat lets through: (normal or none, (share, alpha, index), tint)
+    normal_object,  // of a normal or the interpolated one: unit, in object space, on the side of wo
+    normal,         // the interpolated one, unit, world, on the side of wo
+    tangent_object,  // of a layer, object space as interpolated; the bitangent's sign in a fourth lane
+    direction_to_world,  // a direction of object space, with its length
+    radial_tangent,      // around the Z axis of the object
+    true_normal,         // that of the geometry, likewise
+    incoming,            // wo
+    facing,              // cosine between wo and a normal, or the interpolated one
+    backfacing,          // 1 or 0
+    image,               // coordinates to colour, and alpha in a fourth lane
+    tangent_normal,      // (strength, colour) to a unit normal on the side of wo
+    space_normal,        // likewise, of colours in a NormalSpace
+    bump,                // (strength, distance, normal or none) to a unit normal on the side of wo
+    shading_normal,      // any vector to a unit normal; the interpolated one where it is 0
+    coat,                // what a coat lets through: (normal or none, (share, alpha, index), tint)
     count
 };
 
@@ -262,8 +264,17 @@ inline constexpr std::array<OpTraits, static_cast<size_t>(Op::count)> kOpTraits{
      .varies = true,
      .reads = kReadsObjectPosition,
      .mean = MeanOf::zero},
-    {.op = Op::normal_object, .arity = 0, .lanes = 3, .varies = true, .mean = MeanOf::zero},
+    {.op = Op::normal_object, .arity = 1, .lanes = 3, .varies = true, .mean = MeanOf::zero},
     {.op = Op::normal, .arity = 0, .lanes = 3, .varies = true, .mean = MeanOf::zero},
+    {.op = Op::tangent_object,
+     .arity = 0,
+     .lanes = 3,
+     .varies = true,
+     .reads = kReadsTangent,
+     .mean = MeanOf::zero,
+     .index = IndexOf::uv_layer,
+     .has_fourth = true},
+    {.op = Op::direction_to_world, .arity = 1, .lanes = 3, .varies = true, .mean = MeanOf::zero},
     {.op = Op::radial_tangent,
      .arity = 0,
      .lanes = 3,

@@ -84,21 +84,24 @@ struct Material {
     std::vector<std::string> uv_layers;  // names of the layers that are read, "" for the active one; the order
                                          // is that of ShadingPoint::uv
     uint32_t reads = 0;                  // of ProgramReads, whole material
-    uint32_t normal_reads = 0;  // of ProgramReads, caster normal alone
-    uint32_t height_reads = 0;  // of ProgramReads, heights of bumps alone
+    uint32_t normal_reads = 0;        // of ProgramReads, caster normal alone
+    uint32_t height_reads = 0;        // of ProgramReads, heights of bumps alone
+    uint32_t displacement_reads = 0;  // of ProgramReads, displacement of vertices alone
     bool emits = false;
     Spectrum mean_emission{
         0.0f};  // for light selection: constant emission, or with the textures' means
     Spectrum absorption{0.0f};        // 1/m, of the homogeneous medium behind front faces
     bool may_be_transparent = false;  // some Transparent closure or alpha < 1 may exist
+    bool moves_vertices = false;      // evaluate_displacement() has something to say
+    DisplacementMode displacement = DisplacementMode::bump;
     bool has_smooth = false;  // some closure that is not a delta may exist (a possible receiver)
     // Why it throws blurred caustics: a strong lobe that is narrow without being a delta. Empty if it
     // has none.
     std::string narrow_lobe;
     BumpCorrection bump_correction = BumpCorrection::none;
     bool is_background = false;  // surface is a Background shader
-    bool constant_background =
-        false;                     // of the same radiance in every direction, by the graph itself
+    bool constant_emission =
+        true;  // the same everywhere and in every direction, by the graph itself
     std::vector<uint32_t> images;  // that some part of it reads, by index into the scene's
     SpecularInterface specular;    // of deltas
     SpecularInterface rough;       // of a narrow lobe, where there are no deltas
@@ -123,6 +126,9 @@ Spectrum evaluate_emission(const Material& material, std::span<const Image> imag
 // Weight of straight-through transparency alone (shadow rays).
 Spectrum evaluate_transparency(const Material& material, std::span<const Image> images,
                                const ShadingPoint<float>& point);
+// By how much a vertex is moved, m, world. Only where material.moves_vertices.
+Vec3 evaluate_displacement(const Material& material, std::span<const Image> images,
+                           const ShadingPoint<float>& point);
 // The normal of the specular interface, world, unit, on the side of wo (flipped on back faces).
 template <class T>
 Vector3<T> evaluate_caster_normal(const Material& material, std::span<const Image> images,

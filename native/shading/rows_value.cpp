@@ -19,6 +19,14 @@ constexpr InputSocket kBumpIn[] = {scalar_input("Strength", 1.0f), scalar_input(
                                    scalar_input("Height", 1.0f), kNormalInput};
 constexpr NodeOption kBumpOptions[] = {{"invert", "False|True"}};
 constexpr OutputSocket kUvOut[] = {{"UV", vector}};
+constexpr InputSocket kDisplacementIn[] = {scalar_input("Height", 0.0f),
+                                           scalar_input("Midlevel", 0.5f),
+                                           scalar_input("Scale", 1.0f), kNormalInput};
+constexpr NodeOption kDisplacementOptions[] = {{"space", "OBJECT|WORLD"}};
+constexpr InputSocket kVectorDisplacementIn[] = {
+    grey_input(0.0f, "Vector"), scalar_input("Midlevel", 0.0f), scalar_input("Scale", 1.0f)};
+constexpr NodeOption kVectorDisplacementOptions[] = {{"space", "TANGENT|OBJECT|WORLD"}};
+constexpr OutputSocket kDisplacementOut[] = {{"Displacement", vector}};
 constexpr NodeOption kUvOptions[] = {{"uv_map", ""}};
 constexpr OutputSocket kCoordinateOut[] = {
     {"Generated", vector}, {"Normal", vector}, {"UV", vector}, {"Object", vector}};
@@ -55,6 +63,18 @@ constexpr NodeKind kRows[] = {
      .outputs = kNormalOut,
      .options = kBumpOptions,
      .value = nodes::bump},
+    {.name = "displacement",
+     .label = "Displacement",
+     .inputs = kDisplacementIn,
+     .outputs = kDisplacementOut,
+     .options = kDisplacementOptions,
+     .value = nodes::displacement},
+    {.name = "vector_displacement",
+     .label = "Vector Displacement",
+     .inputs = kVectorDisplacementIn,
+     .outputs = kDisplacementOut,
+     .options = kVectorDisplacementOptions,
+     .value = nodes::vector_displacement},
     {.name = "uv_map",
      .label = "UV Map",
      .outputs = kUvOut,

@@ -85,10 +85,10 @@ def test_a_time_limit_is_a_success(scene, farm):
 
 
 def test_a_warning_is_a_success(scene, farm):
-    bpy.data.objects["Quad"].is_holdout = True
+    bpy.data.objects["Quad"].is_shadow_catcher = True
     code, output, images = farm()
     assert code == 0, output
-    assert output.count("object Quad: holdout is not supported") == 1
+    assert output.count("object Quad: shadow catchers are not supported") == 1
     assert len(images) == 1
 
 

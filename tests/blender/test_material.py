@@ -279,11 +279,28 @@ def test_settings_that_are_not_modelled_are_named():
     material = new_material()
     shader = add_node(material, "ShaderNodeBsdfPrincipled", surface(material))
     set_input(shader, "Subsurface Weight", 0.5)
-    add_node(material, "ShaderNodeDisplacement", output_of(material).inputs["Displacement"])
     _, _, warnings, _ = convert(material)
-    assert len(warnings) == 2
-    assert any("Subsurface" in warning for warning in warnings)
-    assert any("Displacement" in warning for warning in warnings)
+    assert len(warnings) == 1
+    assert "Subsurface" in warnings[0]
+
+
+@pytest.mark.parametrize("method", ["BUMP", "DISPLACEMENT", "BOTH"])
+def test_displacement_is_exported_with_what_it_does(method):
+    material = new_material()
+    add_node(material, "ShaderNodeBsdfDiffuse", surface(material))
+    add_node(
+        material,
+        "ShaderNodeDisplacement",
+        output_of(material).inputs["Displacement"],
+        space="WORLD",
+    )
+    owner = material if hasattr(material, "displacement_method") else material.cycles
+    owner.displacement_method = method
+    desc, _, warnings, _ = convert(material)
+    assert not warnings
+    assert desc.displacement == compat.DISPLACEMENTS[method]
+    assert node(desc, "displacement").options == {"space": "WORLD"}
+    assert "displacement.Displacement -> output.Displacement" in links(desc)
 
 
 def test_principled_has_the_names_of_blender_5():

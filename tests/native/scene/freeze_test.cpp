@@ -186,7 +186,7 @@ TEST(Freeze, NoLightTracingWhereSomeRaysSeeOtherObjects) {
         other.visibility = c.visibility;
         maker.builder.add_instance(other);
         const RenderScene world = maker.finish();
-        EXPECT_EQ(world.scene->same_for_scattered_rays, c.same) << c.visibility;
+        EXPECT_EQ(world.scene->light_paths_reach_camera, c.same) << c.visibility;
         const std::vector<std::string>& report = world.scene->report;
         const bool told = std::any_of(report.begin(), report.end(), [](const std::string& line) {
             return line.find("screen: hidden from some kinds of rays") != std::string::npos;

@@ -86,8 +86,9 @@ SPC_API void spc_scene_destroy(spc_scene* scene);
 
 /* Creates a scene that shares with `before`, which was made by this call and is committed, what it
  * keeps of it by the calls below and what follows from that: trees over geometry, tables of the world
- * and of glints. Its pictures are those of a scene into which all has been added anew, to the bit but
- * for surfaces that coincide. Each instance has a tree of its own, which takes a little longer to
+ * and of glints. Its pictures are those of a scene by this call, without `before`, into which all has
+ * been added anew, to the bit but for surfaces that coincide; one by spc_scene_create() has copies of
+ * small meshes in one tree, and rounds otherwise. Here each instance has a tree of its own, which takes a little longer to
  * render and makes the next scene cheap. `before` may be NULL, for the first of a series, and be
  * destroyed at any time. Embree's threads are those of the first commit. The scene keeps its light
  * sheets while its camera moves. Errors: SPC_WRONG_STATE (`before` is not committed). */

@@ -387,7 +387,7 @@ TEST_F(SceneMisuse, CameraAndWorld) {
     refuses(spoilt([](auto& d) { d.viewplane[1] = d.viewplane[0]; }));
     refuses(spoilt([](auto& d) { d.viewplane[3] = d.viewplane[2]; }));
     refuses(spoilt([](auto& d) { d.transform[10] = 0.0f; }));
-    refuses(spoilt([](auto& d) { d.projection = 2; }), {"projection", "2"});
+    refuses(spoilt([](auto& d) { d.projection = 9; }), {"projection", "9"});
     for (const float bad : beyond({-1.0f}))
         refuses(spoilt([&](auto& d) { d.aperture_radius = bad; }), {"aperture", "radius"});
     const auto lens = [](auto spoil) {

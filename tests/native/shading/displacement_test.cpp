@@ -61,7 +61,7 @@ Vec3 normal_in(const RenderScene& world) {
 TEST(Displacement, BumpsWhatHasNoNormalOfItsOwn) {
     const RenderScene world = world_of(displaced_mirror(DisplacementMode::bump));
     expect_near(normal_in(world), normalize(Vec3(-0.3f, 0, 1)), 1e-5f);
-    expect_near(world.scene->meshes[0].positions[0], Vec3(-1, -1, 0), 0.0f);
+    expect_near(world.scene->meshes[0]->positions[0], Vec3(-1, -1, 0), 0.0f);
 }
 
 TEST(Displacement, OfAnObjectGrowsWithIt) {
@@ -164,7 +164,7 @@ TEST(Displacement, ThatDependsOnABumpIsToldAndFlat) {
     b.link(up, "Displacement", static_cast<uint32_t>(graph.nodes.size()) - 1, "Displacement");
     const RenderScene world = world_of(graph, {}, smooth_square());
     expect_near(normal_in(world), Vec3(0, 0, 1), 1e-6f);
-    ASSERT_EQ(world.scene->materials[0].warnings.size(), 1u);
+    ASSERT_EQ(world.scene->materials[0]->warnings.size(), 1u);
 }
 
 }  // namespace

@@ -94,9 +94,9 @@ struct Transparent {  // a delta
                                            .straight = true};
 };
 
-using ClosureKind =
-    std::variant<Lambert, MicrofacetReflection, MicrofacetDielectric, Transparent, Translucent,
-                 OrenNayar, Sheen, Velvet, BurleyDiffuse, SchlickSheen, DiffuseToon, GlossyToon, AshikhminShirley>;
+using ClosureKind = std::variant<Lambert, MicrofacetReflection, MicrofacetDielectric, Transparent,
+                                 Translucent, OrenNayar, Sheen, Velvet, BurleyDiffuse, SchlickSheen,
+                                 DiffuseToon, GlossyToon, AshikhminShirley>;
 inline const ClosureTraits& traits(const ClosureKind& kind) {
     return *std::visit([](const auto& c) { return &c.kTraits; }, kind);
 }

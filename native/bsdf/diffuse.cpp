@@ -213,8 +213,7 @@ std::optional<LobeSample> sample_lobe(const Velvet& c, const Vec3& wo, float, co
     return LobeSample{Frame::around(c.n).to_world(uniform_cone(u, 1.0f)), BounceKind::diffuse};
 }
 
-std::optional<LobeSample> sample_lobe(const BurleyDiffuse& c, const Vec3& wo, float,
-                                      const Vec2& u) {
+std::optional<LobeSample> sample_lobe(const BurleyDiffuse& c, const Vec3& wo, float, const Vec2& u) {
     if (!(dot(c.n, wo) > 0.0f)) return std::nullopt;
     return around_normal(c.n, u);
 }

@@ -98,7 +98,7 @@ constexpr InputSocket kPrincipledHairIn[] = {
 constexpr NodeOption kPrincipledHairModels[] = {{"parametrization", "COLOR|MELANIN|ABSORPTION"}};
 constexpr InputSocket kPortalIn[] = {grey_input(1.0f)};
 constexpr NodeOption kPrincipledModels[] = {{"distribution", "GGX|MULTI_GGX"},
-                                              {"model", "LAYERED|BURLEY"}};
+                                            {"model", "LAYERED|BURLEY"}};
 
 constexpr NodeKind kRows[] = {
     {.name = "output",

@@ -33,7 +33,7 @@ class SizedStructure(Structure):
         super().__init__(struct_size=sizeof(type(self)), **fields)
 
 
-API_VERSION = 9
+API_VERSION = 10
 NONE = 0xFFFFFFFF
 
 
@@ -148,9 +148,24 @@ class MaterialDesc(SizedStructure):
     ]
 
 
-class UvNeed(Structure):
+class AttributeKind(IntEnum):
+    NAMED = 0
+    UV = 1
+    COLOR = 2
+    GENERATED = 3
+    POINTINESS = 4
+    ISLAND = 5
+    OBJECT = 6
+    INSTANCER = 7
+    OBJECT_INFO = 8
+    PARTICLE_INFO = 9
+    VIEW_LAYER = 10
+
+
+class AttributeNeed(Structure):
     _fields_ = [
-        ("layer", c_char_p),
+        ("name", c_char_p),
+        ("kind", c_uint32),
         ("tangents", c_uint32),
     ]
 
@@ -158,15 +173,25 @@ class UvNeed(Structure):
 class MaterialNeeds(SizedStructure):
     _fields_ = [
         ("struct_size", c_size_t),
-        ("uv_layers", POINTER(UvNeed)),
-        ("uv_layer_count", c_uint32),
+        ("attributes", POINTER(AttributeNeed)),
+        ("attribute_count", c_uint32),
     ]
 
 
-class UvLayer(Structure):
+class AttributeDomain(IntEnum):
+    CORNER = 0
+    VERTEX = 1
+    TRIANGLE = 2
+    OBJECT = 3
+
+
+class Attribute(Structure):
     _fields_ = [
         ("name", c_char_p),
-        ("uv", POINTER(c_float)),
+        ("kind", c_uint32),
+        ("domain", c_uint32),
+        ("components", c_uint32),
+        ("values", POINTER(c_float)),
         ("tangents", POINTER(c_float)),
     ]
 
@@ -182,9 +207,8 @@ class MeshDesc(SizedStructure):
         ("normals", POINTER(c_float)),
         ("material_slots", POINTER(c_uint32)),
         ("slot_count", c_uint32),
-        ("uv_layers", POINTER(UvLayer)),
-        ("uv_layer_count", c_uint32),
-        ("active_uv_layer", c_uint32),
+        ("attributes", POINTER(Attribute)),
+        ("attribute_count", c_uint32),
     ]
 
 
@@ -215,6 +239,8 @@ class InstanceDesc(SizedStructure):
         ("material_count", c_uint32),
         ("visibility", c_uint32),
         ("caustics_role", c_uint32),
+        ("attributes", POINTER(Attribute)),
+        ("attribute_count", c_uint32),
     ]
 
 

@@ -16,6 +16,8 @@ from ..abi import (
     NONE,
     AlphaMode,
     AreaShape,
+    AttributeDomain,
+    AttributeKind,
     CausticsRole,
     ColorSpace,
     Glints,
@@ -79,24 +81,23 @@ class MaterialDesc:
     glints: Glints = Glints.AUTO
 
 
-@dataclass(frozen=True)
-class MaterialNeeds:
-    """UV layers that a material reads, by name; '' is the layer that is active for rendering."""
+@dataclass(frozen=True, order=True)
+class AttributeNeed:
+    """An attribute that a material reads; '' is the one of its kind, of UV layers the active one."""
 
-    uv_maps: frozenset[str] = frozenset()
-    tangents: frozenset[str] = frozenset()
-
-    def __or__(self, other: MaterialNeeds) -> MaterialNeeds:
-        return MaterialNeeds(self.uv_maps | other.uv_maps, self.tangents | other.tangents)
-
-    def __le__(self, other: MaterialNeeds) -> bool:
-        return self.uv_maps <= other.uv_maps and self.tangents <= other.tangents
+    kind: AttributeKind
+    name: str = ""
+    tangents: bool = False
 
 
 @dataclass
-class UvLayerDesc:
+class AttributeDesc:
+    """Numbers of a mesh or an object for materials to read."""
+
     name: str
-    uv: np.ndarray  # (T, 3, 2) float32
+    kind: AttributeKind
+    domain: AttributeDomain
+    values: np.ndarray  # (elements of the domain, 1 to 4) float32
     tangents: np.ndarray | None = None  # (T, 3, 4) float32: MikkTSpace xyz, bitangent sign
 
 
@@ -110,8 +111,7 @@ class MeshDesc:
     normals: np.ndarray | None = None  # (T, 3, 3) float32 at corners; None: every face is flat
     material_slots: np.ndarray | None = None  # (T,) uint32 < slot_count; None: all 0
     slot_count: int = 1
-    uv_layers: list[UvLayerDesc] = field(default_factory=list)
-    active_uv_layer: int = 0
+    attributes: list[AttributeDesc] = field(default_factory=list)
 
 
 @dataclass
@@ -122,6 +122,7 @@ class InstanceDesc:
     materials: list[int]  # one for each of the mesh's slots; NONE: nothing is drawn there
     visibility: Visibility = Visibility.ALL
     caustics_role: CausticsRole = CausticsRole.AUTO
+    attributes: list[AttributeDesc] = field(default_factory=list)
 
 
 @dataclass

@@ -134,6 +134,11 @@ def _direction(converter, node, desc) -> None:
     desc.inputs["Direction"] = (*node.outputs["Normal"].default_value, 1.0)
 
 
+def _material_index(converter, node, desc) -> None:
+    """Object Info tells the pass index of the material, too."""
+    desc.inputs["Material Index"] = (float(converter.material_index),) * 3 + (1.0,)
+
+
 def _image(converter, node, desc) -> None:
     """Exports the node's image."""
     desc.image = converter.images.add(node.image, node.image_user, converter.label(node))
@@ -307,14 +312,14 @@ NODES = {
         "uv_map",
         (),
         ("UV",),
-        options={"uv_map": ANY},
-        neutral_properties={"from_instancer": False},
+        options={"uv_map": ANY, "from_instancer": _SWITCH},
     ),
     "ShaderNodeTexCoord": NodeKind(
         "texture_coordinate",
         (),
         ("Generated", "Normal", "UV", "Object"),
-        neutral_properties={"from_instancer": False, "object": None},
+        options={"from_instancer": _SWITCH},
+        neutral_properties={"object": None},
     ),
     "ShaderNodeMapping": NodeKind(
         "mapping",
@@ -424,7 +429,49 @@ NODES = {
     "ShaderNodeFresnel": NodeKind("fresnel", ("IOR", "Normal"), ("Fac",)),
     "ShaderNodeLayerWeight": NodeKind("layer_weight", ("Blend", "Normal"), ("Fresnel", "Facing")),
     "ShaderNodeNewGeometry": NodeKind(
-        "geometry", (), ("Position", "Normal", "True Normal", "Incoming", "Backfacing")
+        "geometry",
+        (),
+        (
+            "Position",
+            "Normal",
+            "True Normal",
+            "Incoming",
+            "Backfacing",
+            "Pointiness",
+            "Random Per Island",
+        ),
+    ),
+    "ShaderNodeAttribute": NodeKind(
+        "attribute",
+        (),
+        ("Color", "Vector", "Fac", "Alpha"),
+        options={
+            "attribute_type": ("GEOMETRY", "OBJECT", "INSTANCER", "VIEW_LAYER"),
+            "attribute_name": ANY,
+        },
+    ),
+    "ShaderNodeVertexColor": NodeKind(
+        "vertex_color", (), ("Color", "Alpha"), options={"layer_name": ANY}
+    ),
+    "ShaderNodeObjectInfo": NodeKind(
+        "object_info",
+        (),
+        ("Location", "Color", "Alpha", "Object Index", "Material Index", "Random"),
+        adjust=_material_index,
+    ),
+    "ShaderNodeParticleInfo": NodeKind(
+        "particle_info",
+        (),
+        (
+            "Index",
+            "Random",
+            "Age",
+            "Lifetime",
+            "Location",
+            "Size",
+            "Velocity",
+            "Angular Velocity",
+        ),
     ),
     "ShaderNodeValToRGB": NodeKind(
         "color_ramp",

@@ -9,12 +9,13 @@ from ..inquiry import Inquiry
 from ..native import NativeError
 from . import compat, ignored
 from .camera import export_camera
-from .desc import EnvironmentDesc, ExportError, InstanceDesc, MaterialNeeds, SceneDesc
+from .desc import AttributeNeed, EnvironmentDesc, ExportError, InstanceDesc, SceneDesc
 from .image import Images
 from .light import export_light
 from .log import ExportLog
 from .material import default_material, export_material
 from .mesh import export_mesh
+from .object_attributes import object_attributes
 from .view import export_view, is_shown
 from .visibility import caustics_role, instance_visibility, instancer, original, world_visibility
 from .world import export_world
@@ -95,7 +96,7 @@ class SceneExport:
         self._check_object(instance, owner)
         if not self.layer.use_solid:
             return
-        self._mesh_instance(obj, transform, visibility, caustics_role(instance))
+        self._mesh_instance(instance, transform, visibility, caustics_role(instance))
 
     def _check_object(self, instance, owner: str) -> None:
         if instancer(instance).holdout_get(view_layer=self.layer):
@@ -109,13 +110,12 @@ class SceneExport:
         ):
             self.log.warn(owner, "hair is not supported, it is not rendered")
 
-    def _mesh_instance(self, obj, transform: np.ndarray, visibility, role) -> None:
+    def _mesh_instance(self, instance, transform: np.ndarray, visibility, role) -> None:
+        obj = instance.object
         slots = [slot.material for slot in obj.material_slots] or [None]
         override = self.layer.material_override
         materials = [self._material(override or material) for material in slots]
-        needs = MaterialNeeds()
-        for _, material_needs in materials:
-            needs |= material_needs
+        needs = frozenset().union(*(reads for _, reads in materials))
         mesh = self._mesh(obj, needs, len(materials))
         if mesh is None:
             return
@@ -130,10 +130,11 @@ class SceneExport:
                 materials=[index for index, _ in materials],
                 visibility=visibility,
                 caustics_role=role,
+                attributes=object_attributes(instance, self.depsgraph, needs),
             )
         )
 
-    def _mesh(self, obj, needs: MaterialNeeds, slots: int) -> int | None:
+    def _mesh(self, obj, needs: frozenset[AttributeNeed], slots: int) -> int | None:
         """Index of the object's mesh, shared by all who show it; None if it has no faces.
 
         Exported again in its place if a later user reads more of it than all before.
@@ -150,8 +151,8 @@ class SceneExport:
         self.scene.meshes[index : index + 1] = [desc]
         return index
 
-    def _material(self, material) -> tuple[int, MaterialNeeds]:
-        """Index of a material and what it reads from a mesh; None is an empty slot."""
+    def _material(self, material) -> tuple[int, frozenset[AttributeNeed]]:
+        """Index of a material and what it reads of a mesh and an object; None is an empty slot."""
         if material not in self._materials:
             desc = (
                 export_material(material, self.images, self.log) if material else default_material()

@@ -53,7 +53,7 @@ public:
     bool is_world() const { return is_world_; }
     ShaderPart part() const { return part_; }  // whose shaders are asked
     std::span<const Image> images() const { return images_; }
-    uint32_t uv_layer(const std::string& name);
+    uint32_t attribute(AttributeKind kind, const std::string& name = "");
     void warn(uint32_t node, const std::string& text);
 
     void add_weight(uint32_t node, ExprId weight);  // to a shader that another one uses
@@ -83,7 +83,7 @@ private:
     }
     void describe(Material& material);
     Spectrum medium();
-    std::vector<std::string> keep_used_layers(Program& program, SlopeMap& slopes) const;
+    std::vector<AttributeName> keep_used_attributes(Program& program, SlopeMap& slopes) const;
 
     ResolvedGraph graph_;
     GlintsMode glints_;
@@ -91,7 +91,7 @@ private:
     std::vector<std::vector<ExprId>> outputs_;  // known values of [node][output]
     std::vector<ExprId> shader_weights_;
     std::vector<ClosureTerm> terms_;
-    std::vector<std::string> uv_layers_;
+    std::vector<AttributeName> attributes_;
     std::vector<std::string> warnings_;
     ExprId absorption_;  // 1/m
     bool is_world_ = false;
@@ -111,6 +111,9 @@ public:
         if (given == kNoExpr || traits(e[given].op).gives_normal) return given;
         if (e.is_constant(given, 0.0f)) return kNoExpr;
         return e.make(Op::shading_normal, {given});
+    }
+    ExprId attribute(AttributeKind kind, const std::string& name = "") {
+        return e.make(Op::attribute, {}, 0, c.attribute(kind, name));
     }
     bool linked(int i) const { return source(i).from_node != kNone; }
     const ResolvedInput& source(int i) const {
@@ -140,9 +143,9 @@ void find_specular_interfaces(const ExprBuilder& expr, const ResolvedGraph& grap
                               ExprId& caster_normal, std::vector<std::string>& warnings);
 
 // Decides in which normal or height map glints are looked for, marks the terms that belong to it
-// (slope_map.cpp). Its layers are indices among those of the compiler, in order of first use.
+// (slope_map.cpp). Its layers are indices of `attributes`, as the expressions' are.
 SlopeMap find_slope_map(const ExprBuilder& expr, GlintsMode mode, std::span<const Image> images,
-                        std::vector<ClosureTerm>& terms);
+                        std::span<const AttributeName> attributes, std::vector<ClosureTerm>& terms);
 
 // What was asked of a program (codegen.cpp). kNoExpr for zero.
 struct ProgramRoots {

@@ -17,6 +17,13 @@ void run_image(const Instruction& i, const Registers<T>& r, std::span<const Imag
 }
 
 template <class T>
+void run_attribute(const Instruction& i, const Registers<T>& r, const ShadingPoint<T>& point) {
+    const std::array<T, 4>& value = point.attributes[i.index];
+    r.store(i.out, Vector3<T>{value[0], value[1], value[2]});
+    r.store(static_cast<Operand>(i.out + 3), value[3]);
+}
+
+template <class T>
 class RegisterFile {
 public:
     explicit RegisterFile(const Program& program)
@@ -58,11 +65,7 @@ void run(const Program& program, const Section& section, std::span<const Image> 
     for (uint32_t k = section.begin; k < section.end; ++k) {
         const Instruction& i = program.instructions[k];
         switch (i.op) {
-            case Op::uv:
-                r.store(i.out, point.uv == nullptr ? Vector3<T>{}
-                                                   : Vector3<T>{point.uv[i.index][0],
-                                                                point.uv[i.index][1], T(0.0f)});
-                break;
+            case Op::attribute: run_attribute(i, r, point); break;
             case Op::position: r.store(i.out, point.position); break;
             case Op::position_object: r.store(i.out, point.position_object); break;
             case Op::normal_object:

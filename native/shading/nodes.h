@@ -53,6 +53,10 @@ ExprId brick_texture(NodeContext& node, int output);
 ExprId fresnel(NodeContext& node, int output);
 ExprId layer_weight(NodeContext& node, int output);
 ExprId geometry(NodeContext& node, int output);
+ExprId attribute(NodeContext& node, int output);
+ExprId vertex_color(NodeContext& node, int output);
+ExprId object_info(NodeContext& node, int output);
+ExprId particle_info(NodeContext& node, int output);
 
 // nodes_volume.cpp
 void volume_absorption(NodeContext& node, ExprId weight);

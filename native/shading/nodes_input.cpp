@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Nodes that tell from where a point is seen and what lies there. Semantics are Cycles';
 // docs/nodes.md lists what differs.
+#include "shading/node_table.h"
 #include "shading/nodes.h"
 
 namespace spc::nodes {
@@ -13,6 +14,22 @@ ExprId fresnel_of(NodeContext& node, ExprId front_index, ExprId normal) {
     const ExprId index =
         e.make(Op::mix, {front_index, e.divide(one, front_index), e.make(Op::backfacing, {})});
     return e.make(Op::fresnel, {e.make(Op::facing, {normal}), index});
+}
+
+SocketType type_of(NodeContext& node, int output) {
+    return node.c.node(node.index).kind->outputs[static_cast<size_t>(output)].type;
+}
+
+ExprId zero(NodeContext& node, int output) {
+    return type_of(node, output) == SocketType::scalar ? node.e.constant(0.0f)
+                                                       : node.e.constant(Vec3(0.0f));
+}
+
+// What the object has under the name of an output.
+ExprId of_object(NodeContext& node, AttributeKind kind, int output) {
+    const OutputSocket& socket = node.c.node(node.index).kind->outputs[static_cast<size_t>(output)];
+    const ExprId value = node.attribute(kind, socket.name);
+    return socket.type == SocketType::scalar ? node.e.lane(value, 0) : value;
 }
 
 bool refused_in_world(NodeContext& node) {
@@ -50,9 +67,15 @@ ExprId layer_weight(NodeContext& node, int output) {
 }
 
 ExprId geometry(NodeContext& node, int output) {
-    enum { kPosition, kNormal, kTrueNormal, kIncoming, kBackfacing };
+    enum { kPosition, kNormal, kTrueNormal, kIncoming, kBackfacing, kPointiness, kIsland };
     ExprBuilder& e = node.e;
     const bool world = node.c.is_world();
+    if (output == kPointiness || output == kIsland) {
+        if (world) return e.constant(0.0f);
+        return e.lane(
+            node.attribute(output == kIsland ? AttributeKind::island : AttributeKind::pointiness),
+            0);
+    }
     if (output == kBackfacing) return world ? e.constant(0.0f) : e.make(Op::backfacing, {});
     const ExprId position = e.make(Op::position, {});
     if (output == kPosition) return position;
@@ -61,6 +84,41 @@ ExprId geometry(NodeContext& node, int output) {
                   : output == kTrueNormal ? Op::true_normal
                                           : Op::incoming;
     return e.make(op, {});
+}
+
+ExprId attribute(NodeContext& node, int output) {
+    enum { kColor, kVector, kFac, kAlpha };
+    enum { kType, kName };
+    if (refused_in_world(node)) return zero(node, output);
+    const std::string& type = node.option(kType);
+    const AttributeKind kind = type == "OBJECT"       ? AttributeKind::object
+                               : type == "INSTANCER"  ? AttributeKind::instancer
+                               : type == "VIEW_LAYER" ? AttributeKind::view_layer
+                                                      : AttributeKind::named;
+    const ExprId value = node.attribute(kind, node.option(kName));
+    if (output == kAlpha) return node.e.lane(value, 3);
+    return output == kFac ? node.e.mean(value) : value;
+}
+
+ExprId vertex_color(NodeContext& node, int output) {
+    enum { kColor, kAlpha };
+    if (refused_in_world(node)) return zero(node, output);
+    const ExprId color = node.attribute(AttributeKind::color, node.option(0));
+    return output == kAlpha ? node.e.lane(color, 3) : color;
+}
+
+ExprId object_info(NodeContext& node, int output) {
+    enum { kLocation, kColor, kAlpha, kObjectIndex, kMaterialIndex, kRandom };
+    if (output == kMaterialIndex) return node.input(0);
+    if (refused_in_world(node)) return zero(node, output);
+    if (output == kAlpha)
+        return node.e.lane(of_object(node, AttributeKind::object_info, kColor), 3);
+    return of_object(node, AttributeKind::object_info, output);
+}
+
+ExprId particle_info(NodeContext& node, int output) {
+    if (refused_in_world(node)) return zero(node, output);
+    return of_object(node, AttributeKind::particle_info, output);
 }
 
 }  // namespace spc::nodes

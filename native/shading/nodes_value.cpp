@@ -8,7 +8,7 @@ namespace {
 ExprId read_point(ExprBuilder& e, Op op, uint32_t index = 0) { return e.make(op, {}, 0, index); }
 
 ExprId uv(NodeContext& node, const std::string& layer) {
-    if (!node.c.is_world()) return read_point(node.e, Op::uv, node.c.uv_layer(layer));
+    if (!node.c.is_world()) return node.attribute(AttributeKind::uv, layer);
     node.warn("a background has no UV map; (0, 0) is used");
     return node.e.constant(Vec3(0.0f));
 }
@@ -63,7 +63,7 @@ ExprId normal_map(NodeContext& node, int) {
     const ExprId strength = node.input(kStrength), color = node.input(kColor);
     if (space == "TANGENT")
         return node.e.make(Op::tangent_normal, {strength, color}, 0,
-                           node.c.uv_layer(node.option(kUvMap)));
+                           node.c.attribute(AttributeKind::uv, node.option(kUvMap)));
     const NormalSpace in = space == "OBJECT" ? NormalSpace::object : NormalSpace::world;
     return node.e.make(Op::space_normal, {strength, color}, static_cast<uint8_t>(in));
 }
@@ -89,11 +89,19 @@ ExprId bump(NodeContext& node, int) {
                   static_cast<uint32_t>(height));
 }
 
-ExprId uv_map(NodeContext& node, int) { return uv(node, node.option(0)); }
+ExprId uv_map(NodeContext& node, int) {
+    enum { kLayer, kFromInstancer };
+    if (node.enabled(kFromInstancer) && !node.c.is_world())
+        return node.attribute(AttributeKind::object_info, "Instance UV");
+    return uv(node, node.option(kLayer));
+}
 
 ExprId texture_coordinate(NodeContext& node, int output) {
     enum { kGenerated, kNormal, kUv, kObject };
     const bool world = node.c.is_world();
+    if (node.enabled(0) && !world && (output == kUv || output == kGenerated))
+        return node.attribute(AttributeKind::object_info,
+                              output == kUv ? "Instance UV" : "Instance Generated");
     switch (output) {
         case kUv: return uv(node, "");
         case kNormal:
@@ -101,8 +109,7 @@ ExprId texture_coordinate(NodeContext& node, int output) {
                 return node.e.scale(read_point(node.e, Op::position), node.e.constant(-1.0f));
             return read_point(node.e, Op::normal_object);
         case kGenerated:
-            if (!world)
-                node.warn("Generated coordinates are not supported on a mesh; Object is used");
+            if (!world) return node.attribute(AttributeKind::generated);
             break;
         default: break;
     }

@@ -105,7 +105,7 @@ enum class Op : uint8_t {
     voronoi_color,     // likewise
     voronoi_position,  // likewise; W in a fourth lane
     lane,              // lane number `mode` of its operand; the fourth is an image's alpha
-    uv,                // of a layer
+    attribute,         // of the mesh or the object, and its fourth component
     position,          // world
     position_object,   // object space
     normal_object,     // unit, in object space, on the side of wo
@@ -124,7 +124,7 @@ enum class Op : uint8_t {
 };
 
 // What Instruction::index means.
-enum class IndexOf : uint8_t { nothing, image, uv_layer, block, height };
+enum class IndexOf : uint8_t { nothing, image, attribute, block, height };
 
 // What an operation comes to on average, when only the means of its operands are known.
 enum class MeanOf : uint8_t { operands, image, zero, half, one };
@@ -240,13 +240,14 @@ inline constexpr std::array<OpTraits, static_cast<size_t>(Op::count)> kOpTraits{
     {.op = Op::voronoi_color, .arity = 8, .lanes = 3, .mean = MeanOf::half},
     {.op = Op::voronoi_position, .arity = 8, .lanes = 3, .has_fourth = true},
     {Op::lane, 1, 1},
-    {.op = Op::uv,
+    {.op = Op::attribute,
      .arity = 0,
      .lanes = 3,
      .varies = true,
-     .reads = kReadsUv,
-     .mean = MeanOf::zero,
-     .index = IndexOf::uv_layer},
+     .reads = kReadsAttributes,
+     .mean = MeanOf::half,
+     .index = IndexOf::attribute,
+     .has_fourth = true},
     {.op = Op::position,
      .arity = 0,
      .lanes = 3,
@@ -279,7 +280,7 @@ inline constexpr std::array<OpTraits, static_cast<size_t>(Op::count)> kOpTraits{
      .varies = true,
      .reads = kReadsTangent | kReadsObjectNormal,
      .mean = MeanOf::zero,
-     .index = IndexOf::uv_layer,
+     .index = IndexOf::attribute,
      .gives_normal = true},
     {.op = Op::space_normal,
      .arity = 2,

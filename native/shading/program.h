@@ -7,6 +7,7 @@
 #include "bsdf/closure.h"
 #include "core/image.h"
 #include "math/dual.h"
+#include "shading/attribute_name.h"
 #include "shading/graph.h"
 #include "shading/reads.h"
 
@@ -21,9 +22,10 @@ struct ShadingPoint {
     Vector3<T> position_object;
     Vector3<T> normal;  // interpolated (or face) normal, world, unit, on the front side of the surface
     Vector3<T> normal_object;  // the same in object space, interpolated but not normalised, front side
-    const Vector3<T>* tangent_object;  // per UV layer that the program reads, not normalised
+    // One each of Material::attributes.
+    const std::array<T, 4>* attributes;
+    const Vector3<T>* tangent_object;  // of UV layers, not normalised
     const float* bitangent_sign;       // likewise
-    const std::array<T, 2>* uv;        // likewise, (u, v)
     const Transform* object_to_world;
     const Transform* world_to_object;
     Vec3 ng;  // unit geometric normal, world, on the side of wo
@@ -60,8 +62,9 @@ enum class Relief : uint8_t { normals, heights };
 // that a UV layer addresses by an affine map. Lobes with another normal are not part of it.
 struct SlopeMap {
     Relief relief = Relief::normals;
-    uint32_t image = kNone;                    // kNone: there is none
-    uint32_t uv_layer = 0, tangent_layer = 0;  // of Material::uv_layers; of heights one and the same
+    uint32_t image = kNone;  // kNone: there is none
+    uint32_t uv_layer = 0,
+             tangent_layer = 0;  // of Material::attributes; of heights one and the same
     float strength = 1.0f;
     float distance = 1.0f;  // of heights: m, negative where they are inverted
     std::array<Vec2, 2> to_image{Vec2(1, 0),
@@ -71,6 +74,9 @@ struct SlopeMap {
     std::string why_not;                       // why there is none, empty where nobody asked
 };
 
+// The most attributes that one material reads.
+inline constexpr size_t kMaxAttributes = 16;
+
 struct Program;  // shading/instruction.h
 struct ProgramDeleter {
     void operator()(Program*) const;
@@ -79,11 +85,10 @@ struct ProgramDeleter {
 struct Material {
     std::string name;
     std::unique_ptr<Program, ProgramDeleter> program;
-    std::vector<std::string> uv_layers;  // names of the layers that are read, "" for the active one; the order
-                                         // is that of ShadingPoint::uv
-    uint32_t reads = 0;                  // of ProgramReads, whole material
-    uint32_t normal_reads = 0;  // of ProgramReads, caster normal alone
-    uint32_t height_reads = 0;  // of ProgramReads, heights of bumps alone
+    std::vector<AttributeName> attributes;  // that are read, in the order of ShadingPoint::attributes
+    uint32_t reads = 0;                     // of ProgramReads, whole material
+    uint32_t normal_reads = 0;              // of ProgramReads, caster normal alone
+    uint32_t height_reads = 0;              // of ProgramReads, heights of bumps alone
     bool emits = false;
     Spectrum mean_emission{
         0.0f};  // for light selection: constant emission, or with the textures' means

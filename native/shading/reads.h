@@ -7,7 +7,7 @@ namespace spc {
 
 // What a program may read at a point.
 enum ProgramReads : uint32_t {
-    kReadsUv = 1,
+    kReadsAttributes = 1,
     kReadsTangent = 2,
     kReadsPosition = 4,
     kReadsObjectPosition = 8,

@@ -19,7 +19,9 @@ constexpr InputSocket kBumpIn[] = {scalar_input("Strength", 1.0f), scalar_input(
                                    scalar_input("Height", 1.0f), kNormalInput};
 constexpr NodeOption kBumpOptions[] = {{"invert", "False|True"}};
 constexpr OutputSocket kUvOut[] = {{"UV", vector}};
-constexpr NodeOption kUvOptions[] = {{"uv_map", ""}};
+constexpr NodeOption kFromInstancer{"from_instancer", "False|True"};
+constexpr NodeOption kUvOptions[] = {{"uv_map", ""}, kFromInstancer};
+constexpr NodeOption kCoordinateOptions[] = {kFromInstancer};
 constexpr OutputSocket kCoordinateOut[] = {
     {"Generated", vector}, {"Normal", vector}, {"UV", vector}, {"Object", vector}};
 constexpr InputSocket kMappingIn[] = {vector_input("Vector", 0.0f), vector_input("Location", 0.0f),
@@ -63,6 +65,7 @@ constexpr NodeKind kRows[] = {
     {.name = "texture_coordinate",
      .label = "Texture Coordinate",
      .outputs = kCoordinateOut,
+     .options = kCoordinateOptions,
      .value = nodes::texture_coordinate},
     {.name = "mapping",
      .label = "Mapping",

@@ -101,6 +101,14 @@ class AttributeDesc:
     tangents: np.ndarray | None = None  # (T, 3, 4) float32: MikkTSpace xyz, bitangent sign
 
 
+def uv_layer(
+    name: str, uv: np.ndarray, tangents: np.ndarray | None = None, active: bool = True
+) -> AttributeDesc:
+    """A UV layer of `uv` (T, 3, 2); the active one answers where a node names none."""
+    kind = AttributeKind.UV if active else AttributeKind.NAMED
+    return AttributeDesc(name, kind, AttributeDomain.CORNER, uv.reshape(-1, 2), tangents)
+
+
 @dataclass
 class MeshDesc:
     """Triangles in object space, counter-clockwise seen from outside."""

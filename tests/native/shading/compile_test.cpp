@@ -154,7 +154,7 @@ TEST(Compile, WhatComesToNothingIsNotRead) {
         const uint32_t shader = b.node(kind, constants), image = b.node("image_texture", {}, {}, 0);
         b.link(image, "Color", shader, socket);
         const Material m = compile(b.surface(shader, out), images);
-        EXPECT_EQ(m.uv_layers.empty(), m.reads == 0);
+        EXPECT_EQ(m.attributes.empty(), m.reads == 0);
         return m.reads;
     };
     EXPECT_EQ(reads("bsdf_principled", {}, "Emission Color", "BSDF"), 0u);

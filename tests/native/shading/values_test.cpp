@@ -93,21 +93,11 @@ TEST(Values, TextureCoordinates) {
         return value_of_graph(b, b.node("texture_coordinate"), socket, at.point);
     };
     expect_near(get("Object"), {1, 2, 3}, 0.0f);
-    expect_near(get("Generated"), {1, 2, 3}, 0.0f);
+    expect_near(get("Generated"), {0.25f, 0.75f, 0}, 0.0f);  // the first attribute
     expect_near(get("UV"), {0.25f, 0.75f, 0}, 0.0f);
     expect_near(get("Normal"), normalize(Vec3(1, 0, 1)), 1e-6f);
     at.point.backfacing = true;
     expect_near(get("Normal"), -normalize(Vec3(1, 0, 1)), 1e-6f);
-
-    GraphBuilder b;
-    const uint32_t emission = b.node("emission"), coordinates = b.node("texture_coordinate");
-    b.link(coordinates, "Generated", emission, "Color")
-        .link(coordinates, "Generated", emission, "Strength");
-    const Material material = compile(b.surface(emission, "Emission"), {});
-    ASSERT_EQ(material.warnings.size(), 1u);
-    EXPECT_NE(
-        material.warnings[0].find("material \"Mat\", node \"texture_coordinate.1\": Generated"),
-        std::string::npos);
 }
 
 TEST(Values, ImageTexture) {
@@ -130,7 +120,7 @@ TEST(Values, ImageTexture) {
     const Material material = compile(both.surface(emission, "Emission"), images);
     expect_near(Vec3(evaluate_emission(material, images, at.point)), Vec3(0.375f, 0.875f, 0.25f),
                 1e-6f);
-    EXPECT_EQ(material.reads, static_cast<uint32_t>(kReadsUv));
+    EXPECT_EQ(material.reads, static_cast<uint32_t>(kReadsAttributes));
 
     GraphBuilder clip;
     const uint32_t move = clip.node("mapping", {{"Location", {2, 0, 0}}});
@@ -150,12 +140,47 @@ TEST(Values, UvLayersByName) {
         b.link(emission, "Emission", add, *layer ? "Shader_001" : "Shader");
     }
     const Material material = compile(b.surface(add, "Shader"), {});
-    ASSERT_EQ(material.uv_layers.size(), 2u);
-    std::array<float, 2> uv[2];
+    ASSERT_EQ(material.attributes.size(), 2u);
+    std::array<float, 4> uv[2];
     for (size_t i = 0; i < 2; ++i)
-        uv[i] = material.uv_layers[i].empty() ? std::array{0.1f, 0.2f} : std::array{10.0f, 20.0f};
-    at.point.uv = uv;
+        uv[i] = material.attributes[i].name.empty() ? std::array{0.1f, 0.2f, 0.0f, 1.0f}
+                                                    : std::array{10.0f, 20.0f, 0.0f, 1.0f};
+    at.point.attributes = uv;
     expect_near(Vec3(evaluate_emission(material, {}, at.point)), {10.1f, 20.2f, 0}, 1e-5f);
+}
+
+TEST(Values, AttributesByKindAndName) {
+    TestPoint at;
+    GraphBuilder b;
+    const uint32_t node =
+        b.node("attribute", {}, {{"attribute_type", "OBJECT"}, {"attribute_name", "tint"}});
+    at.attributes[0] = {0.1f, 0.2f, 0.6f, 0.4f};
+    const auto get = [&](const std::string& socket) {
+        return value_of_graph(b, node, socket, at.point);
+    };
+    expect_near(get("Color"), {0.1f, 0.2f, 0.6f}, 0.0f);
+    expect_near(get("Fac"), Vec3(0.3f), 1e-6f);
+    expect_near(get("Alpha"), Vec3(0.4f), 0.0f);
+    const uint32_t emission = b.node("emission");
+    b.link(node, "Color", emission, "Color");
+    const Material material = compile(b.surface(emission, "Emission"), {});
+    ASSERT_EQ(material.attributes.size(), 1u);
+    EXPECT_EQ(material.attributes[0], (AttributeName{AttributeKind::object, "tint"}));
+}
+
+TEST(Values, AttributesAnswerByNameOrKind) {
+    using enum AttributeKind;
+    const AttributeName active{uv, "first"}, other{named, "second"}, tint{object, "second"};
+    EXPECT_TRUE(active.answers({uv, ""}));
+    EXPECT_TRUE(active.answers({named, "first"}));
+    EXPECT_FALSE(active.answers({uv, "second"}));
+    EXPECT_TRUE(other.answers({uv, "second"}));
+    EXPECT_TRUE(other.answers({color, "second"}));
+    EXPECT_FALSE(other.answers({uv, ""}));
+    EXPECT_FALSE(other.answers({named, ""}));
+    EXPECT_FALSE(tint.answers({named, "second"}));
+    EXPECT_FALSE(tint.answers({instancer, "second"}));
+    EXPECT_TRUE(tint.answers({object, "second"}));
 }
 
 // One texel coloured by where it lies: what a direction sees.

@@ -33,7 +33,7 @@ LOGS = BUILD / "test-logs"
 # cores, by day and by night.
 SUITE_SECONDS = 40 * 60
 NIGHTLY_SUITE_SECONDS = 3 * 60 * 60
-# What tests/native/support/ goes by.
+# Environment variables that tests/native/support/ reads.
 NIGHTLY = "SPECULA_TEST_NIGHTLY"
 WRITE_TRUTHS = "SPECULA_TEST_WRITE_TRUTHS"
 
@@ -54,7 +54,7 @@ class Tier(IntEnum):
 
 @dataclass(frozen=True)
 class Selection:
-    """Which tests of a suite."""
+    """Which tests of a suite run."""
 
     tier: Tier = Tier.DAILY
     expression: str | None = None  # of ctest -R or pytest -k

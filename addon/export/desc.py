@@ -155,8 +155,11 @@ class LightDesc:
 
 @dataclass
 class CameraDesc:
-    """A camera. Its aperture is a regular polygon with its corners on the radius, or a disc, whose
-    width is divided by the ratio; rotated by 0, a side's middle is at +X."""
+    """A camera.
+
+    Its aperture is a disc, or a regular polygon with its corners on the radius, whose rotation is 0
+    if the middle of a side is at +X. The ratio divides its width.
+    """
 
     transform: np.ndarray  # (3, 4) float32, camera to world, looking along -Z, +Y up
     width: int  # of the full frame, pixels

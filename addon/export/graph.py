@@ -19,7 +19,7 @@ class Constant:
     type: str  # of the socket: VALUE, RGBA, VECTOR, ...
 
     def read_as(self, type: str) -> tuple[float, float, float, float]:
-        """As a socket of `type` reads it, the value of a group's socket being of another one."""
+        """The value as a socket of `type` reads it; a group's socket may be of another type."""
         if type != "VALUE" or self.type not in ("RGBA", "VECTOR"):
             return self.value
         weights = REC709_LUMINANCE if self.type == "RGBA" else (1 / 3, 1 / 3, 1 / 3)
@@ -38,10 +38,10 @@ class Output:
 def source(socket, path: GroupPath) -> Constant | Output | None:
     """What input `socket` reads; None if it has neither link nor value, so that its default holds.
 
-    A shader has no value. A normal or a texture's vector has one that is hidden: the surface's own
-    takes its place, also where a group offers a constant. A link that ends in reroutes, muted nodes
-    or empty groups, with nothing behind them, is none. (`socket` itself is None where a group has
-    no such socket.)
+    A shader has no value. The value of a normal or of a texture's vector is hidden and does not
+    count: the surface's own normal or coordinates take its place, also where a group offers a
+    constant. A link that ends in reroutes, muted nodes or empty groups counts as no link. `socket`
+    is None where a group has no such socket.
     """
     if socket is None:
         return None

@@ -173,7 +173,7 @@ def _into_bytes(values: np.ndarray) -> np.ndarray:
 
 
 def _pixels_of_file(image, path: str) -> np.ndarray:
-    """`_pixels` of one file of the sequence `image`, which Blender does not tell otherwise."""
+    """`_pixels` of one file of the sequence `image`, loaded anew: Blender has no other access."""
     file = bpy.data.images.load(path)
     try:
         file.colorspace_settings.name = image.colorspace_settings.name

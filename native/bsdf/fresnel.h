@@ -14,9 +14,9 @@ inline float refracted_cos_squared(float cos_o, float eta) {
     return (eta - 1.0f) * (eta + 1.0f) + cos_o * cos_o;
 }
 
-// Unpolarised reflectance; exactly 1 where refracted_cos_squared <= 0, exactly 0 for eta = 1. With
-// g = eta cos_t both amplitudes come without a cancellation [Walter07]: (c - g)/(c + g) and
-// (eta^2 c - g)/(eta^2 c + g).
+// Unpolarised reflectance; exactly 1 where refracted_cos_squared <= 0, exactly 0 for eta = 1. The
+// amplitudes of both polarisations are written with g = eta cos_t, which avoids cancellation [Walter07]:
+// (c - g)/(c + g) and (eta^2 c - g)/(eta^2 c + g).
 inline float dielectric(float cos_o, float eta) {
     if (eta == 1.0f) return 0.0f;
     const float c = std::min(std::abs(cos_o), 1.0f);
@@ -29,6 +29,7 @@ inline float dielectric(float cos_o, float eta) {
     const float p = (c_eta2 - g) * (c + g) * inv;
     return std::min(0.5f * (s * s + p * p), 1.0f);
 }
+// Reflectance at normal incidence.
 inline float dielectric_f0(float eta) { return sqr((eta - 1.0f) / (eta + 1.0f)); }
 
 inline Vec3 mirrored(const Vec3& wo, const Vec3& m, float cos_o) { return m * (2.0f * cos_o) - wo; }

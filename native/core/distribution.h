@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Tabulated densities: discrete ones by a cumulative table with bisection (monotone in u, so that
-// stratified samples stay stratified, as the alias method would not leave them), and piecewise
-// bilinear ones in two dimensions.
+// Tabulated densities: discrete ones, and piecewise bilinear ones in two dimensions. Discrete ones are
+// sampled by bisection of a cumulative table. That is monotone in u, so that stratified samples stay
+// stratified, which the alias method would not leave them.
 #pragma once
 
 #include "math/vec.h"
@@ -35,16 +35,16 @@ private:
     double total_ = 0.0;
 };
 
-// Densities over [0, 1)^2 in proportion to what lies bilinearly between values at the centres of width
-// x height texels, periodic in x, falling to zero at y = 0 and y = 1: so an image is sampled exactly as
-// it is interpolated.
+// Densities over [0, 1)^2 in proportion to an image of width x height texels. Between the centres
+// of texels they are bilinear, as the image is when it is looked up, so that it is sampled exactly.
+// They are periodic in x and fall to zero at y = 0 and y = 1.
 class BilinearMap {
 public:
     BilinearMap() = default;
     // values[y * width + x] finite and >= 0.
     BilinearMap(std::vector<float> values, uint32_t width, uint32_t height);
 
-    // The cells between centres of texels, over each of which one density spreads.
+    // A density over some of the cells between centres of texels.
     struct Cells {
         DiscreteDistribution marginal;
         std::vector<DiscreteDistribution> rows;  // height + 1 of them
@@ -52,7 +52,8 @@ public:
 
         bool empty() const { return marginal.empty(); }
     };
-    // With a corner that `keep` picks. Empty if nothing but zero lies in them.
+    // The density over the cells with a corner that `keep` picks. Empty if the image is zero in all
+    // of them.
     using Keep = std::function<bool(uint32_t x, uint32_t y)>;
     Cells cells(const Keep& keep) const;
 

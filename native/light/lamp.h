@@ -44,8 +44,8 @@ struct PointLamp {  // delta
     SpotProfile profile;
 };
 // With soft falloff p sees in its place the disk around the centre that faces p. Its rays are those
-// of the sphere's that pass the disk: a point of the sphere stands for both, and the light begins on
-// the disk, behind the sphere's near side.
+// of the sphere's that pass the disk: a point of the sphere stands for both, and the light begins
+// on the disk, behind the sphere's near side.
 struct SphereLamp {
     Vec3 center;
     float radius;
@@ -117,8 +117,8 @@ LampPoint sample_lamp_point(const Lamp& lamp, const Vec2& u);
 // The point by which sample_lamp_point has the light that p sees along the unit direction wi, where
 // the lamp is at `distance`: with soft falloff the sphere's, else the one that p sees.
 Vec3 lamp_point_seen(const Lamp& lamp, const Vec3& p, const Vec3& wi, float distance);
-// Whether p sees the light that leaves the point q towards it, and from where on the way there must be
-// free: q, but with soft falloff the disk.
+// Whether p sees the light that leaves the point q towards it, and from where on the way there must
+// be free: q, but with soft falloff the disk.
 bool lamp_shows(const Lamp& lamp, const Vec3& q, const Vec3& p);
 Vec3 lamp_light_begins(const Lamp& lamp, const Vec3& q, const Vec3& p);
 // Unit normal on the shining side at the point q of an area or sphere lamp.

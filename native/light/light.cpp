@@ -8,11 +8,11 @@
 namespace spc {
 namespace {
 
-// Share of the choice for casters that goes to all lights alike: power says nothing of where a light
-// stands.
+// Share of the choice for casters that goes to all lights alike: power says nothing of where a
+// light stands.
 constexpr double kEvenShare = 0.2;
-// Most parts of emissive meshes that are leaves of the tree: of all meshes, and of one. More take long to
-// build.
+// Most parts of emissive meshes that are leaves of the tree: of all meshes, and of one. More take
+// long to build.
 constexpr uint32_t kMostParts = 1u << 16, kMostPartsOfOne = 1u << 10;
 
 DiscreteDistribution select_by_power(const std::vector<double>& power) {

@@ -34,15 +34,15 @@ struct EmissiveInstance {
 };
 
 struct LightSet {
-    // Chooses a light for a receiver; never a world that is nearly even. Its leaves are the lamps, then parts of
-    // emissive instances, then the world.
+    // Chooses a light for a receiver; never a world that is nearly even. Its leaves are the lamps,
+    // then parts of emissive instances, then the world.
     LightTree tree;
     struct Leaf {
         uint32_t light, part;
     };
     std::vector<Leaf> leaves;
-    // Chooses a light for casters, among those that feed them: by power, mixed with an even choice, so that no
-    // light starves.
+    // Chooses a light for casters, among those that feed them: by power, mixed with an even choice,
+    // so that no light starves.
     DiscreteDistribution caustic_selection;
     std::vector<Lamp> lamps;           // as Scene::lights
     std::vector<uint32_t> disc_suns;   // lamps that are suns of some extent
@@ -53,8 +53,8 @@ struct LightSet {
     // The world's radiance above its mean in latitude-longitude, solid angle accounted for.
     BilinearMap world_map;
     BilinearMap::Cells world_cells;  // all cells; empty if closure sampling finds the light as well
-    // The world's narrow bright parts, which feed casters. The rest is so smooth that path tracing finds it
-    // easily.
+    // The world's narrow bright parts, which feed casters. The rest is so smooth that path tracing
+    // finds it easily.
     BilinearMap::Cells world_peaks;
     Spectrum world_constant{0.0f};  // valid if world_is_constant
     bool world_is_constant = false;
@@ -73,20 +73,21 @@ struct LightSet {
 // `threads` 0 = all.
 LightSet build_lights(const Scene& scene, uint32_t threads = 0);
 
-// Bits of Visibility: the rays that see a light. kVisibleShadow: objects cast shadows of it; only lamps can
-// lack it.
+// Bits of Visibility: the rays that see a light. kVisibleShadow: objects cast shadows of it; only
+// lamps can lack it.
 uint32_t light_visibility(const LightSet& lights, uint32_t light);
 
 // ---- from a receiver
 
-// The point of a surface for the choice of a light. A surface that transmits light is lit from both sides.
+// The point of a surface for the choice of a light. A surface that transmits light is lit from both
+// sides.
 LitPoint lit_point(const Surface& surface);
 
 struct DirectSample {
     Vec3 wi;         // unit, towards the light
     float distance;  // kInfinity for a distant light
-    // Radiance that arrives along wi if unblocked. For a delta light radiance times solid angle: intensity /
-    // distance^2, or irradiance.
+    // Radiance that arrives along wi if unblocked. For a delta light radiance times solid angle:
+    // intensity / distance^2, or irradiance.
     Spectrum radiance;
     float density;  // 1/sr; for a delta light the probability of its selection
     bool delta;
@@ -96,16 +97,17 @@ struct DirectSample {
 };
 std::optional<DirectSample> sample_direct(const LightSet& lights, const Scene& scene,
                                           const LitPoint& at, const Vec3& u);
-// Two samples instead of one, with less noise from the choice of the light. The sum of weight radiance /
-// density has the same mean. The second exists if lights.tree.has_second(), and is mostly empty.
+// Two samples instead of one, with less noise from the choice of the light. The sum of weight
+// radiance / density has the same mean. The second exists if lights.tree.has_second(), and is
+// mostly empty.
 std::optional<DirectSample> sample_direct_first(const LightSet& lights, const Scene& scene,
                                                 const LitPoint& at, const Vec3& u);
 std::optional<DirectSample> sample_direct_second(const LightSet& lights, const Scene& scene,
                                                  const LitPoint& at, const Vec3& u);
 
-// Density (1/sr) with which sample_direct() at `at` takes the direction `wi` to the point that a ray has hit.
-// A ray that leaves the scene meets the world and each of LightSet::disc_suns that it points at, each with a
-// density of its own.
+// Density (1/sr) with which sample_direct() at `at` takes the direction `wi` to the point that a
+// ray has hit. A ray that leaves the scene meets the world and each of LightSet::disc_suns that it
+// points at, each with a density of its own.
 float pdf_direct_lamp(const LightSet& lights, const LitPoint& at, const Vec3& wi, const Hit& hit);
 float pdf_direct_surface(const LightSet& lights, const Scene& scene, const LitPoint& at,
                          const Vec3& wi, const Hit& hit);
@@ -143,8 +145,8 @@ std::optional<LightPoint> sample_light_point(const LightSet& lights, const Scene
 Spectrum radiance_at(const LightSet& lights, const Scene& scene, const LightPoint& y,
                      const Vec3& away);
 
-// Whether p sees the light of y, which only some lamps can hide, and the point between which and p there must
-// be no occluder. For lights that are not distant.
+// Whether p sees the light of y, which only some lamps can hide, and the point between which and p
+// there must be no occluder. For lights that are not distant.
 bool shows_itself(const LightSet& lights, const LightPoint& y, const Vec3& p);
 Vec3 light_begins(const LightSet& lights, const LightPoint& y, const Vec3& p);
 
@@ -161,7 +163,8 @@ float pdf_direct(const LightSet& lights, const Scene& scene, const LitPoint& at,
 // The light point of a direct sample from p, with the density of sample_light_point().
 LightPoint light_point_of(const LightSet& lights, const Scene& scene, const Vec3& p,
                           const DirectSample& sample);
-// Where a shadow ray from p ends. The light itself, or a surface that it lies in, does not block it.
+// Where a shadow ray from p ends. The light itself, or a surface that it lies in, does not block
+// it.
 RayEnd ray_end(const LightSet& lights, const Scene& scene, const Vec3& p,
                const DirectSample& sample);
 RayEnd ray_end(const Scene& scene, const LightPoint& y);

@@ -10,8 +10,8 @@ namespace {
 // Places of a split, in parts of the lights between; so a tree is never deeper than some logarithm.
 constexpr size_t kSplits = 8;
 
-// Cosine of the least angle between `axis` and the directions between a point and those of a sphere,
-// of which `along` is the one to its middle.
+// Cosine of the least angle between `axis` and the directions between a point and those of a
+// sphere, of which `along` is the one to its middle.
 float nearest_cosine(const Vec3& axis, const Vec3& along, float distance_squared, float radius) {
     const float sine_squared = sqr(radius) / distance_squared;  // of the sphere's half angle
     if (!(sine_squared < 1.0f)) return 1.0f;
@@ -183,8 +183,8 @@ uint32_t LightTree::Binary::build(std::span<Binary> leaves, std::vector<Binary>&
     return append(node);
 }
 
-// What nodes bound is the looser the more they hold, so that a choice among their parts is better than
-// several between two: those parts become children that are to be avoided most as a whole.
+// What nodes bound is the looser the more they hold, so that a choice among their parts is better
+// than several between two: those parts become children that are to be avoided most as a whole.
 void LightTree::adopt(const std::vector<Binary>& tree, uint32_t from, uint32_t to) {
     nodes_[to].bounds = tree[from].bounds;
     nodes_[to].light = tree[from].light;
@@ -311,8 +311,8 @@ LightTree::Sample LightTree::sample(const LitPoint& at, float u) const {
 
 namespace {
 
-// Power heuristic for a sample of density `own` beside one of density `other`, for a probability that
-// LightTree::mixed has blended from both.
+// Power heuristic for a sample of density `own` beside one of density `other`, for a probability
+// that LightTree::mixed has blended from both.
 float weight_of(float own, float other) {
     return (1.0f - LightTree::kEvenShare) * (own + other) * own / (sqr(own) + sqr(other));
 }

@@ -26,8 +26,8 @@ struct LightBounds {
     bool distant = false;
     // Luminance in the brightest direction, W/sr; distant: W/m^2. 0: never chosen.
     float strength = 0.0f;
-    // Centre and radius of a sphere around it. Distant: `center` is a unit vector towards it, or zero for
-    // light from all around.
+    // Centre and radius of a sphere around it. Distant: `center` is a unit vector towards it, or
+    // zero for light from all around.
     Vec3 center{0.0f};
     float radius = 0.0f;
     LampBeam beam{Vec3(0, 0, 1), 2.0f};
@@ -38,8 +38,8 @@ struct LightBounds {
 
 class LightTree {
 public:
-    // Share of the choice that is even over all lights. Importance alone may be wrong: beside a lamp in a
-    // closet the sun outside does not matter, and the other way round.
+    // Share of the choice that is even over all lights. Importance alone may be wrong: beside a
+    // lamp in a closet the sun outside does not matter, and the other way round.
     static constexpr float kEvenShare = 0.1f;
 
     LightTree() = default;
@@ -51,12 +51,13 @@ public:
         float probability;    // LightTree::probability()
         float weight = 1.0f;  // MIS weight beside the other of two samples
     };
-    // Chooses a light by importance or, with probability kEvenShare, evenly. The tree must not be empty.
+    // Chooses a light by importance or, with probability kEvenShare, evenly. The tree must not be
+    // empty.
     Sample sample(const LitPoint& at, float u) const;
     float probability(uint32_t light, const LitPoint& at) const;
-    // The same choice as two samples, the second of which is made with probability kSecond. The power
-    // heuristic [Veach97] weighs them, so that the second takes next to nothing where importance is right.
-    // The sum of weight / probability has the same mean.
+    // The same choice as two samples, the second of which is made with probability kSecond. The
+    // power heuristic [Veach97] weighs them, so that the second takes next to nothing where
+    // importance is right. The sum of weight / probability has the same mean.
     static constexpr float kSecond = kEvenShare / (1.0f - kEvenShare);
     Sample first_of_two(const LitPoint& at, float u) const;
     Sample second_of_two(const LitPoint& at, float u) const;

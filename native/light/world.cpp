@@ -45,8 +45,8 @@ uint32_t columns_to_look_at(const Scene& scene, const Material& material) {
     return columns == 0 ? kDefaultWidth : columns;
 }
 
-// Luminance at the middles of the cells of a grid of directions, row by row from -z; where the image
-// has several texels in a cell, their mean.
+// Luminance at the middles of the cells of a grid of directions, row by row from -z; where the
+// image has several texels in a cell, their mean.
 struct Table {
     uint32_t width, height;
     std::vector<float> values;
@@ -102,8 +102,9 @@ Moments moments(const Table& table) {
     return {sum / weight, squares / weight};
 }
 
-// From radiance to density over the square, which is wider than the sphere towards the poles. Closures
-// find what the world has everywhere: what is brighter than its mean is left to this density [Karlik19].
+// From radiance to density over the square, which is wider than the sphere towards the poles.
+// Closures find what the world has everywhere: what is brighter than its mean is left to this
+// density [Karlik19].
 BilinearMap density_over_square(Table table, float mean) {
     for (uint32_t y = 0; y < table.height; ++y)
         for (uint32_t x = 0; x < table.width; ++x)

@@ -11,8 +11,8 @@ namespace spc {
 
 // Sets the world_* members of `lights` and has_world. `threads` 0 = all.
 void build_world(const Scene& scene, LightSet& lights, uint32_t threads);
-// Integral of the luminance above its mean over all directions, and over the peaks, W/m^2; none of a
-// constant world.
+// Integral of the luminance above its mean over all directions, and over the peaks, W/m^2; none of
+// a constant world.
 double world_excess(const LightSet& lights);
 double world_excess_of_peaks(const LightSet& lights);
 

@@ -118,8 +118,8 @@ private:
         if (kind.count == 0) {
             emitted_ = emitted_to(geometry.p, ray.direction);
             if (!(emitted_ > 0.0f)) return;
-            // From points of the light next to y to this very point of the caster: its normal, which
-            // may vary fast, stays.
+            // From points of the light next to y to this very point of the caster: its normal,
+            // which may vary fast, stays.
             for (size_t j = 0; j < 2; ++j) {
                 arriving.dp[j] = Vec3d(0.0);
                 arriving.dd[j] = Vec3d(across_[j]) * (y_.distant ? -1.0 : -1.0 / distance);
@@ -146,8 +146,8 @@ private:
         }
     }
 
-    // See Landing::light. For a lamp it is the largest over the lamp's points: where this light point does not
-    // shine, a neighbour may.
+    // See Landing::light. For a lamp it is the largest over the lamp's points: where this light
+    // point does not shine, a neighbour may.
     float emitted_to(const Vec3& p, const Vec3& direction) const {
         const bool lamp = y_.light < world_.lights.lamps.size();
         const float cosine = dot(y_.n, direction);
@@ -197,8 +197,8 @@ struct Mark {
         expected += other.expected;
     }
 };
-// A ray on an emission cell's border, which neighbouring emission cells have as well. Its key is its place on
-// the finest grid, its chain kind, and Landing::ordinal.
+// A ray on an emission cell's border, which neighbouring emission cells have as well. Its key is
+// its place on the finest grid, its chain kind, and Landing::ordinal.
 struct BorderRay {
     std::array<uint32_t, 4> key;  // place, kind, Landing::ordinal
     uint32_t edge;
@@ -353,8 +353,8 @@ private:
     }
 
     static constexpr float kFlat = 0.999f, kFlatDepth = 0.05f;
-    // Irregularity of a grid cell in which a sheet ends; a bent one has at most 1. Beyond its beams there are
-    // chains that no beam leads to, as at the silhouette of a rippled caster.
+    // Irregularity of a grid cell in which a sheet ends; a bent one has at most 1. Beyond its beams
+    // there are chains that no beam leads to, as at the silhouette of a rippled caster.
     static constexpr float kEnd = 3.0f;
 
     TracedCell traced_;
@@ -448,7 +448,8 @@ std::vector<TracedCell> trace_cells(const SheetWorld& world, const LightPoint& y
     return emission_cells;
 }
 
-// Appends the beams of an emission cell to those of all. `kinds`: indices of all chain kinds so far.
+// Appends the beams of an emission cell to those of all. `kinds`: indices of all chain kinds so
+// far.
 void append(const MarkedBeams& part, std::map<ChainKind, uint32_t>& kinds, MarkedBeams& all) {
     const auto offset = static_cast<uint32_t>(all.set.edges.size());
     all.set.edges.insert(all.set.edges.end(), part.set.edges.begin(), part.set.edges.end());

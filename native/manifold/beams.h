@@ -16,8 +16,8 @@ struct SheetWorld {
     const EmissionGuide& guide;
     uint32_t longest_chain;
     uint32_t threads;  // threads that build one sheet; 0: all
-    // `budget` is that of all sheets. One sheet takes `most_rays` at most, or a little more to finish its
-    // first emission cells or a round of splits.
+    // `budget` is that of all sheets. One sheet takes `most_rays` at most, or a little more to
+    // finish its first emission cells or a round of splits.
     const Budget& budget;
     double most_rays = std::numeric_limits<double>::infinity();
 };
@@ -27,8 +27,8 @@ struct BeamEdge {
     Vec3 last;    // vertex on that caster
     Vec3 d;       // unit direction behind it
     Vec3 landed;  // on a receiver
-    // Derivatives of both points by the light point, as columns, while the ray's first vertex is held.
-    // Per m or, for a distant light, per unit of its direction.
+    // Derivatives of both points by the light point, as columns, while the ray's first vertex is
+    // held. Per m or, for a distant light, per unit of its direction.
     std::array<Vec3, 3> last_moved, landed_moved;
 };
 // Three rays of one chain kind that are neighbours in the grid at the light.
@@ -47,8 +47,8 @@ struct BeamSet {
     std::vector<ChainKind> kinds;  // from the receiver on
     uint64_t rays = 0;
 };
-// Traces a grid of rays in each of about `emission_cells` parts of the light's unit square, which are
-// smaller where the rays' fates vary most. `around`: see LightSheet.
+// Traces a grid of rays in each of about `emission_cells` parts of the light's unit square, which
+// are smaller where the rays' fates vary most. `around`: see LightSheet.
 BeamSet trace_beams(const SheetWorld& world, const LightPoint& y, uint32_t emission_cells,
                     std::span<const LightPoint> around);
 

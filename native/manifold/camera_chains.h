@@ -12,8 +12,8 @@ struct CameraChains {
     std::vector<std::vector<ChainSeed>> chain_seeds;  // of each light
     // Estimates for each sample of the picture. Each shoots all chain seeds of one light.
     double estimates = 0.0;
-    // Random searches for each pixel and sample of the picture. A search starts in its pixel and looks
-    // for a chain that is seen in that pixel and that no chain seed finds.
+    // Random searches for each pixel and sample of the picture. A search starts in its pixel and
+    // looks for a chain that is seen in that pixel and that no chain seed finds.
     double searches = 0.0;
     bool has(uint32_t light) const { return !chain_seeds[light].empty(); }
 };

@@ -188,9 +188,10 @@ void add_caster(CasterSet& set, Caster caster) {
 // With more chains it takes searches too long to find one again.
 constexpr double kMostChainsAtFacets = 3.0;
 
-// Mean number of chains between an x and a y as far away as the caster is large, that turn at facets of one
-// slope on a mapped rough surface. Within some area of the surface the half-vector's slope takes all values,
-// so this is also the mean number of places in it where the map has a slope [Rice44].
+// Mean number of chains between an x and a y as far away as the caster is large, that turn at
+// facets of one slope on a mapped rough surface. Within some area of the surface the half-vector's
+// slope takes all values, so this is also the mean number of places in it where the map has a slope
+// [Rice44].
 double chains_at_facets(const Scene& scene, const Caster& caster,
                         const SpecularInterface& interface) {
     constexpr int kPoints = 1024;  // tell a fine map from a coarse one
@@ -298,7 +299,8 @@ Vec3 towards_caster(const Caster& caster, const Vec3& x, const Vec2& u) {
 CasterChoice choose_caster(const CasterSet& set, const Vec3& x, const ReceiverSides& sides,
                            const ChainEnd& end, float u) {
     const BoundSum all = sum_bounds(set, x, sides, end);
-    // First the packet, then the caster. The last possible one also takes what rounding leaves over.
+    // First the packet, then the caster. The last possible one also takes what rounding leaves
+    // over.
     Lanes bounds{};
     uint32_t first = 0;
     float before = 0.0f, cumulative = 0.0f;

@@ -72,8 +72,8 @@ std::optional<ConstraintValue> angle_difference(Interaction interaction, float e
                                                 const DifferentialGeometry& vertex) {
     const std::optional<DirectionDual> s = scattered(interaction, eta, wi, vertex);
     if (!s) return std::nullopt;
-    // Stereographic, 2 tan(angle / 2) along the plane across wo: no pole near a solution, nothing to
-    // wrap.
+    // Stereographic, 2 tan(angle / 2) along the plane across wo: no pole near a solution, nothing
+    // to wrap.
     const Frame frame = Frame::around(wo.w);
     const float cosine = dot(s->w, wo.w), scale = 2.0f / std::max(1.0f + cosine, 1e-6f);
     const Vec2 c(scale * dot(s->w, frame.x), scale * dot(s->w, frame.y));

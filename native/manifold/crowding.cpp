@@ -7,10 +7,10 @@ namespace spc {
 
 namespace {
 
-// The area (m^2) of a caster on which the slope that turns light to one point changes by one in both of its
-// directions. With 1 / D = 1 / (distance to the receiver) + 1 / (distance to the light), a mirror's slope
-// changes by 1 / 2 D per metre. Returns the mean of the interaction with the largest one; 0 if none leads
-// to a surface.
+// The area (m^2) of a caster on which the slope that turns light to one point changes by one in
+// both of its directions. With 1 / D = 1 / (distance to the receiver) + 1 / (distance to the
+// light), a mirror's slope changes by 1 / 2 D per metre. Returns the mean of the interaction with
+// the largest one; 0 if none leads to a surface.
 double area_of_a_slope(const Scene& scene, const LightSet& lights, const Caster& caster, Pcg& pcg) {
     constexpr int kRays = 64;
     constexpr std::array kinds{Interaction::reflection, Interaction::refraction};

@@ -9,8 +9,8 @@ namespace spc {
 
 namespace {
 
-// Chains of throughput below kWeak have their trials counted only with a proportional probability, at least
-// kLeastProbability.
+// Chains of throughput below kWeak have their trials counted only with a proportional probability,
+// at least kLeastProbability.
 constexpr float kWeak = 1.0f / 4, kLeastProbability = 1.0f / 16;
 
 ReceiverSides sides_of(const Receiver& receiver) {
@@ -64,8 +64,9 @@ public:
                                      [](const ChainSolution& one) { return one.chain; });
     }
 
-    // The sum over the chains that sheet seeds find, weak ones with a probability. What the sheet misses at
-    // its folds and ends is left to a random search with trials, which rarely finds anything.
+    // The sum over the chains that sheet seeds find, weak ones with a probability. What the sheet
+    // misses at its folds and ends is left to a random search with trials, which rarely finds
+    // anything.
     ManifoldRadiance by_sheet(const LightSheet* sheet, float sure, bool draws, Pcg& pcg) {
         const float search_probability = sheet != nullptr ? settings_.search_probability : 1.0f;
         // Turns a beam's density, the irradiance at the receiver, into the probability of its seed.
@@ -175,8 +176,8 @@ private:
                              pcg.one());
     }
 
-    // A shot from a random direction towards the caster, with a random interaction at every vertex. It finds
-    // every chain that begins at the caster with some probability.
+    // A shot from a random direction towards the caster, with a random interaction at every vertex.
+    // It finds every chain that begins at the caster with some probability.
     std::optional<ChainSolution> random_chain(const Search& search, const CasterChoice& first,
                                               Pcg& pcg) {
         if (first.index == kNone) return std::nullopt;
@@ -202,8 +203,9 @@ private:
                (1.0f / first.probability);
     }
 
-    // `value` times the number of trials until its solution is found again, which estimates 1 / p_k. Chains of
-    // little throughput take as many trials as others, so only some of them are counted.
+    // `value` times the number of trials until its solution is found again, which estimates 1 /
+    // p_k. Chains of little throughput take as many trials as others, so only some of them are
+    // counted.
     template <class Trial>
     Spectrum counted(const Spectrum& value, float strength, Pcg& pcg, const Trial& comes_again) {
         if (is_black(value)) return value;
@@ -242,7 +244,8 @@ private:
         double scale;  // of its light, where the manifold is sure to find it
         float strength() const { return max_component(throughput); }
     };
-    // With `among_facets` only chains that have a rough vertex count; the others are found without facets.
+    // With `among_facets` only chains that have a rough vertex count; the others are found without
+    // facets.
     std::optional<Connection> connect(const Chain& chain, bool among_facets = false) const {
         const Vec3 wi = normalize(chain.vertices[0].geometry.p - receiver_.p);
         const ClosureEval at_x = scattering_at_x(wi);

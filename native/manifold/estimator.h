@@ -3,8 +3,9 @@
 //
 //   L(x, wo) = sum over chains of  int f(x) cos T L(y) |dw/dA_y| dA_y
 //
-// A light point y is drawn by power. The chains to it are found by walks on one caster, which is drawn by
-// its bound, and random shots for several interactions; or by the seeds of a light sheet; or by MNEE seeds.
+// A light point y is drawn by power. The chains to it are found by walks on one caster, which is
+// drawn by its bound, and random shots for several interactions; or by the seeds of a light sheet;
+// or by MNEE seeds.
 #pragma once
 
 #include "bsdf/closure.h"
@@ -34,13 +35,13 @@ struct Receiver {
     const Camera* camera = nullptr;
 };
 
-// The path whose light arrives at the receiver from wi, still without its chain. `at_x`: the receiver's
-// closures evaluated for wi.
+// The path whose light arrives at the receiver from wi, still without its chain. `at_x`: the
+// receiver's closures evaluated for wi.
 CausticPath caustic_path(const Scene& scene, const Receiver& receiver, const ClosureEval& at_x,
                          const Vec3& wi);
 
-// Radiance from a receiver towards its wo, in two parts: of chains that sheet seeds find, and of those
-// that the random search finds.
+// Radiance from a receiver towards its wo, in two parts: of chains that sheet seeds find, and of
+// those that the random search finds.
 struct ManifoldRadiance {
     Spectrum seeded{0.0f}, drawn{0.0f};
     uint64_t seed_work = 0;  // Newton iterations and rays
@@ -62,7 +63,8 @@ struct CameraChain {
 // One estimate: appends the camera chains to one light point that chain seeds find.
 void find_camera_chains(const Techniques& techniques, const Receiver& camera, const Sampler& sampler,
                         std::vector<CameraChain>& found, ManifoldStats& stats);
-// One random search in a pixel, given by its lower left corner, for a chain that no chain seed finds.
+// One random search in a pixel, given by its lower left corner, for a chain that no chain seed
+// finds.
 std::optional<CameraChain> search_camera_chain(const Techniques& techniques, const Receiver& camera,
                                                const Vec2& pixel, const Sampler& sampler,
                                                ManifoldStats& stats);
@@ -72,9 +74,9 @@ struct RandomCameraChain {
     LightPoint y;
     ChainSolution solution;
 };
-// Follows a camera ray through the casters and appends the camera chains within `radius` pixels of it
-// that carry light by the weights of techniques.camera_chains. How the ray leaves each caster tells
-// whether a light is near.
+// Follows a camera ray through the casters and appends the camera chains within `radius` pixels of
+// it that carry light by the weights of techniques.camera_chains. How the ray leaves each caster
+// tells whether a light is near.
 void add_random_camera_chains(const Techniques& techniques, const Receiver& camera,
                               const Vec2& film, float radius, const Sampler& sampler,
                               std::vector<RandomCameraChain>& found, ManifoldStats& stats);

@@ -12,8 +12,8 @@ namespace spc {
 // Draws the slopes of a facet along the two axes of a frame around the surface's normal. One fixed
 // direction orients the frame, so that a slope means the same facet at every point.
 Vec2 sample_facet(const SpecularInterface& interface, const Vec2& u);
-// Slopes of the facet that takes light between wi and wo; both lie on the sides that the interaction
-// demands. eta: see ChainVertex. Empty if there is no such facet.
+// Slopes of the facet that takes light between wi and wo; both lie on the sides that the
+// interaction demands. eta: see ChainVertex. Empty if there is no such facet.
 std::optional<Vec2> facet_between(const DifferentialGeometry& geometry, Interaction interaction,
                                   float eta, const Vec3& wi, const Vec3& wo);
 // Replaces the normal of the geometry and its derivatives by those of the facet.

@@ -30,8 +30,8 @@ void shoot_seeds(const Techniques& techniques, const RayStart& x, const LightPoi
                  FoundChains& found, ManifoldStats& stats);
 
 // The chain between x and its end that manifold next event estimation finds [Hanika15]. Refractions
-// start from the straight line; reflections from the middle of the caster, since nothing is known of
-// its shape.
+// start from the straight line; reflections from the middle of the caster, since nothing is known
+// of its shape.
 std::optional<ChainSolution> shoot_from_mnee_seed(const Techniques& techniques, const RayStart& x,
                                                   const ChainEnd& end, Interaction first,
                                                   uint32_t caster, ManifoldStats& stats);
@@ -55,15 +55,15 @@ bool seed_finds(const Techniques& techniques, const RayStart& x, const ChainEnd&
 bool any_seed_finds(const Techniques& techniques, const RayStart& x, const ChainEnd& end,
                     uint32_t light, const ChainSolution& solution, ManifoldStats& stats);
 
-// A random search from a point x of the camera's lens for a chain that is seen in a pixel. The search
-// starts in that pixel. `pixel`: its lower left corner.
+// A random search from a point x of the camera's lens for a chain that is seen in a pixel. The
+// search starts in that pixel. `pixel`: its lower left corner.
 std::optional<ChainSolution> search_pixel(const Techniques& techniques, const RayStart& x,
                                           const Vec2& pixel, const ChainEnd& end, Pcg& pcg,
                                           ManifoldStats& stats);
 
-// 0 if a seed (of the sheets, of camera chains, or MNEE's) finds the path's chain. Else the number of
-// trials, at most `most`, until a random search from the chain's first caster, or its pixel, finds it; 1
-// if there are no searches. Not meaningful for walks, which may find any chain.
+// 0 if a seed (of the sheets, of camera chains, or MNEE's) finds the path's chain. Else the number
+// of trials, at most `most`, until a random search from the chain's first caster, or its pixel,
+// finds it; 1 if there are no searches. Not meaningful for walks, which may find any chain.
 uint32_t trials_if_missed(const Techniques& techniques, const LightSheets& sheets,
                           const CausticPath& path, const LightEnd& end, uint32_t most, Pcg& pcg,
                           ManifoldStats& stats);

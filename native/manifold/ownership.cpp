@@ -23,16 +23,16 @@ bool looks_for(const ManifoldSettings& settings, const CausticPath& path) {
     if (!settings.family.empty() && !std::equal(vertices.begin(), vertices.end(),
                                                 settings.family.begin(), settings.family.end(), same))
         return false;
-    // MNEE seeds find refractions along straight lines and single reflections. Camera chains have seeds and
-    // searches of their own, whatever the finder.
+    // MNEE seeds find refractions along straight lines and single reflections. Camera chains have
+    // seeds and searches of their own, whatever the finder.
     return path.from_camera || settings.finder != ChainFinder::mnee || vertices.size() == 1 ||
            std::all_of(vertices.begin(), vertices.end(), [](const CausticVertex& vertex) {
                return vertex.interaction == Interaction::refraction;
            });
 }
 
-// Whether path tracing may follow the path to its light within the limits, whichever closure scatters at x.
-// `before`: bounces before x.
+// Whether path tracing may follow the path to its light within the limits, whichever closure
+// scatters at x. `before`: bounces before x.
 bool within_limits(const BounceLimits& limits, const BounceCounts& before, const CausticPath& path) {
     const uint32_t at_x = path.from_camera ? 0 : 1;
     uint32_t glossy = before.glossy + at_x, transmission = before.transmission + at_x;
@@ -43,7 +43,8 @@ bool within_limits(const BounceLimits& limits, const BounceCounts& before, const
            transmission <= limits.transmission;
 }
 
-// Whether light paths may find rough chains of the path: they scatter at the rough vertices and at x.
+// Whether light paths may find rough chains of the path: they scatter at the rough vertices and at
+// x.
 bool light_paths_may_find(const Techniques& techniques, const CausticPath& path) {
     return techniques.light_tracing.guide != nullptr && path.film_density > 0.0f;
 }
@@ -135,8 +136,8 @@ float facet_pdf_at(const Scene& scene, const SurfaceHit& hit, Interaction intera
                      eta_seen_from(geometry.ng, wi, interface.ior), wi, wo);
 }
 
-// Density of next event estimation at x, or at the last vertex, which is at `last`. `before`: product of the
-// probabilities of the lobes before that.
+// Density of next event estimation at x, or at the last vertex, which is at `last`. `before`:
+// product of the probabilities of the lobes before that.
 double direct_density(const CausticPath& path, double before, const Vec3& last, const LightEnd& end,
                       double geometry) {
     const auto pdf = static_cast<double>(end.pdf_direct);
@@ -146,8 +147,8 @@ double direct_density(const CausticPath& path, double before, const Vec3& last, 
     return static_cast<double>(path.pdf_omega) * before * pdf * geometry * squared;
 }
 
-// Whether path tracing, which has the mean over a footprint, comes from the camera to glints at x so
-// densely that light paths, which meet one point of their map at a time, would only add noise.
+// Whether path tracing, which has the mean over a footprint, comes from the camera to glints at x
+// so densely that light paths, which meet one point of their map at a time, would only add noise.
 bool left_to_glints(const LightTracing& light_tracing, const CausticPath& path) {
     return path.count == 0 && static_cast<double>(path.film_density * path.glint_exit_pdf) >
                                   light_tracing.beside_glints * light_tracing.paths;
@@ -215,8 +216,8 @@ bool light_tracing_owns(const Techniques& techniques, const CausticPath& path) {
 }
 
 bool light_tracing_may_own(const Techniques& techniques, const CausticPath& path) {
-    // If caustics by reflection or refraction are switched off, paths behind a scattering do not meet all that
-    // light paths meet. The limits of manifold chains hold for light tracing, too.
+    // If caustics by reflection or refraction are switched off, paths behind a scattering do not
+    // meet all that light paths meet. The limits of manifold chains hold for light tracing, too.
     const auto [n, reflections, refractions] = path.camera_subpath;
     const BounceCounts whichever{.total = n + reflections + refractions,
                                  .diffuse = n,
@@ -348,7 +349,8 @@ std::optional<CausticDensities> caustic_densities(const Techniques& techniques,
         }
     }
     if (ends_scattered(path)) p.direct = direct_density(path, before_last, from, end, p.geometry);
-    // Next event estimation connects to a lamp without shadow through everything, so rays leave it to that.
+    // Next event estimation connects to a lamp without shadow through everything, so rays leave it
+    // to that.
     const bool seen_through = is_seen_through(techniques.lights, end.light),
                by_rays = !seen_through || !ends_scattered(path);
     if (!end.delta && by_rays)
@@ -372,7 +374,8 @@ std::optional<CausticDensities> caustic_densities(const Techniques& techniques,
                                                              end.light, end.end, last);
         const double cos_x = std::abs(static_cast<double>(dot(path.sides.ng, wi)));
         const LightTracing& paths = techniques.light_tracing;
-        // Light paths behind a receiver go on with this probability; those that a rough caster scatters always.
+        // Light paths behind a receiver go on with this probability; those that a rough caster
+        // scatters always.
         const bool thinned = path.camera_subpath.scatterings > 0 && path.count > 0;
         if (emitted > 0.0f)
             p.light_tracing = paths.paths * (thinned ? paths.goes_on : 1.0) /

@@ -8,8 +8,8 @@ namespace spc {
 
 namespace {
 
-// A volume of more prisms holds the balls around them: it is so much larger than they are that their
-// shapes make no difference to it.
+// A volume of more prisms holds the balls around them: it is so much larger than they are that
+// their shapes make no difference to it.
 constexpr uint32_t kManyPrisms = 64;
 
 // Where a prism is and how it moves: what lies near and moves alike agrees in all of them.

@@ -23,9 +23,9 @@ struct MovingPrism {
     std::array<Corner, 3> corners;
 };
 
-// Bounding volumes lie between three pairs of planes, which may be oblique, since prisms may be slivers
-// across all axes. A volume follows the mean motion of its prisms, so it hardly grows where they move
-// alike. A node tests the volumes of its eight children at once.
+// Bounding volumes lie between three pairs of planes, which may be oblique, since prisms may be
+// slivers across all axes. A volume follows the mean motion of its prisms, so it hardly grows where
+// they move alike. A node tests the volumes of its eight children at once.
 class PrismTree {
 public:
     using Shape = std::function<MovingPrism(uint32_t)>;
@@ -34,13 +34,13 @@ public:
         move,
         stay  // large enough for every shift, so visit() gets a zero shift
     };
-    // `reach`: length of the longest shift. `order` receives the indices of the prisms in the tree's order;
-    // data that belong to them should be stored in that order.
+    // `reach`: length of the longest shift. `order` receives the indices of the prisms in the
+    // tree's order; data that belong to them should be stored in that order.
     PrismTree(uint32_t count, const Shape& shape, float reach, std::vector<uint32_t>& order,
               Volumes volumes = Volumes::move);
 
-    // Calls `act` with the place in that order of each prism that may hold p, until `act` returns false.
-    // Some of these prisms do not hold p.
+    // Calls `act` with the place in that order of each prism that may hold p, until `act` returns
+    // false. Some of these prisms do not hold p.
     template <class Act>
     void visit(const Vec3& p, const Vec3& shift, const Act& act) const {
         if (nodes_.empty()) return;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Seeds: where walks start, and what each of them looks for.
 //
-// Seeds decide how probable it is to find each solution, hence noise and time, but not the expectation
-// of an unbiased estimate, as long as every solution can be found.
+// Seeds decide how probable it is to find each solution, hence noise and time, but not the
+// expectation of an unbiased estimate, as long as every solution can be found.
 #pragma once
 
 #include "core/random.h"
@@ -17,8 +17,8 @@ struct ChainQuery {
     const Caster* caster;
 };
 
-// The normal that a walk uses: the surface's own or, in the first of two stages, the smooth one leaning
-// by a fixed slope.
+// The normal that a walk uses: the surface's own or, in the first of two stages, the smooth one
+// leaning by a fixed slope.
 struct NormalTarget {
     bool smooth_base = false;
     Vec3 offset{0.0f, 0.0f, 1.0f};  // unit, in Frame::around(smooth normal)
@@ -33,14 +33,14 @@ struct Seed {
     NormalTarget first;  // of the first stage; the surface's own normal if there is one stage
 };
 
-// The seed at one point. It looks for a reflection if x and the light lie on one side of the surface, else
-// for a refraction. Empty if the material has no such interaction.
+// The seed at one point. It looks for a reflection if x and the light lie on one side of the
+// surface, else for a refraction. Empty if the material has no such interaction.
 std::optional<Seed> seed_at(const Scene& scene, const ManifoldSettings& settings,
                             const ChainQuery& query, const SurfaceHit& hit,
                             const NormalTarget& first = {});
 
-// Draws a few random points and takes the one where the constraint is smallest. Half of the seeds draw
-// them uniformly over the caster's specular area, half from what x sees of the caster.
+// Draws a few random points and takes the one where the constraint is smallest. Half of the seeds
+// draw them uniformly over the caster's specular area, half from what x sees of the caster.
 std::optional<Seed> sample_seed(const Scene& scene, const ManifoldSettings& settings,
                                 const ChainQuery& query, Pcg& pcg, ManifoldStats& stats);
 

@@ -48,7 +48,8 @@ std::vector<LightPoint> far_points(const LightPoint& y, const std::vector<LightP
     return result;
 }
 
-// Starts in the middle; each further sheet point is the point that lies farthest from those there are.
+// Starts in the middle; each further sheet point is the point that lies farthest from those there
+// are.
 std::vector<SheetPoint> sheet_points_of(const std::vector<LightPoint>& points,
                                         const EmissionGuide& guide, size_t most) {
     constexpr float kFar = 1.0f / 16;  // rad, as the casters see it

@@ -8,9 +8,9 @@ namespace spc {
 namespace {
 
 constexpr float kLongestStep = 0.5f;  // rad, at the receiver
-// Largest endpoint error that counts as an arrival, whatever the bound of rounding errors: the bound says how
-// far off a ray can be, not that it is, and may be larger than the distance to a light that no chain leads
-// to. A fifth of the sun's radius.
+// Largest endpoint error that counts as an arrival, whatever the bound of rounding errors: the
+// bound says how far off a ray can be, not that it is, and may be larger than the distance to a
+// light that no chain leads to. A fifth of the sun's radius.
 constexpr float kLargestEndpointError = 1e-3f;  // rad
 
 // Distance along w after which a ray has left the rounding errors of its surface behind, m.
@@ -109,8 +109,8 @@ public:
             vertex.interaction = link.interaction;
             vertex.geometry = geometry_at(scene_, hit->surface, specular, facets_, i);
             vertex.eta = eta_seen_from(vertex.geometry.ng, d * -1.0f, specular.ior);
-            // The ray keeps its direction: between sides a millimetre apart that from point to point
-            // would be off by what both were rounded.
+            // The ray keeps its direction: between sides a millimetre apart that from point to
+            // point would be off by what both were rounded.
             const double distance = length(Vec3d(vertex.geometry.p) - Vec3d(from.p));
             if (!(distance > 0.0)) return false;
             if (!propagate_through_vertex(vertex, distance, shot.ray)) return false;
@@ -196,8 +196,8 @@ bool measure_resolution(const Shot& shot, ChainSolution& solution) {
     return true;
 }
 
-// Probability of following the reflection: Fresnel's term with a floor, so that neither side starves. Any
-// positive probability is right, since trials make up for it.
+// Probability of following the reflection: Fresnel's term with a floor, so that neither side
+// starves. Any positive probability is right, since trials make up for it.
 float reflection_probability(const SpecularInterface& interface, float cosine, float eta) {
     constexpr float kFloor = 1.0f / 8;
     if (!interface.reflects || !interface.refracts) return interface.reflects ? 1.0f : 0.0f;

@@ -16,8 +16,9 @@ struct ChainRoot {
     float resolution;  // how far the point may lie from the true solution, m
 };
 
-// One walk from a seed. Empty if it diverged, left the caster, met total internal reflection, or ended on
-// the wrong side of the surface or on a fold, where solutions cannot be told apart. Occlusion is ignored.
+// One walk from a seed. Empty if it diverged, left the caster, met total internal reflection, or
+// ended on the wrong side of the surface or on a fold, where solutions cannot be told apart.
+// Occlusion is ignored.
 std::optional<ChainRoot> walk_from(const Scene& scene, const ManifoldSettings& settings,
                                    const ChainQuery& query, const Seed& seed, ManifoldStats& stats);
 // One walk from a random seed.

@@ -70,8 +70,8 @@ inline Vec3 uniform_sphere(const Vec2& u) {
 }
 inline constexpr float kUniformSpherePdf = 0.25f * kInvPi;  // 1/sr
 
-// Directions uniform within a cone around +z. Its opening is given as 1 - cos(half angle), which keeps its
-// digits for the half degree of a sun; one_minus_cos() computes it.
+// Directions uniform within a cone around +z. Its opening is given as 1 - cos(half angle), which
+// keeps its digits for the half degree of a sun; one_minus_cos() computes it.
 inline Vec3 uniform_cone(const Vec2& u, float one_minus_cos) {
     const float h = u.x * one_minus_cos;  // 1 - cos theta
     const float radius = safe_sqrt(h * (2.0f - h));

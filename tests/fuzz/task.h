@@ -13,8 +13,8 @@ struct Task {
     double cpu_seconds = 0.0, seconds = 0.0;  // if not 0, instead of a count
 };
 
-// [--seed N] [--count N | --cpu-seconds N | --minutes N], and the options that `takes(name, value)`. Ends
-// the program where something else stands there.
+// [--seed N] [--count N | --cpu-seconds N | --minutes N], and the options that `takes(name,
+// value)`. Ends the program where something else stands there.
 Task parse(int count, char** arguments,
            const std::function<bool(const std::string& name, const char* value)>& takes);
 

@@ -7,25 +7,28 @@
  *   Transforms row-major 3x4, float[12]: world = M * (x, y, z, 1).
  *   Colour     linear Rec.709 primaries, float[3] or float[4].
  *   Images     rows from the bottom up, left to right (Blender's order).
- *   Numbers    finite. Coordinates and extents, in a mesh's own space and in the world, are at most 1e8 m,
- *              and so are the entries of a transform and of its inverse; all that has no unit of length
- *              (colours, strengths, powers, texels, normals, UV) is at most 1e15. What exceeds that is
- *              refused with SPC_INVALID_ARGUMENT; what overflows on the way is counted in spc_render_stats.
+ *   Numbers    finite. Coordinates and extents, in a mesh's own space and in the world, are at most
+ *              1e8 m, and so are the entries of a transform and of its inverse. All that has no
+ *              unit of length (colours, strengths, powers, texels, normals, UV) is at most 1e15.
+ *              What exceeds that is refused with SPC_INVALID_ARGUMENT; what overflows in a render
+ *              is counted in spc_render_stats.
  *   Text       UTF-8, zero-terminated. Names are only used in messages; they need not be unique.
  *   Structs    `struct_size` comes first and must be sizeof the struct as compiled by the caller; a
  *              library that does not know that size refuses it with SPC_INVALID_ARGUMENT.
  *   Ownership  everything passed in is copied before the call returns. Handles are freed by their
  *              own destroy function; destroying NULL does nothing.
- *   Errors     every function that can fail returns an spc_status. On failure nothing has changed and
- *              spc_last_error() says what was wrong, naming the object. No exception crosses this boundary.
- *              A call that runs out of memory returns SPC_OUT_OF_MEMORY and says for what; everything but
- *              a scene whose commit failed so is as usable as before.
+ *   Errors     every function that can fail returns an spc_status, or NULL where it returns a text.
+ *              On failure nothing has changed, and spc_last_error() says what was wrong, naming the
+ *              object. Any call may fail with SPC_INVALID_ARGUMENT, SPC_OUT_OF_MEMORY or
+ *              SPC_INTERNAL_ERROR; the comments name what else it may return. No exception crosses
+ *              this boundary. A call that runs out of memory says for what; everything but a scene
+ *              whose commit failed so is as usable as before.
  *   Threads    a scene may be used by one thread at a time until it is committed; afterwards all
- *              but its camera is immutable, and it may feed any number of sessions. A session may be polled, read and
- *              cancelled from any thread.
+ *              but its camera is immutable, and it may feed any number of sessions. A session may
+ *              be polled, read and cancelled from any thread.
  *
- * Order of calls: create, add images, then materials, meshes, lights and instances (an index can only
- * refer to what was added before), set camera and environment, commit, start renders.
+ * Order of calls: create, add images, then materials, meshes, lights and instances (an index can
+ * only refer to what was added before), set camera and environment, commit, start renders.
  */
 #ifndef SPECULA_SPECULA_H
 #define SPECULA_SPECULA_H
@@ -43,10 +46,10 @@ extern "C" {
 #define SPC_API
 #endif
 
-/* Raised whenever a struct or the meaning of a call changes. */
+/* This number is raised whenever a struct or the meaning of a call changes. */
 #define SPC_API_VERSION 10u
 
-/* "No index", where an index is optional. */
+/* This value stands for "no index" where an index is optional. */
 #define SPC_NONE 0xffffffffu
 
 typedef struct spc_scene spc_scene;
@@ -63,16 +66,21 @@ typedef enum spc_status {
     SPC_INTERNAL_ERROR = 6 /* a bug in Specula */
 } spc_status;
 
-/* SPC_API_VERSION of the library that was loaded; callers compare it with the one they were written for. */
+/* Returns SPC_API_VERSION of the library that was loaded. Callers compare it with the version that
+ * they were compiled with. */
 SPC_API uint32_t spc_api_version(void);
-/* "0.1.0 x86-64-v3 Embree 3.13.5"; static storage. */
+/* Returns version, instruction level and Embree's version: "0.1.0 x86-64-v3 Embree 3.13.5". The
+ * text is static. */
 SPC_API const char* spc_version_string(void);
-/* Message of the calling thread's last failed call, or "" if there was none. Valid until its next failed call. */
+/* Returns the message of the calling thread's last failed call, or "" if none has failed. The
+ * library owns the text, which is valid until the thread's next failed call. */
 SPC_API const char* spc_last_error(void);
 
 /* ---------------------------------------------------------------------------------------- scene */
 
+/* Creates an empty scene, which the caller destroys. */
 SPC_API spc_status spc_scene_create(spc_scene** scene);
+/* Frees a scene. All of its sessions must have been destroyed before. */
 SPC_API void spc_scene_destroy(spc_scene* scene);
 
 /* ---- images */
@@ -90,14 +98,16 @@ typedef enum spc_color_space {
 } spc_color_space;
 
 typedef enum spc_alpha_mode {
-    SPC_ALPHA_STRAIGHT = 0,
-    SPC_ALPHA_PREMULTIPLIED = 1,
-    SPC_ALPHA_NONE = 2,  /* alpha is read as 1 */
-    SPC_ALPHA_PACKED = 3 /* alpha is a fourth value with no bearing on the colour */
+    SPC_ALPHA_STRAIGHT = 0,      /* the colour is not multiplied by alpha yet */
+    SPC_ALPHA_PREMULTIPLIED = 1, /* the colour is multiplied by alpha already */
+    SPC_ALPHA_NONE = 2,          /* alpha is read as 1 */
+    SPC_ALPHA_PACKED = 3         /* alpha is a fourth value with no bearing on the colour */
 } spc_alpha_mode;
 
-/* Exactly one source: `pixels` (with width, height, channels and pixel_type), `encoded` (the bytes of an
- * image file) or `path`. Files may have any format that OpenImageIO reads. */
+/* An image has exactly one source: `pixels` (with width, height, channels and pixel_type),
+ * `encoded` (the bytes of an image file) or `path`. Files may have any format that OpenImageIO
+ * reads. A library that is built without OpenImageIO, such as that of the addon's package, refuses
+ * them with SPC_IO_ERROR. */
 typedef struct spc_image_desc {
     size_t struct_size;
     const char* name;
@@ -106,18 +116,22 @@ typedef struct spc_image_desc {
     uint32_t channels;      /* 1, 3 or 4; only with `pixels` */
     uint32_t pixel_type;    /* spc_pixel_type; only with `pixels` */
     const void* encoded;    /* bytes of a file, or NULL */
-    size_t encoded_size;
-    const char* path;     /* a file, or NULL */
-    uint32_t color_space; /* spc_color_space */
-    uint32_t alpha_mode;  /* spc_alpha_mode */
+    size_t encoded_size;    /* bytes, > 0; only with `encoded` */
+    const char* path;       /* a file, or NULL */
+    uint32_t color_space;   /* spc_color_space */
+    uint32_t alpha_mode;    /* spc_alpha_mode */
 } spc_image_desc;
 
-/* Adds an image. Errors: SPC_INVALID_ARGUMENT, SPC_IO_ERROR (unreadable or not an image), SPC_WRONG_STATE. */
+/* Adds an image and gives its index. Errors: SPC_IO_ERROR (unreadable or not an image),
+ * SPC_WRONG_STATE (after commit). */
 SPC_API spc_status spc_scene_add_image(spc_scene* scene, const spc_image_desc* desc,
                                        uint32_t* image_index);
 
-/* ---- materials: a graph of typed nodes. The kinds, sockets and options are listed in docs/nodes.md, and
- * spc_node_kinds() lists them at run time. */
+/* ---- materials
+ *
+ * A material is a graph of typed nodes. docs/nodes.md lists their kinds, sockets and options, and
+ * so does spc_node_kinds() at run time. `node`, `from_node` and `to_node` are indices into
+ * spc_material_desc.nodes. */
 
 typedef struct spc_node {
     const char* name; /* as the artist sees it; for messages */
@@ -125,29 +139,34 @@ typedef struct spc_node {
     uint32_t image;   /* index of an image for kinds that read one, else SPC_NONE */
 } spc_node;
 
-/* Constant of an input socket. Sockets without constant and without link keep the default of their kind. */
+/* The constant of an input socket. A link to the socket takes precedence. A socket that has neither
+ * constant nor link has Blender's default. */
 typedef struct spc_node_input {
     uint32_t node;
     const char* socket;
     float value[4]; /* scalar sockets read value[0], vectors and colours value[0..2]; finite */
 } spc_node_input;
 
-/* A choice or a name that belongs to a node: "distribution" = "GGX", "uv_map" = "UVMap". */
+/* A choice or a name that belongs to a node: "distribution" = "GGX", "uv_map" = "UVMap". A choice
+ * that is not given is the first one of its option, a name that is not given is empty. */
 typedef struct spc_node_option {
     uint32_t node;
     const char* option;
     const char* value;
 } spc_node_option;
 
-/* Numbers that a node looks up, such as the colours of a ramp: row by row, as many in a row as the kind says, at
- * least two rows; finite. Kinds that have an array must be given it. */
+/* Numbers that a node looks up, such as the colours of a ramp. They are finite and stand row by
+ * row: as many in a row as the kind says, in at least two rows. A node that is used must be given
+ * its kind's arrays. */
 typedef struct spc_node_array {
     uint32_t node;
     const char* name;
     const float* values; /* float[count] */
-    uint32_t count;
+    uint32_t count;      /* of all numbers, not of rows */
 } spc_node_array;
 
+/* An output feeds an input. An input has at most one link; a shader may feed shader inputs
+ * alone. */
 typedef struct spc_node_link {
     uint32_t from_node;
     const char* from_socket;
@@ -155,13 +174,14 @@ typedef struct spc_node_link {
     const char* to_socket;
 } spc_node_link;
 
-/* Glints: whether narrow lobes on a normal map or bump are averaged over each pixel's footprint in its image. AUTO: those
- * of constant roughness up to 0.4. ON: all that can be; the scene's report says why one cannot. */
+/* Which narrow lobes on a normal map or bump are averaged over the footprint of each pixel in the
+ * map's image. AUTO: those of constant roughness up to 0.4. ON: all that can be; the scene's report
+ * says why a material has none. OFF: none. */
 typedef enum spc_glints { SPC_GLINTS_AUTO = 0, SPC_GLINTS_ON = 1, SPC_GLINTS_OFF = 2 } spc_glints;
 
-/* Exactly one node has kind "output"; its socket "Surface" is the surface (a world's background too), "Volume" the
- * medium behind front faces, which absorbs where all kinds of rays see the instance.
- * A graph may contain unused nodes; cycles are refused. */
+/* Exactly one node has kind "output". Its socket "Surface" is the surface, or the background of a
+ * world. Its socket "Volume" is the medium behind front faces, which absorbs if all kinds of rays
+ * see the instance. A graph may contain unused nodes; cycles are refused. */
 typedef struct spc_material_desc {
     size_t struct_size;
     const char* name;
@@ -175,14 +195,15 @@ typedef struct spc_material_desc {
     uint32_t array_count;
     const spc_node_link* links;
     uint32_t link_count;
-    uint32_t glints; /* spc_glints; of surfaces */
+    uint32_t glints; /* spc_glints; a world ignores it */
 } spc_material_desc;
 
+/* Compiles a material and gives its index. Errors: SPC_WRONG_STATE (after commit). */
 SPC_API spc_status spc_scene_add_material(spc_scene* scene, const spc_material_desc* desc,
                                           uint32_t* material_index);
 
-/* What an attribute is. A material finds those of a mesh by name or, where it names none, by their kind; those
- * of an object, which are the same all over it, by kind and name. */
+/* What an attribute is. A material finds those of a mesh by name or, where it gives no name, by their
+ * kind; those of an object, which are the same all over it, by kind and name. */
 typedef enum spc_attribute_kind {
     SPC_ATTRIBUTE_NAMED = 0,
     SPC_ATTRIBUTE_UV = 1,         /* the active UV layer */
@@ -205,19 +226,21 @@ typedef struct spc_attribute_need {
     uint32_t tangents; /* 1: the tangents of a UV layer, too */
 } spc_attribute_need;
 
-/* What surfaces of a material read from their mesh and their object. */
+/* What surfaces of a material read from their mesh and their object. The scene owns the array and
+ * its texts. */
 typedef struct spc_material_needs {
     size_t struct_size;
     const spc_attribute_need* attributes; /* valid until the next call for this scene */
     uint32_t attribute_count;
 } spc_material_needs;
 
-/* Before commit. Errors: SPC_INVALID_ARGUMENT, SPC_WRONG_STATE. */
+/* Says, before commit, what a mesh with this material must bring. Errors: SPC_WRONG_STATE (after
+ * commit). */
 SPC_API spc_status spc_scene_material_needs(spc_scene* scene, uint32_t material_index,
                                             spc_material_needs* needs);
 
-/* One line per node kind: `kind: in Socket:type ... out Socket:type ... option name=A|B ... array
- * name:COLUMNS ...`; static storage. */
+/* Lists the kinds of nodes, one in a line: `kind: in Socket:type ... out Socket:type ... option
+ * name=A|B ... array name:COLUMNS ...`. The text is static. */
 SPC_API const char* spc_node_kinds(void);
 
 /* ---- geometry */
@@ -230,16 +253,16 @@ typedef enum spc_attribute_domain {
     SPC_DOMAIN_OBJECT = 3 /* one; the only domain of an instance's attributes, and theirs alone */
 } spc_attribute_domain;
 
-/* Numbers for materials to read, interpolated over triangles. One component stands for all of a colour, two are x
- * and y, a fourth is alpha. */
+/* Numbers for materials to read, interpolated over triangles. One component stands for all of a
+ * colour, two are x and y, a fourth is alpha. */
 typedef struct spc_attribute {
     const char* name;
     uint32_t kind;       /* spc_attribute_kind */
     uint32_t domain;     /* spc_attribute_domain */
     uint32_t components; /* 1 to 4 */
     const float* values; /* float[elements][components] */
-    /* Of a UV layer (two components at corners): float[triangle_count][3][4] MikkTSpace tangent xyz and bitangent
-     * sign, or NULL. */
+    /* of a UV layer (two components at corners): float[triangle_count][3][4], MikkTSpace tangent xyz
+     * in object space and bitangent sign; or NULL */
     const float* tangents;
 } spc_attribute;
 
@@ -251,21 +274,21 @@ typedef struct spc_mesh_desc {
     /* uint32_t[triangle_count][3], each < vertex_count, counter-clockwise outside */
     const uint32_t* triangles;
     uint32_t triangle_count;
-    const float* normals; /* float[triangle_count][3][3] corner normals, object space; NULL = flat */
+    const float* normals; /* float[triangle_count][3][3] of corners, object space; NULL = flat */
     const uint32_t* material_slots; /* uint32_t[triangle_count], each < slot_count; NULL = slot 0 */
     uint32_t slot_count;            /* >= 1 */
     const spc_attribute* attributes;
     uint32_t attribute_count;
 } spc_mesh_desc;
 
-/* Adds a triangle mesh; instances refer to it by the returned index. Triangles of zero area are dropped and
- * counted in spc_scene_stats.dropped_triangles. A mesh of nothing else is accepted and
- * draws nothing. Corner normals are normalised; one of zero length takes the face's normal.
- * Errors: SPC_INVALID_ARGUMENT, SPC_WRONG_STATE (after commit), SPC_OUT_OF_MEMORY. */
+/* Adds a triangle mesh and gives the index by which instances refer to it. Triangles of zero area
+ * are dropped and counted in spc_scene_stats.dropped_triangles. A mesh of nothing else is accepted
+ * and draws nothing; one without triangles is refused. Corner normals are normalised; one of zero
+ * length takes the face's normal. Errors: SPC_WRONG_STATE (after commit). */
 SPC_API spc_status spc_scene_add_mesh(spc_scene* scene, const spc_mesh_desc* desc,
                                       uint32_t* mesh_index);
 
-/* Rays that see an object; as Blender's ray visibility. */
+/* Bits: the kinds of rays that see an object, as in Blender's ray visibility. */
 typedef enum spc_visibility {
     SPC_VISIBLE_CAMERA = 1,
     SPC_VISIBLE_DIFFUSE = 2,
@@ -275,8 +298,9 @@ typedef enum spc_visibility {
     SPC_VISIBLE_ALL = 31
 } spc_visibility;
 
-/* An object's part in caustics. AUTO: a caster where a material has a specular closure, or a narrow one that is
- * not weak (roughness up to 0.4; docs/nodes.md), a receiver where one is not specular. */
+/* An object's part in caustics. AUTO: it casts where one of its materials has a specular closure,
+ * or a narrow one that is not weak (roughness up to 0.4; docs/nodes.md), and receives where one has
+ * a closure that is not specular. The others rule out what they do not name. */
 typedef enum spc_caustics_role {
     SPC_CAUSTICS_AUTO = 0,
     SPC_CAUSTICS_OFF = 1,
@@ -290,14 +314,14 @@ typedef struct spc_instance_desc {
     const char* name;
     uint32_t mesh;
     float transform[12];       /* object to world; invertible; may mirror and scale unevenly */
-    const uint32_t* materials; /* uint32_t[slot_count of the mesh]; SPC_NONE = nothing is drawn there */
-    uint32_t material_count; /* must equal the mesh's slot_count */
-    uint32_t visibility;     /* of spc_visibility */
-    uint32_t caustics_role;  /* spc_caustics_role */
-    const spc_attribute* attributes;
-    uint32_t attribute_count;
+    const uint32_t* materials; /* uint32_t[material_count]; SPC_NONE = nothing is drawn there */
+    uint32_t material_count;   /* must equal the mesh's slot_count */
+    uint32_t visibility;       /* of spc_visibility */
+    uint32_t caustics_role;    /* spc_caustics_role */
 } spc_instance_desc;
 
+/* Places a mesh in the world and gives the instance's index. Errors: SPC_WRONG_STATE (after
+ * commit). */
 SPC_API spc_status spc_scene_add_instance(spc_scene* scene, const spc_instance_desc* desc,
                                           uint32_t* instance_index);
 
@@ -310,18 +334,21 @@ typedef enum spc_caustics_search {
     SPC_SEARCH_MANIFOLD_IF_COARSE = 3
 } spc_caustics_search;
 
-/* What a scene would make of an object in caustics. The texts are valid until the next call for the scene. */
+/* The part that an object would take in caustics. The scene owns the texts, which are valid until
+ * the next call for it. */
 typedef struct spc_forecast {
     size_t struct_size;
     uint32_t receives; /* 1: shows caustics */
     uint32_t search;   /* spc_caustics_search */
-    const char* reason; /* a closure by which it casts, or why it does not; "" if its role rules casting out */
+    /* a closure by which it casts, or why it does not; "" if its role rules casting out */
+    const char* reason;
     const char* glints;    /* closures that glint; "" if there are none */
     const char* no_glints; /* why there are none where a material asks for them, else "" */
 } spc_forecast;
 
-/* Before commit, of an object that need not be there, with `material_count` >= 1 materials; builds nothing.
- * `visibility` and `caustics_role` as in spc_instance_desc. Errors: SPC_INVALID_ARGUMENT, SPC_WRONG_STATE. */
+/* Says, before commit, which part an object of these materials would take. The object need not be
+ * in the scene, and nothing is built. `materials` are `material_count` >= 1 indices; `visibility`
+ * and `caustics_role` are as in spc_instance_desc. Errors: SPC_WRONG_STATE (after commit). */
 SPC_API spc_status spc_scene_forecast(spc_scene* scene, const uint32_t* materials,
                                       uint32_t material_count, uint32_t visibility,
                                       uint32_t caustics_role, spc_forecast* forecast);
@@ -329,7 +356,7 @@ SPC_API spc_status spc_scene_forecast(spc_scene* scene, const uint32_t* material
 /* ---- lights */
 
 typedef enum spc_light_type {
-    SPC_LIGHT_POINT = 0, /* sphere of `radius`, or a point */
+    SPC_LIGHT_POINT = 0, /* sphere of `radius`; a point if that is 0 */
     SPC_LIGHT_SPOT = 1,  /* the same, shining along -Z within a cone */
     SPC_LIGHT_SUN = 2,   /* from infinity along -Z */
     SPC_LIGHT_AREA = 3   /* rectangle or ellipse in XY, shining along -Z from one side */
@@ -342,7 +369,8 @@ typedef struct spc_light_desc {
     const char* name;
     uint32_t type;       /* spc_light_type */
     float transform[12]; /* light to world; scale matters only to area lights */
-    float power[3]; /* Blender's power times colour: W; sun: irradiance at normal incidence, W/m^2; >= 0 */
+    /* Blender's power times colour, W; sun: irradiance at normal incidence, W/m^2; >= 0 */
+    float power[3];
     float radius;        /* point, spot: m, >= 0 */
     float spot_angle;    /* spot: full opening angle, rad, (0, pi] */
     float spot_blend;    /* spot: share of the cone that is soft, [0, 1] */
@@ -351,10 +379,12 @@ typedef struct spc_light_desc {
     float size[2];       /* area: full extents in x and y before the transform, m, > 0 */
     float spread;        /* area: full angle of the beam, rad, [0, pi]; pi: the half-space */
     uint32_t visibility; /* of spc_visibility; SHADOW set: occluders cast shadows of this light */
-    uint32_t feeds_caustics; /* 0: neither walks nor light paths use it for caustics; path tracing still finds it */
-    uint32_t soft_falloff; /* point, spot: a disk that faces what it lights in the place of the sphere */
+    /* 0: walks, light sheets and light paths ignore it; its caustics are left to path tracing */
+    uint32_t feeds_caustics;
+    uint32_t soft_falloff; /* point, spot; 1: a disk that faces what it lights, not a sphere */
 } spc_light_desc;
 
+/* Adds a light and gives its index. Errors: SPC_WRONG_STATE (after commit). */
 SPC_API spc_status spc_scene_add_light(spc_scene* scene, const spc_light_desc* desc,
                                        uint32_t* light_index);
 
@@ -370,8 +400,11 @@ typedef struct spc_camera_desc {
     uint32_t projection;    /* spc_projection */
     float transform[12];    /* camera to world; looks along -Z, +Y is up; scale is ignored */
     uint32_t width, height; /* pixels of the full frame, >= 1 */
-    uint32_t crop[4];       /* x0, y0, width, height of the rendered part, from the bottom left */
-    /* left, right, bottom, top of the full frame on the plane at distance 1; orthographic: in m */
+    /* x0, y0, width, height of the rendered part, pixels from the bottom left, within the full
+     * frame */
+    uint32_t crop[4];
+    /* left, right, bottom, top of the full frame: perspective, on the plane at distance 1;
+     * orthographic, in m */
     float viewplane[4];
     float clip_near, clip_far; /* along the viewing axis, m; 0 <= near < far */
     /* Depth of field: a thin lens. */
@@ -383,40 +416,44 @@ typedef struct spc_camera_desc {
     float aperture_ratio;    /* height by width, > 0: the width is divided by it */
 } spc_camera_desc;
 
-/* After spc_scene_commit, too: the next render looks from there, and nothing is built again.
- * Errors: SPC_WRONG_STATE (a session of the scene lives), SPC_INVALID_ARGUMENT. */
+/* Sets the camera. After spc_scene_commit, too: the next render looks from there, and nothing is
+ * built again. Errors: SPC_WRONG_STATE (a session of the scene has not been destroyed yet). */
 SPC_API spc_status spc_scene_set_camera(spc_scene* scene, const spc_camera_desc* desc);
 
-/* The world's background from a material whose surface is a background. Without it the world is black. */
+/* The world's background. Without it the world is black. */
 typedef struct spc_environment_desc {
     size_t struct_size;
-    uint32_t material;
-    uint32_t visibility; /* of spc_visibility; SHADOW is ignored */
-    uint32_t feeds_caustics;
+    uint32_t material;       /* index of a material whose surface is a background */
+    uint32_t visibility;     /* of spc_visibility; SHADOW is ignored */
+    uint32_t feeds_caustics; /* as in spc_light_desc; of a world only bright, narrow parts do */
 } spc_environment_desc;
+/* Sets the world, in place of one that was set before. Errors: SPC_WRONG_STATE (after commit). */
 SPC_API spc_status spc_scene_set_environment(spc_scene* scene, const spc_environment_desc* desc);
 
 /* ---- commit */
 
-/* Builds everything that rendering needs, then freezes the scene. `threads` 0 = all, <= 1024.
- * Errors: SPC_WRONG_STATE (no camera, committed before), SPC_INVALID_ARGUMENT, SPC_OUT_OF_MEMORY. */
+/* Builds everything that rendering needs, then freezes the scene. `threads` is at most 1024; 0: one
+ * for each processor. Errors: SPC_WRONG_STATE (no camera, or committed before). */
 SPC_API spc_status spc_scene_commit(spc_scene* scene, uint32_t threads);
 
 typedef struct spc_scene_stats {
     size_t struct_size;
-    uint64_t triangles; /* unique ones */
+    uint64_t triangles; /* of meshes, however many instances each has */
     uint64_t instances;
-    uint64_t lights; /* lights, emissive instances and the world together */
-    uint64_t casters;
-    uint64_t receivers;
+    uint64_t lights;            /* lights, emissive instances and the world together */
+    uint64_t casters;           /* instances that cast sharp or blurred caustics */
+    uint64_t receivers;         /* instances */
     uint64_t dropped_triangles; /* of zero area */
-    uint64_t memory_bytes; /* of geometry, images and what is known of their slopes; without Embree's trees */
-    double commit_seconds;
+    /* of geometry, images and what is known of their slopes; without Embree's trees */
+    uint64_t memory_bytes;
+    double commit_seconds; /* that spc_scene_commit took */
 } spc_scene_stats;
+/* Errors: SPC_WRONG_STATE (not committed). */
 SPC_API spc_status spc_scene_get_stats(const spc_scene* scene, spc_scene_stats* stats);
 
-/* After commit: lines for the log, one for each caster (its model, and why) and one for each thing that the
- * scene asks for and that falls back. Lives as long as the scene. NULL on error. */
+/* Returns lines for the log, after commit: one for each caster, which says what it is taken for and
+ * why, and one for each thing that the scene asks for and that falls back to another. The scene
+ * owns the text, which lives as long as it. NULL if the scene is not committed. */
 SPC_API const char* spc_scene_report(const spc_scene* scene);
 
 /* --------------------------------------------------------------------------------------- render */
@@ -429,30 +466,35 @@ typedef enum spc_method {
     SPC_METHOD_LT = 3,     /* path tracing and light tracing, no manifold */
     SPC_METHOD_SHEETS = 4, /* manifold: all chains by light sheets, walks for what they miss */
     /* [Hanika15]: at most one refraction and one reflection, from MNEE seeds. What they miss is
-     * path traced, or lost by SPC_METHOD_MNEE_BIASED. Lights without extent have no paths to trace. */
+     * path traced, or lost by SPC_METHOD_MNEE_BIASED. Lights without extent have no paths to
+     * trace. */
     SPC_METHOD_MNEE = 5,
     SPC_METHOD_MNEE_BIASED = 6,
-    /* the best that there is for the scene: as SHEETS, but casters that make more chains at once than a
-     * search is worth are left to light paths and path tracing; spc_render_report() says which */
+    /* the best that there is for the scene: as SHEETS, but casters that make more chains at once
+     * than a search is worth are left to light paths and path tracing; spc_render_report() says
+     * which */
     SPC_METHOD_AUTO = 7
 } spc_method;
 
-/* Whether the manifold's methods trace light paths, too (the session chooses how many), and look for camera
- * chains, to the lights that the camera sees in casters. SPC_METHOD_SHEETS always has camera chains. AUTO: as
- * ON, for now. */
+/* Whether methods with manifold sampling trace light paths, too, and look for camera chains, to the
+ * lights that the camera sees in casters. The session chooses how many light paths.
+ * SPC_METHOD_SHEETS has camera chains in any case. AUTO does what ON does, for now. */
 typedef enum spc_light_tracing {
     SPC_LIGHT_TRACING_AUTO = 0,
     SPC_LIGHT_TRACING_ON = 1,
     SPC_LIGHT_TRACING_OFF = 2
 } spc_light_tracing;
 
+/* What is zero at a solution of a walk [Zeltner20]: the angle between the generalised half-vector
+ * and the normal, or the one between the scattered and the wanted direction. The picture is the
+ * same, the noise differs. */
 typedef enum spc_constraint {
     SPC_CONSTRAINT_HALF_VECTOR = 0,
     SPC_CONSTRAINT_ANGLE_DIFFERENCE = 1
 } spc_constraint;
 
-/* How glints are averaged over a pixel's footprint on a normal map. SEARCH is the one to use; the others are
- * there to compare with. */
+/* How glints are averaged over a pixel's footprint in a normal map or bump. SEARCH is the one to
+ * use; the others are there to compare with. */
 typedef enum spc_glint_method {
     SPC_GLINT_METHOD_SEARCH = 0,
     SPC_GLINT_METHOD_WALKS = 1, /* [Zeltner20, Sec. 4.5], with a random number of trials */
@@ -491,16 +533,19 @@ typedef struct spc_render_settings {
     uint32_t pixel_filter;     /* spc_pixel_filter */
     float filter_width;        /* pixels, full width; [0.01, 1000]; ignored by the box */
     uint32_t transparent_film; /* 1: the world is seen as alpha 0 by the camera */
-    /* The only chains that walks look for, from the receiver on, at most 6: "TT" are two refractions, "R"
-     * is one reflection; the rest is path tracing's. NULL or empty: all. Ignored by other methods. */
+    /* The only chains that walks look for, from the receiver on, at most 6: "TT" are two
+     * refractions, "R" is one reflection; the rest is path tracing's. NULL or empty: all. Ignored
+     * by other methods. */
     const char* chain_family;
 } spc_render_settings;
 
-/* Fills in the defaults (struct_size included): SPC_METHOD_AUTO, and limits and filter as in a new file of
- * Blender's Cycles. */
+/* Fills in the defaults, struct_size included: SPC_METHOD_AUTO with light tracing, 64 samples, no
+ * time limit, seed 0, a thread for each processor, and limits of bounces and filter as in a new
+ * file of Blender's Cycles. */
 SPC_API void spc_render_settings_init(spc_render_settings* settings);
 
-/* Starts worker threads and returns at once. The scene must be committed and outlive the session. */
+/* Starts worker threads, returns at once and gives a session, which the caller destroys. The scene
+ * must outlive it. Errors: SPC_WRONG_STATE (the scene is not committed). */
 SPC_API spc_status spc_render_start(const spc_scene* scene, const spc_render_settings* settings,
                                     spc_session** session);
 
@@ -508,11 +553,12 @@ typedef enum spc_render_state {
     SPC_RENDER_RUNNING = 0,
     SPC_RENDER_DONE = 1, /* all samples, or the time limit */
     SPC_RENDER_CANCELLED = 2,
-    SPC_RENDER_FAILED = 3 /* spc_last_error() of the thread that asks says why */
+    SPC_RENDER_FAILED = 3 /* spc_render_wait() returns the error, and spc_last_error() says why */
 } spc_render_state;
 
-/* What a render does, in this order; its preparation is all before SAMPLES. Where time is limited, each stage
- * of it takes a part of that at most. Meanwhile SPC_PASS_COMBINED shows a coarse preview. */
+/* What a render does, in this order. All before SAMPLES is its preparation: if there is a time
+ * limit, each of these stages takes at most a part of it. Meanwhile SPC_PASS_COMBINED shows a
+ * coarse preview. */
 typedef enum spc_render_stage {
     SPC_STAGE_MAPS = 0,          /* normal maps of glints, and which casters are searched */
     SPC_STAGE_SHEETS = 1,        /* light sheets */
@@ -527,17 +573,20 @@ typedef struct spc_render_progress {
     size_t struct_size;
     uint32_t state;        /* spc_render_state */
     uint32_t samples_done; /* complete for every pixel */
-    float fraction;        /* of samples or of the time limit, whichever is further, [0, 1] */
+    float fraction;        /* of samples or of the time limit, whichever is larger, [0, 1] */
     double seconds;        /* of rendering so far */
     uint32_t stage;        /* spc_render_stage */
     float stage_fraction;  /* of what the stage may take, [0, 1] */
-    double seconds_left;   /* about; negative while nothing tells */
+    double seconds_left;   /* an estimate; negative while there is none */
 } spc_render_progress;
 
-/* Waits until the render ends or `milliseconds` have passed. `progress` may be NULL. */
+/* Waits until the render ends or `milliseconds` have passed, and fills in `progress`, which may be
+ * NULL. If the render has failed, it returns the error that ended it, and `progress` is filled in
+ * as well. */
 SPC_API spc_status spc_render_wait(spc_session* session, uint32_t milliseconds,
                                    spc_render_progress* progress);
-/* Asks the workers to stop; they do within 200 ms. Samples already taken are kept. */
+/* Asks the workers to stop and returns at once; they stop within 200 ms. Samples already taken are
+ * kept. */
 SPC_API spc_status spc_render_cancel(spc_session* session);
 
 typedef struct spc_render_stats {
@@ -553,13 +602,16 @@ typedef struct spc_render_stats {
     uint64_t max_trials;
     uint64_t trial_histogram[17]; /* of those estimates: [2^i, 2^(i+1)) trials in bin i */
     uint64_t capped_estimates;    /* gave up at the trial cap */
-    double capped_energy; /* what those estimates added as far as they counted, luminance, sum over samples */
+    /* what those estimates added, with the trials that they had counted; luminance, sum over
+     * samples */
+    double capped_energy;
     double manifold_energy; /* radiance added by the manifold, luminance, sum over samples */
     uint64_t nan_samples;   /* samples and splats dropped for not being finite, or above 1e18 */
     uint64_t light_paths;   /* from lights; those that learned where to start included */
     uint64_t splats;        /* that light paths added to the picture */
-    /* Of light sheets and camera chains: chain seeds that were shot, different chains that they found, and
-     * chains that only searches found, with the luminance that these gave. */
+    /* Of light sheets and camera chains: chain seeds that were shot, different chains that they
+     * found, and chains that only searches found, with the luminance that these added, sum over
+     * samples. */
     uint64_t chain_seeds, seeded_chains, missed_chains;
     double missed_energy;
     uint64_t glint_estimates; /* of the light of one direction, over a footprint */
@@ -567,39 +619,48 @@ typedef struct spc_render_stats {
     uint64_t glint_points;    /* points of those, or Gaussians, at which they evaluated a lobe */
     uint64_t glint_capped; /* estimates of SPC_GLINT_METHOD_WALKS that gave up at the trial cap */
     uint64_t glint_bytes;  /* of memory that the method has for such maps, beside the images */
-    double stage_seconds[6]; /* of each spc_render_stage, as far as they have ended; all together: the render's */
-    double first_sample_seconds; /* from the start until every pixel had a sample; 0: it has not yet */
-    uint64_t lost_rays; /* not cast, for not being finite; by all sessions of the scene since this one's start */
+    /* of each spc_render_stage that has ended, 0 of others; their sum is the time of the whole
+     * render */
+    double stage_seconds[6];
+    double first_sample_seconds; /* from the start until every pixel had a sample; 0 until then */
+    /* that were not cast since they were not finite; by all sessions of the scene since this one's
+     * start */
+    uint64_t lost_rays;
 } spc_render_stats;
+/* Fills in what the render has done so far, or in all if it has ended. */
 SPC_API spc_status spc_render_get_stats(spc_session* session, spc_render_stats* stats);
 
-/* What the method has chosen, one line for each caster that there was a choice about, with the numbers that
- * decided; complete once SPC_STAGE_SAMPLES has begun. Valid until the next call for this session or its end;
- * NULL on failure. */
+/* Returns what the method has chosen, one line for each caster about which it had a choice, with
+ * the numbers that decided. The text is complete once SPC_STAGE_SAMPLES has begun. The session owns
+ * it; it is valid until the next call of this function for the session. NULL on failure. */
 SPC_API const char* spc_render_report(spc_session* session);
 
+/* The pictures that a render gives. Comments begin with the number of channels. */
 typedef enum spc_pass {
-    SPC_PASS_COMBINED = 0, /* RGBA, premultiplied */
+    SPC_PASS_COMBINED = 0, /* 4: RGBA, premultiplied */
     SPC_PASS_DEPTH = 1,    /* 1: distance along the viewing axis, m; 1e10 where nothing is hit */
-    SPC_PASS_POSITION = 2, /* 3: world, m; of the first sample, as depth */
-    SPC_PASS_NORMAL = 3,   /* 3: world, shading normal, mean */
+    SPC_PASS_POSITION = 2, /* 3: world, m; of the first sample, and so is depth */
+    SPC_PASS_NORMAL = 3,   /* 3: world, shading normal, mean over the samples */
     SPC_PASS_CAUSTICS = 4, /* 3: the manifold's and light tracing's share of Combined */
-    SPC_PASS_VARIANCE = 5, /* 3: variance of the mean of Combined's RGB; light paths splat on several
-                            * pixels, so that errors of neighbours are correlated */
+    /* 3: variance of the mean of Combined's RGB; light paths splat on several pixels, so that
+     * errors of neighbours are correlated */
+    SPC_PASS_VARIANCE = 5,
     /* What manifold sampling had to do for a pixel [Zeltner20]; 0 where it did nothing. */
     SPC_PASS_WALK_SUCCESS = 6, /* 1: share of the Newton walks that converged, trials included */
-    SPC_PASS_WALK_TRIALS = 7,  /* 1: Bernoulli trials of an estimate that made some, mean */
+    SPC_PASS_WALK_TRIALS = 7,  /* 1: mean number of Bernoulli trials of estimates that made some */
     SPC_PASS_COUNT = 8
 } spc_pass;
 
-/* Floats per pixel, 0 for an unknown pass. */
+/* Returns how many floats a pixel of the pass has; 0 for an unknown pass. */
 SPC_API uint32_t spc_pass_channels(uint32_t pass);
 
-/* Copies a pass of the crop as it stands: float[crop height][crop width][channels], bottom row first.
- * `count` is the number of floats that `buffer` holds and must be exact. Pixels without samples are 0. */
+/* Copies a pass of the crop as it stands: float[crop height][crop width][channels], bottom row
+ * first. `count` is the number of floats that `buffer` holds and must be exact. Where a pixel has
+ * no sample yet, the preview stands in Combined as soon as there is one; other passes have 0 there,
+ * but for what light paths splat. */
 SPC_API spc_status spc_film_read(spc_session* session, uint32_t pass, float* buffer, size_t count);
 
-/* Cancels if need be, waits for the workers, frees. */
+/* Cancels the render if it has not ended, waits for its workers, and frees the session. */
 SPC_API void spc_session_destroy(spc_session* session);
 
 #ifdef __cplusplus

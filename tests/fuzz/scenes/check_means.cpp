@@ -15,8 +15,8 @@ namespace {
 
 constexpr uint32_t kSide = 16, kHalf = kSide / 2;  // pixels
 constexpr uint32_t kPixels = kSide * kSide;
-// A difference must show in all rounds, each with four times the samples of the one before and other
-// random numbers, before it counts.
+// A difference must show in all rounds, each with four times the samples of the one before and
+// other random numbers, before it counts.
 constexpr uint32_t kRounds = 3;
 constexpr uint32_t kSamples = 32, kSamplesOfPathTracing = 1024;  // in the first
 constexpr double kSeconds = 4.0;  // of the processor, in the first; what takes longer tells nothing
@@ -28,8 +28,8 @@ constexpr Method kWithBias{"MNEE_BIASED", SPC_METHOD_MNEE_BIASED, SPC_LIGHT_TRAC
 constexpr double kDoubt = 1e-3;
 // Of means: what single precision makes of them, along different ways.
 constexpr double kRounding = 1e-3;
-// Noise of heavy tails is made by few pixels, and no variance is known where none of them was met. A wrong
-// mean is that of many: it shows without these.
+// Noise of heavy tails is made by few pixels, and no variance is known where none of them was met.
+// A wrong mean is that of many: it shows without these.
 constexpr uint32_t kFewPixels = kPixels / 32;
 
 struct Picture {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Renders come to a first sample, to their end and to a stop in time.
+// Renders reach their first sample, end, and stop when they are cancelled, all in time.
 #include "scenes/build.h"
 #include "scenes/watched_render.h"
 
@@ -11,8 +11,10 @@ namespace {
 constexpr uint32_t kSide = 96;      // pixels
 constexpr uint32_t kPoll = 2;       // ms
 constexpr float kTimeLimit = 1.0f;  // s
-// Promised, s.
+// The first sample is promised after kFirstSample, s, and so many times as long as path tracing's
+// takes.
 constexpr double kFirstSample = 3.0, kFirstSampleOverPathTracing = 2.0;
+// The end of the render is promised so long after the limit or the call, s.
 constexpr double kAfterLimit = 1.0 + 0.05 * double(kTimeLimit);
 constexpr double kAfterCancel = 0.3;
 

@@ -6,7 +6,7 @@
 namespace spc::fuzz {
 namespace {
 
-// Rays of path tracing run into lights that look at least so large from where they shine, in rad.
+// Rays of path tracing meet lights that are at least so large, m; of a sun, rad.
 constexpr float kFoundByRays = 0.1f;
 
 constexpr const char* kForms[] = {"ball", "faceted ball", "bowl", "pane", "slab", "block", "waves"};
@@ -119,14 +119,15 @@ std::string text_of(const Lamp& l) {
     return text + visibility_text(l.visibility);
 }
 
-// The thing of this name, which parts_of() has seen.
+// The thing of this name. It exists: parts_of() has named it.
 template <class T>
 T& named(std::vector<T>& things, const std::string& name) {
     return *std::find_if(things.begin(), things.end(),
                          [&](const T& thing) { return thing.name == name; });
 }
 
-// Parts of all things of one kind: what of each may be as it is by default, and each as a whole.
+// Collects the parts of all things of one kind: each thing as a whole, and each field that is not
+// as simple as it may be.
 template <class T>
 class PartsOf {
 public:

@@ -80,8 +80,8 @@ struct Plan {
 
 Plan random_plan(uint64_t seed);
 
-// What may be left out of a plan, and what it then is. Names last: those of a plan without some of its
-// parts are among its own.
+// What may be left out of a plan, and how. Names stay valid: a plan without some of its parts has
+// no names that the whole plan lacks.
 struct Part {
     std::string name;
     std::function<void(Plan&)> leave_out;

@@ -11,8 +11,8 @@
 namespace spc::fuzz {
 namespace {
 
-// Longer than that no stage of the preparation stands still, s. Samples are those of whole tiles, of which
-// small pictures have one.
+// Longest time for which a stage of the preparation may show no progress, s. The samples are
+// exempt: they are counted by whole tiles, of which small pictures have few.
 constexpr double kStandstill = 3.0;
 
 constexpr const char* kStages[] = {"maps",          "sheets", "light paths",

@@ -11,8 +11,8 @@ inline constexpr float kCornersOfLight[4][3] = {
     {60.0f, 40.0f, 20.0f}, {10.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 10.0f}, {0.5f, 0.5f, 0.5f}};
 inline constexpr float kPanelOfLight = 0.6f;  // half its side, m
 
-// Hangs from `transform` with its front below. Turned, it has its UVs along its edges; else these go
-// round by a quarter.
+// Hangs from `transform` with its front below. Turned, it has its UVs along its edges; else these
+// go round by a quarter.
 inline void add_panel_of_light(SceneMaker& maker, const Transform& transform, bool turned = false) {
     constexpr uint32_t kTexels = 16;
     std::vector<float> texels;

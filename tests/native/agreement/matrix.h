@@ -17,8 +17,8 @@ struct Part {
 struct Claim {
     Method method;
     uint32_t rounds;  // samples of each pixel
-    // A relative error of what the method itself finds, beside path tracing, that the comparison must
-    // notice; 0: another claim of the row says it of the same technique.
+    // A relative error of what the method itself finds, beside path tracing, that the comparison
+    // must notice; 0: another claim of the row says it of the same technique.
     double notices = 0.0;
     double least_share = 0.02;  // of the picture, that it must find itself then
     // What a method that loses light loses of all: at least, and at most.

@@ -225,8 +225,8 @@ TEST(BilinearMap, IsEmptyWithoutValues) {
     EXPECT_TRUE(map.cells(everywhere).empty());
 }
 
-// Hypothesis: of what is interpolated like it, the ratio of value to density is the same everywhere, so
-// that nothing of a sum over samples is left to chance.
+// Hypothesis: of what is interpolated like it, the ratio of value to density is the same
+// everywhere, so that nothing of a sum over samples is left to chance.
 TEST(BilinearMap, RatioOfValueToDensityIsTheMean) {
     const std::vector<float> values = uneven_values(kWidth, kHeight);
     const BilinearMap map(values, kWidth, kHeight);

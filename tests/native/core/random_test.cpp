@@ -40,9 +40,9 @@ TEST(Sampler, EveryAlignedRunIsANet) {
             }
 }
 
-// The three numbers of one draw: the pair (y, z) is a net, x by itself is stratified, and together they
-// are a (1, 3)-sequence, the best there is in base 2: each aligned run of 2^m samples has two points in
-// every elementary interval of volume 2^(1 - m).
+// The three numbers of one draw: the pair (y, z) is a net, x by itself is stratified, and together
+// they are a (1, 3)-sequence, the best there is in base 2: each aligned run of 2^m samples has two
+// points in every elementary interval of volume 2^(1 - m).
 TEST(Sampler, ThreeAreStratifiedTogether) {
     constexpr int m = 9;
     std::vector<Vec3> points;
@@ -193,7 +193,8 @@ TEST(Sampler, StreamSeedsDiffer) {
     EXPECT_EQ(seeds.size(), 50000u);
 }
 
-// Points in a random box of a tenth of the volume: independent ones would have a variance of 0.9 N/10.
+// Points in a random box of a tenth of the volume: independent ones would have a variance of 0.9
+// N/10.
 TEST(LatticePoint, LiesEvenlyHoweverManyThereAre) {
     Pcg pcg(3);
     for (const uint32_t count : {12u, 50u, 300u}) {

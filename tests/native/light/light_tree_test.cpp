@@ -134,7 +134,8 @@ TEST(LightTree, NearLightsAreChosenByTheSquareOfTheirDistance) {
     EXPECT_NEAR(beside_sun.probability(0, {Vec3(0.0f), Vec3(0, 0, -1)}), 0.5, 1e-5);
 }
 
-// No bound of a node hides a light: wherever it shines, it has more than its part of the even share.
+// No bound of a node hides a light: wherever it shines, it has more than its part of the even
+// share.
 TEST(LightTree, WhatShinesOnAPointIsFoundByTheTreeThere) {
     constexpr uint32_t kCount = 300;
     const std::vector<LightBounds> lights = mixed_lights(kCount, 5);

@@ -75,8 +75,8 @@ TEST(World, BlackIsNoLight) {
 }
 
 TEST(World, NearlyEvenOnesAreLeftToClosures) {
-    // The mean square of radiance is 1 + (1 - dim)^2 / (1 + dim)^2 times the square of its mean where
-    // the lower half is dim, and more than twice where more than that is black.
+    // The mean square of radiance is 1 + (1 - dim)^2 / (1 + dim)^2 times the square of its mean
+    // where the lower half is dim, and more than twice where more than that is black.
     for (const float dim : {1.0f, 0.1f, 0.0f}) {
         Texels texels(64 * 32 * 3, 0.5f);
         std::fill_n(texels.begin(), 64 * (dim > 0.0f ? 16 : 20) * 3, 0.5f * dim);
@@ -91,7 +91,8 @@ TEST(World, NearlyEvenOnesAreLeftToClosures) {
 }
 
 TEST(World, IsSampledByWhatItHasAboveItsMean) {
-    // A quarter of the sphere, by azimuth, has 4 times the mean but for a ground of a tenth of that.
+    // A quarter of the sphere, by azimuth, has 4 times the mean but for a ground of a tenth of
+    // that.
     constexpr uint32_t kWidth = 256, kHeight = 128;
     Texels texels(kWidth * kHeight * 3, 0.1f);
     for (uint32_t y = 0; y < kHeight; ++y)

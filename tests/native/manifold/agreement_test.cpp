@@ -132,8 +132,8 @@ public:
         return std::nullopt;
     }
 
-    // |d solid angle at x / d area at y|: what the first vertex does when y moves and all constraints
-    // stay zero.
+    // |d solid angle at x / d area at y|: what the first vertex does when y moves and all
+    // constraints stay zero.
     double geometry(const std::vector<Vec2d>& q) const {
         const Vec3d last = chain_.facets.back().position(q.back()),
                     first = chain_.facets.front().position(q.front());
@@ -226,8 +226,8 @@ ManifoldSettings settings() {
     return s;
 }
 
-// Of all chains there are `count` of each length. Near a fold everything is magnified, so those of a
-// large term are left out.
+// Of all chains there are `count` of each length. Near a fold everything is magnified, so those of
+// a large term are left out.
 void for_random_chains(size_t count, const std::function<void(const Chain3&, double)>& body) {
     for (size_t length = 1; length <= 3; ++length) {
         Pcg pcg{uint64_t(length)};

@@ -33,7 +33,8 @@ TEST(Caster, WithoutANormalMapHasNoSlopes) {
 constexpr double kWavelength = 0.5, kSlope = 0.1;
 constexpr uint64_t kSeed = 7;
 
-// A square metre of rough metal, or of frosted glass, whose map comes back so many times along a side.
+// A square metre of rough metal, or of frosted glass, whose map comes back so many times along a
+// side.
 RenderScene mapped_square(const Graph& graph, float repeat) {
     test::SceneMaker maker;
     maker.builder.add_image(test::plane_normals(64, kWavelength, kSlope, kSeed));

@@ -134,8 +134,8 @@ TEST(Emission, RaysHaveTheirDensity) {
         }
 }
 
-// 1 - cos of the cone in which a point of a local light sees the sphere around the casters, or of its
-// beam.
+// 1 - cos of the cone in which a point of a local light sees the sphere around the casters, or of
+// its beam.
 double cone_from(const EmissionGuide& guide, const LightEmission& emission, const Vec3& y) {
     if (emission.by_beam) return double(emission.narrowest);
     const Vec3d axis = Vec3d(guide.center) - Vec3d(y);

@@ -155,9 +155,9 @@ TEST(Shots, StayAtChainsThatExist) {
     }
 }
 
-// Nothing is in the way of a shot from next to its chain but rounding, most of it on large triangles
-// and between sides that are close together. It must not stop there: sheets would miss the chain, and
-// only rare walks find it.
+// Nothing is in the way of a shot from next to its chain but rounding, most of it on large
+// triangles and between sides that are close together. It must not stop there: sheets would miss
+// the chain, and only rare walks find it.
 void expect_certain_shots(float thickness) {
     SceneMaker maker;
     for (const bool top : {false, true})
@@ -203,8 +203,9 @@ void expect_certain_shots(float thickness) {
 TEST(Shots, NextToAChainOfAWideSlabArriveForCertain) { expect_certain_shots(0.3f); }
 TEST(Shots, NextToAChainOfAThinPaneArriveForCertain) { expect_certain_shots(1e-3f); }
 
-// Two small balls magnify a turn at the receiver ten thousand times and more, and rounding with it. What
-// a shot comes to lies within what rounding may do, but it must lead to the end, not beside it.
+// Two small balls magnify a turn at the receiver ten thousand times and more, and rounding with it.
+// What a shot comes to lies within what rounding may do, but it must lead to the end, not beside
+// it.
 TEST(Shots, LeadToTheirEndHoweverMuchRoundingIsMagnified) {
     constexpr float kRadius = 0.01f, kBeside = 0.02f, kMiss = 2e-3f;  // m, rad, rad
     SceneMaker maker;
@@ -370,8 +371,8 @@ std::optional<ChainSolution> shoot_back(const RenderScene& world, const RayStart
     return found;
 }
 
-// Rays that leave the light evenly carry even shares of its light: those whose chain no chain seed finds
-// from where they land are light that walks would have to find.
+// Rays that leave the light evenly carry even shares of its light: those whose chain no chain seed
+// finds from where they land are light that walks would have to find.
 TEST(SheetsSlow, LeadToNearlyAllLight) {
     for (const CasterCase& c : cases()) {
         const RenderScene world = make(c);
@@ -467,7 +468,8 @@ double missed_beside_a_board(float lamp_radius) {
     return static_cast<double>(missed) / chains;
 }
 
-// Where nothing folds over, a chain has the determinant whose sign its beam tells, whatever the light.
+// Where nothing folds over, a chain has the determinant whose sign its beam tells, whatever the
+// light.
 TEST(Sheets, TellTheSignOfDeterminants) {
     const Vec3 above(0.3f, -0.4f, 3.0f), down = normalize(above) * -1.0f;
     const auto lamp = [](const LightDesc& light) {

@@ -6,8 +6,8 @@
 
 namespace spc::test {
 
-// As sample_light_point() describes it. Without a hit that of the scene's first sun or, without one,
-// of the world; empty where none is there, or where none would be drawn.
+// As sample_light_point() describes it. Without a hit that of the scene's first sun or, without
+// one, of the world; empty where none is there, or where none would be drawn.
 inline std::optional<LightPoint> light_point_met(const RenderScene& world, const Ray& ray,
                                                  const std::optional<Hit>& hit) {
     const LightSet& lights = world.lights;

@@ -210,8 +210,8 @@ inline ::testing::AssertionResult same_mean(const MeanEstimate& a, const MeanEst
            << " standard deviations, p = " << p;
 }
 
-// Probability that Student's t of so many degrees of freedom is beyond +-t, [Abramowitz64, 26.7.3 and
-// 26.7.4].
+// Probability that Student's t of so many degrees of freedom is beyond +-t, [Abramowitz64, 26.7.3
+// and 26.7.4].
 inline double students_p(double t, size_t degrees) {
     constexpr size_t kNormal = 1000;  // from here on it is one
     if (degrees >= kNormal) return std::erfc(std::abs(t) / std::numbers::sqrt2);

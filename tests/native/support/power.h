@@ -9,7 +9,8 @@ namespace spc::test {
 // `./dev test --nightly` sets it.
 inline bool nightly() { return std::getenv("SPECULA_TEST_NIGHTLY") != nullptr; }
 
-// Samples, rounds or deviations that are noticed: what every run takes, and what a nightly one does.
+// Samples, rounds or deviations that are noticed: what every run takes, and what a nightly one
+// does.
 template <class T>
 T power(T daily, T at_night) {
     return nightly() ? at_night : daily;

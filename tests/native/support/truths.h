@@ -16,9 +16,9 @@ bool writes_truths();
 
 using Estimates = std::vector<MeanEstimate>;
 
-// Of `samples` each, by brute force: as kept, after a share of the samples has agreed with it. Nightly
-// runs take all of the samples anew and compare these; `./dev test native --write-truths` keeps them.
-// `name` is the test's own for this truth.
+// Of `samples` each, by brute force: as kept, after a share of the samples has agreed with it.
+// Nightly runs take all of the samples anew and compare these; `./dev test native --write-truths`
+// keeps them. `name` is the test's own for this truth.
 Estimates truth(const std::string& name, uint32_t samples,
                 const std::function<Estimates(uint32_t samples)>& by_brute_force);
 

@@ -239,6 +239,8 @@ class InstanceDesc(SizedStructure):
         ("material_count", c_uint32),
         ("visibility", c_uint32),
         ("caustics_role", c_uint32),
+        ("attributes", POINTER(Attribute)),
+        ("attribute_count", c_uint32),
     ]
 
 

@@ -26,8 +26,8 @@ enum class CausticsRole : uint8_t { automatic, off, caster, receiver, both };
 
 enum class AttributeDomain : uint8_t { corner, vertex, triangle, object };
 
-// Numbers that materials read: of a mesh one each for its corners (3 a triangle), vertices or triangles, of an
-// object one for all.
+// Numbers that materials read: of a mesh one each for its corners (3 a triangle), vertices or
+// triangles, of an object one for all.
 struct Attribute {
     AttributeName called;
     AttributeDomain domain = AttributeDomain::corner;
@@ -38,7 +38,8 @@ struct Attribute {
 
     size_t size() const { return values.size() / components; }
     const float* at(size_t element) const { return values.data() + components * element; }
-    // As x, y, z and a fourth: a scalar stands for all of the first three, what is missing is 0, the fourth 1.
+    // As x, y, z and a fourth: a scalar stands for all of the first three; what is missing is 0, the
+    // fourth 1.
     std::array<float, 4> value(size_t element) const {
         const float* v = at(element);
         switch (components) {
@@ -77,7 +78,8 @@ struct Instance {
     CausticsRole role = CausticsRole::automatic;
     std::vector<Attribute> attributes;  // of the object
     // Set when the scene is frozen.
-    // [slot][attribute of the material] -> that of the mesh, or, counted on from there, of the object; or kNone
+    // [slot][attribute of the material] -> that of the mesh or, counted on from there, of the
+    // object; or kNone.
     std::vector<std::vector<uint32_t>> attribute_indices;
     std::vector<Vec3> world_positions;  // of every vertex if the mesh has this instance alone, else empty
     bool caster = false, receiver = false;

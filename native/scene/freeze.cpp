@@ -62,7 +62,8 @@ void derive_tangents(const Mesh& mesh, Attribute& layer) {
     }
 }
 
-// The attribute that answers, of the mesh or, counted on from there, of the object; kNone without one.
+// The attribute that answers, of the mesh or, counted on from there, of the object; kNone without
+// one.
 uint32_t find_attribute(const Mesh& mesh, const Instance& instance, const AttributeName& wanted) {
     uint32_t index = 0;
     for (const std::vector<Attribute>* all : {&mesh.attributes, &instance.attributes})

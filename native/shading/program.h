@@ -85,7 +85,7 @@ struct ProgramDeleter {
 struct Material {
     std::string name;
     std::unique_ptr<Program, ProgramDeleter> program;
-    std::vector<AttributeName> attributes;  // that are read, in the order of ShadingPoint::attributes
+    std::vector<AttributeName> attributes;  // that are read; ShadingPoint's are in this order
     uint32_t reads = 0;                     // of ProgramReads, whole material
     uint32_t normal_reads = 0;              // of ProgramReads, caster normal alone
     uint32_t height_reads = 0;              // of ProgramReads, heights of bumps alone

@@ -10,7 +10,12 @@ from specula.export.nodes import NODES
 
 ROWS = {row.kind: row for row in NODES.values()}
 # Set by functions of the table rather than by its columns.
-CONSTANT_INPUTS = {"rgb": {"Color"}, "value": {"Value"}, "normal": {"Direction"}}
+CONSTANT_INPUTS = {
+    "rgb": {"Color"},
+    "value": {"Value"},
+    "normal": {"Direction"},
+    "object_info": {"Material Index"},
+}
 
 
 def listed(line: str) -> dict[str, set[str]]:

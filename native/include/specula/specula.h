@@ -202,8 +202,8 @@ typedef struct spc_material_desc {
 SPC_API spc_status spc_scene_add_material(spc_scene* scene, const spc_material_desc* desc,
                                           uint32_t* material_index);
 
-/* What an attribute is. A material finds those of a mesh by name or, where it gives no name, by their
- * kind; those of an object, which are the same all over it, by kind and name. */
+/* What an attribute is. A material finds those of a mesh by name or, where it gives no name, by
+ * their kind; those of an object, which are the same all over it, by kind and name. */
 typedef enum spc_attribute_kind {
     SPC_ATTRIBUTE_NAMED = 0,
     SPC_ATTRIBUTE_UV = 1,         /* the active UV layer */
@@ -261,8 +261,8 @@ typedef struct spc_attribute {
     uint32_t domain;     /* spc_attribute_domain */
     uint32_t components; /* 1 to 4 */
     const float* values; /* float[elements][components] */
-    /* of a UV layer (two components at corners): float[triangle_count][3][4], MikkTSpace tangent xyz
-     * in object space and bitangent sign; or NULL */
+    /* of a UV layer (two components at corners): float[triangle_count][3][4], MikkTSpace tangent
+     * xyz in object space and bitangent sign; or NULL */
     const float* tangents;
 } spc_attribute;
 
@@ -318,6 +318,8 @@ typedef struct spc_instance_desc {
     uint32_t material_count;   /* must equal the mesh's slot_count */
     uint32_t visibility;       /* of spc_visibility */
     uint32_t caustics_role;    /* spc_caustics_role */
+    const spc_attribute* attributes;
+    uint32_t attribute_count;
 } spc_instance_desc;
 
 /* Places a mesh in the world and gives the instance's index. Errors: SPC_WRONG_STATE (after

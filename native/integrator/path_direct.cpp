@@ -8,11 +8,11 @@ Spectrum PathTracer::direct_radiance(const Surface& surface, const CameraSubpath
     if (!has_smooth_closure(surface.closures)) return Spectrum(0.0f);
     const LitPoint at = lit_point(surface);
     const std::optional<DirectSample> first =
-        sample_direct_first(world.lights, scene(), at, sampler[Domain::light].three());
+        sample_direct_first(world.lights, scene(), at, sampler[Domain::light].three(), to_light(0));
     Spectrum sum = first ? direct_radiance(surface, camera_subpath, *first) : Spectrum(0.0f);
     if (!world.lights.tree.has_second()) return sum;
-    const std::optional<DirectSample> second =
-        sample_direct_second(world.lights, scene(), at, sampler[Domain::even_light].three());
+    const std::optional<DirectSample> second = sample_direct_second(
+        world.lights, scene(), at, sampler[Domain::even_light].three(), to_light(0));
     if (second) sum += direct_radiance(surface, camera_subpath, *second);
     return sum;
 }
@@ -74,7 +74,7 @@ Spectrum PathTracer::unblocked(const Surface& surface, const DirectSample& light
     Media along = media;
     if (dot(surface.ng, light.wi) < 0.0f) along.cross(scene(), surface.hit, light.wi);
     return transmittance(scene(), {surface.p, surface.ng, surface.p_error}, end, kVisibleShadow,
-                         transparent_left, along, stats.rays);
+                         to_light(kRayShadow), transparent_left, along, stats.rays);
 }
 
 }  // namespace spc

@@ -22,7 +22,7 @@ Spectrum PathTracer::emission_from_afar() const {
 Spectrum PathTracer::emission_of_world() const {
     if (!world.lights.has_world || (scene().environment.visibility & ray_kind) == 0)
         return Spectrum(0.0f);
-    const Spectrum radiance = world_radiance(world.lights, scene(), ray.direction);
+    const Spectrum radiance = world_radiance(world.lights, scene(), ray.direction, seen_by(0.0f));
     if (is_black(radiance)) return radiance;
     const bool scattered = history.stage == PathHistory::Stage::scattered;
     return radiance *

@@ -34,6 +34,7 @@ struct PathTracer {
     PathHistory history{};
     BounceCounts bounces{};
     uint32_t ray_kind = kVisibleCamera;
+    uint32_t ray_kinds = kRayCamera;  // of RayKind
     // Set while the path may meet glints: its differential, and the footprint on its last surface.
     std::optional<PathDifferential> differential{};
     std::optional<GlintPoint> glints{};
@@ -62,6 +63,19 @@ struct PathTracer {
                  const CameraSubpath& camera_subpath, const Sampler& sampler);
     bool look_for_lights_behind(const Hit& hit, const Surface& surface);
 
+    // What graphs are told of the path's ray, and of one of these `kinds` from its last vertex to a
+    // light, which is a bounce further.
+    RayState seen_by(float length) const { return ray_state(ray_kinds, length, bounces.total); }
+    RayState to_light(uint32_t kinds) const { return ray_state(kinds, 0.0f, bounces.total + 1); }
+    RayState ray_state(uint32_t kinds, float length, uint32_t depth) const {
+        return {kinds,
+                length,
+                depth,
+                bounces.diffuse,
+                bounces.glossy,
+                bounces.transparent,
+                bounces.transmission};
+    }
     std::optional<Hit> intersect();
     void evaluate(const Hit& hit, Surface& surface) const;
     void go_towards(const Vec3& wi) {

@@ -325,6 +325,7 @@ std::unique_ptr<Scene> SceneBuilder::freeze(uint32_t threads) {
     assign_caustics_roles(*scene_);
     check_light_tracing(*scene_);
     center_on_casters(*scene_);
+    scene_->view = view_space(scene_->camera, scene_->origin);
     bake_single_users(*scene_);
     bound_scene(*scene_);
     scene_->accel = std::make_unique<Accel>(*scene_, threads);

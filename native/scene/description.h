@@ -4,23 +4,12 @@
 
 #include "math/bounds.h"
 #include "shading/program.h"
+#include "shading/ray_state.h"
 
 #include <string>
 #include <vector>
 
 namespace spc {
-
-// Bits of ray visibility. A ray has the bit of its kind, an object those of the rays that see it.
-enum Visibility : uint32_t {
-    kVisibleCamera = 1,
-    kVisibleDiffuse = 2,
-    kVisibleGlossy = 4,
-    kVisibleTransmission = 8,
-    kVisibleShadow = 16,
-    kVisibleAll = 31,
-    // Rays after a bounce.
-    kVisibleScattered = kVisibleDiffuse | kVisibleGlossy | kVisibleTransmission
-};
 
 enum class CausticsRole : uint8_t { automatic, off, caster, receiver, both };
 
@@ -184,6 +173,9 @@ struct Camera {
     Vec3 forward() const { return to_world.column(2) * -1.0f; }  // along the viewing axis
     float depth(const Vec3& p) const;                            // along the viewing axis, m
 };
+
+// What graphs are told of a camera; `origin` is that of its world coordinates.
+ViewSpace view_space(const Camera& camera, const Vec3& origin);
 
 struct Environment {
     uint32_t material = kNone;

@@ -182,10 +182,15 @@ void check_light_tracing(Scene& scene) {
     if (std::none_of(scene.instances.begin(), scene.instances.end(), casts)) return;
     for (const Instance& instance : scene.instances) {
         const uint32_t seen = instance.visibility & kVisibleScattered;
-        if (seen == 0 || seen == kVisibleScattered) continue;
+        const bool hidden = seen != 0 && seen != kVisibleScattered;
+        const bool varies = std::any_of(
+            instance.materials.begin(), instance.materials.end(),
+            [&](uint32_t material) { return scene.materials[material].depends_on_ray; });
+        if (!hidden && !varies) continue;
         scene.same_for_scattered_rays = false;
-        scene.report.push_back(
-            fmt::format("{}: hidden from some kinds of rays, so no light tracing", instance.name));
+        scene.report.push_back(fmt::format(
+            "{}: {}, so no light tracing", instance.name,
+            hidden ? "hidden from some kinds of rays" : "its look depends on the kind of ray"));
     }
 }
 

@@ -138,6 +138,9 @@ void fill_point(const Scene& scene, const SurfaceHit& hit, const T& u, const T& 
     const Mesh& mesh = scene.meshes[instance.mesh];
     const size_t first = 3 * static_cast<size_t>(hit.triangle);
     ShadingPoint<T>& point = at.point;
+    point.u = u;
+    point.v = v;
+    point.view = &scene.view;
     point.object_to_world = &instance.object_to_world;
     point.world_to_object = &instance.world_to_object;
     if ((reads & kReadsPosition) != 0)
@@ -183,9 +186,9 @@ void fill_point_seen_from(const Scene& scene, const SurfaceHit& hit, const T& u,
     point.backfacing = dot(front, wo) < 0.0f;
     point.ng = point.backfacing ? front * -1.0f : front;
     point.wo = wo;
-    if ((reads & kReadsHeights) == 0) return;
     point.dp_du = corner[1] - corner[0];
     point.dp_dv = corner[2] - corner[0];
+    if ((reads & kReadsHeights) == 0) return;
     fill_point(scene, hit, Dual<T>(u, T(1.0f), T(0.0f)), Dual<T>(v, T(0.0f), T(1.0f)), corner,
                front, material.height_reads, at.around.emplace());
     at.around->point.backfacing = point.backfacing;
@@ -203,10 +206,11 @@ void point_seen_from(const Scene& scene, const SurfaceHit& hit, const Vec3& wo,
 // Evaluates one output of a material's program at a hit, without closures.
 template <class Evaluate>
 Spectrum evaluate_alone(const Evaluate& evaluate, const Scene& scene, const SurfaceHit& hit,
-                        const Vec3& wo) {
+                        const Vec3& wo, const RayState& ray) {
     const Material& material = scene.material_of(hit);
     PointWithHeights<float> at;
     point_seen_from(scene, hit, wo, material, scene.triangle_world(hit.instance, hit.triangle), at);
+    at.point.ray = ray;
     return evaluate(material, scene.images, at.point);
 }
 
@@ -240,12 +244,14 @@ Vec3 surface_position(const Scene& scene, const SurfaceHit& hit) {
     return value_of(interpolate(corner[0], corner[1], corner[2], hit.u, hit.v));
 }
 
-void evaluate_surface(const Scene& scene, const SurfaceHit& hit, const Vec3& wo, Surface& surface) {
+void evaluate_surface(const Scene& scene, const SurfaceHit& hit, const Vec3& wo, Surface& surface,
+                      const RayState& ray) {
     surface.hit = hit;
     const Material& material = scene.material_of(hit);
     const std::array<Vec3, 3> corner = scene.triangle_world(hit.instance, hit.triangle);
     PointWithHeights<float> at;
     point_seen_from(scene, hit, wo, material, corner, at);
+    at.point.ray = ray;
     surface.p = value_of(interpolate(corner[0], corner[1], corner[2], hit.u, hit.v));
     surface.p_error = position_error(scene.instances[hit.instance], corner);
     surface.ng = at.point.ng;
@@ -256,14 +262,16 @@ void evaluate_surface(const Scene& scene, const SurfaceHit& hit, const Vec3& wo,
     evaluate_closures(material, scene.images, at.point, surface.closures);
 }
 
-Spectrum surface_emission(const Scene& scene, const SurfaceHit& hit, const Vec3& wo) {
+Spectrum surface_emission(const Scene& scene, const SurfaceHit& hit, const Vec3& wo,
+                          const RayState& ray) {
     const Material& material = scene.material_of(hit);
-    return material.emits ? evaluate_alone(evaluate_emission, scene, hit, wo) : Spectrum(0.0f);
+    return material.emits ? evaluate_alone(evaluate_emission, scene, hit, wo, ray) : Spectrum(0.0f);
 }
 
-Spectrum surface_transparency(const Scene& scene, const SurfaceHit& hit, const Vec3& wo) {
+Spectrum surface_transparency(const Scene& scene, const SurfaceHit& hit, const Vec3& wo,
+                              const RayState& ray) {
     const Material& material = scene.material_of(hit);
-    return material.may_be_transparent ? evaluate_alone(evaluate_transparency, scene, hit, wo)
+    return material.may_be_transparent ? evaluate_alone(evaluate_transparency, scene, hit, wo, ray)
                                        : Spectrum(0.0f);
 }
 

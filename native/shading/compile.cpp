@@ -127,6 +127,8 @@ void Compiler::describe(Material& material) {
     };
     for (const ClosureTerm& term : terms_) {
         const ClosureOpTraits& row = term.row();
+        for (const ExprId operand : term.in)
+            material.depends_on_ray |= operand != kNoExpr && (expr.reads(operand) & kReadsRay) != 0;
         if (material.narrow_lobe.empty()) material.narrow_lobe = narrow_lobe(term);
         material.may_be_transparent |= row.straight != kAbsent;
         material.has_smooth |=
@@ -188,7 +190,12 @@ Material Compiler::run() {
     material.name = graph_.name;
     describe(material);
     ProgramRoots roots;
-    find_specular_interfaces(expr, graph_, terms_, material, roots.caster_normal, warnings_);
+    if (material.depends_on_ray) {
+        material.specular.why_not = "its look depends on the kind of ray";
+        material.narrow_lobe.clear();
+    } else {
+        find_specular_interfaces(expr, graph_, terms_, material, roots.caster_normal, warnings_);
+    }
     material.slopes = find_slope_map(expr, glints_, images_, attributes_, terms_);
     if (material.emits) (is_world_ ? roots.background : roots.emission) = emission;
     for (const ClosureTerm& term : terms_) {

@@ -120,6 +120,7 @@ public:
         return c.node(index).inputs[static_cast<size_t>(i)];
     }
     const std::string& option(int i) const { return c.node(index).options[static_cast<size_t>(i)]; }
+    bool has_array(int i) const { return c.node(index).arrays[static_cast<size_t>(i)] != nullptr; }
     const std::vector<float>& array(int i) const {
         return *c.node(index).arrays[static_cast<size_t>(i)];
     }

@@ -227,4 +227,38 @@ T smooth_min(const T& a, const T& b, const T& k) {
     return smaller(a, b) - h * h * h * k * T(1.0f / 6);
 }
 
+// Shares of the pictures on a box's sides, by the normal of what they are thrown on. Within a `blend`
+// of the edges two of them mix, at the corners all three.
+template <class T>
+Vector3<T> box_weights(const Vector3<T>& normal, float blend) {
+    std::array<T, 3> n{absolute(normal.x), absolute(normal.y), absolute(normal.z)};
+    const T sum = n[0] + n[1] + n[2];
+    for (T& a : n) a = safe_divide(a, sum);
+    const float limit = 0.5f * (1.0f + blend);
+    std::array<T, 3> weights{T(0.0f), T(0.0f), T(0.0f)};
+    const auto result = [&] { return Vector3<T>{weights[0], weights[1], weights[2]}; };
+    for (size_t i = 0; i < 3; ++i) {
+        const float own = value_of(n[i]), next = value_of(n[(i + 1) % 3]),
+                    last = value_of(n[(i + 2) % 3]);
+        if (!(own > limit * (own + next) && own > limit * (own + last))) continue;
+        weights[i] = T(1.0f);
+        return result();
+    }
+    if (!(blend > 0.0f)) {
+        weights[0] = T(1.0f);
+        return result();
+    }
+    for (const auto& [a, b, without] : {std::array<size_t, 3>{0, 1, 2}, {1, 2, 0}, {0, 2, 1}}) {
+        const T both = n[a] + n[b];
+        if (!(value_of(n[without]) < (1.0f - limit) * value_of(both))) continue;
+        const T share = (n[a] / both - T(0.5f * (1.0f - blend))) * T(1.0f / blend);
+        weights[a] = clamped(share, T(0.0f), T(1.0f));
+        weights[b] = T(1.0f) - weights[a];
+        return result();
+    }
+    for (size_t i = 0; i < 3; ++i)
+        weights[i] = (n[i] * T(2.0f - limit) + T(limit - 1.0f)) * T(1.0f / (2.0f * limit - 1.0f));
+    return result();
+}
+
 }  // namespace spc

@@ -114,6 +114,17 @@ enum class Op : uint8_t {
     incoming,          // wo
     facing,            // cosine between wo and a normal, or the interpolated one
     backfacing,        // 1 or 0
+    barycentric,       // weights of the triangle's first two corners
+    transform,         // from space to space, by a transform_mode()
+    view_position,     // in the camera's space
+    window,            // in the frame, 0 to 1
+    mesh_tangent,      // along growing u of a UV layer, world, not normalised
+    wireframe,         // 1 within half a width of the triangle's sides, else 0; mode 1: in pixels
+    box_weights,       // (object normal, blend): shares of the three sides of a box
+    tiled_image,       // as image, from the tile that the coordinates are in
+    ray_kind,          // 1 where the ray is of the RayKind `mode`, else 0
+    ray_length,        // m
+    ray_depth,         // of a RayDepth
     image,             // coordinates to colour, and alpha in a fourth lane
     tangent_normal,    // (strength, colour) to a unit normal on the side of wo
     space_normal,      // likewise, of colours in a NormalSpace
@@ -266,6 +277,69 @@ inline constexpr std::array<OpTraits, static_cast<size_t>(Op::count)> kOpTraits{
     {.op = Op::incoming, .arity = 0, .lanes = 3, .varies = true, .mean = MeanOf::zero, .derivatives = 0},
     {.op = Op::facing, .arity = 1, .lanes = 1, .varies = true, .mean = MeanOf::one, .derivatives = 0},
     {.op = Op::backfacing, .arity = 0, .lanes = 1, .varies = true, .mean = MeanOf::zero},
+    {.op = Op::barycentric, .arity = 0, .lanes = 3, .varies = true, .mean = MeanOf::half},
+    {.op = Op::transform,
+     .arity = 1,
+     .lanes = 3,
+     .varies = true,
+     .reads = kReadsView,
+     .mean = MeanOf::zero},
+    {.op = Op::view_position,
+     .arity = 0,
+     .lanes = 3,
+     .varies = true,
+     .reads = kReadsView | kReadsPosition,
+     .mean = MeanOf::zero},
+    {.op = Op::window,
+     .arity = 0,
+     .lanes = 3,
+     .varies = true,
+     .reads = kReadsView | kReadsPosition,
+     .mean = MeanOf::zero},
+    {.op = Op::mesh_tangent,
+     .arity = 0,
+     .lanes = 3,
+     .varies = true,
+     .reads = kReadsTangent,
+     .mean = MeanOf::zero,
+     .index = IndexOf::attribute},
+    {.op = Op::wireframe,
+     .arity = 1,
+     .lanes = 1,
+     .varies = true,
+     .reads = kReadsSides | kReadsView | kReadsPosition,
+     .mean = MeanOf::zero,
+     .derivatives = 0},
+    {Op::box_weights, 2, 3},
+    {.op = Op::tiled_image,
+     .arity = 1,
+     .lanes = 3,
+     .varies = true,
+     .mean = MeanOf::half,
+     .index = IndexOf::block,
+     .has_fourth = true,
+     .interpolates = true},
+    {.op = Op::ray_kind,
+     .arity = 0,
+     .lanes = 1,
+     .varies = true,
+     .reads = kReadsRay,
+     .mean = MeanOf::zero,
+     .derivatives = 0},
+    {.op = Op::ray_length,
+     .arity = 0,
+     .lanes = 1,
+     .varies = true,
+     .reads = kReadsRay,
+     .mean = MeanOf::one,
+     .derivatives = 0},
+    {.op = Op::ray_depth,
+     .arity = 0,
+     .lanes = 1,
+     .varies = true,
+     .reads = kReadsRay,
+     .mean = MeanOf::one,
+     .derivatives = 0},
     {.op = Op::image,
      .arity = 1,
      .lanes = 3,

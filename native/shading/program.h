@@ -9,7 +9,9 @@
 #include "math/dual.h"
 #include "shading/attribute_name.h"
 #include "shading/graph.h"
+#include "shading/ray_state.h"
 #include "shading/reads.h"
+#include "shading/view_space.h"
 
 #include <memory>
 
@@ -30,10 +32,12 @@ struct ShadingPoint {
     const Transform* world_to_object;
     Vec3 ng;  // unit geometric normal, world, on the side of wo
     Vec3 wo;  // unit, towards where the path came from
+    RayState ray;
     bool backfacing;  // wo is on the back side: shading normals are turned to the side of wo, eta is inverted
-    // Where the program reads heights: the triangle's sides, world, and the point once more, with
-    // derivatives by them.
-    Vec3 dp_du, dp_dv;
+    T u, v;  // barycentrics of the second and third corner
+    const ViewSpace* view;
+    Vec3 dp_du, dp_dv;  // the triangle's sides, world
+    // Where the program reads heights: the point once more, with derivatives by the sides.
     const ShadingPoint<Dual<T>>* around = nullptr;
 };
 
@@ -98,7 +102,8 @@ struct Material {
     // Why it throws blurred caustics: a strong lobe that is narrow without being a delta. Empty if it
     // has none.
     std::string narrow_lobe;
-    bool is_background = false;  // surface is a Background shader
+    bool depends_on_ray = false;  // the surface, beyond its emission, reads a RayState
+    bool is_background = false;   // surface is a Background shader
     bool constant_background =
         false;                     // of the same radiance in every direction, by the graph itself
     std::vector<uint32_t> images;  // that some part of it reads, by index into the scene's
@@ -131,7 +136,8 @@ Vector3<T> evaluate_caster_normal(const Material& material, std::span<const Imag
                                   const ShadingPoint<T>& point);
 // Radiance of a background from a direction (unit, world, pointing away from the scene).
 Spectrum evaluate_background(const Material& material, std::span<const Image> images,
-                             const Vec3& direction);
+                             const Vec3& direction, const RayState& ray = {},
+                             const ViewSpace& view = {});
 
 extern template Vector3<float> evaluate_caster_normal(const Material&, std::span<const Image>,
                                                       const ShadingPoint<float>&);

@@ -12,7 +12,10 @@ enum ProgramReads : uint32_t {
     kReadsPosition = 4,
     kReadsObjectPosition = 8,
     kReadsObjectNormal = 16,
-    kReadsHeights = 32
+    kReadsHeights = 32,
+    kReadsRay = 64,
+    kReadsView = 128,
+    kReadsSides = 256
 };
 
 }  // namespace spc

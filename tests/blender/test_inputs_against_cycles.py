@@ -9,7 +9,7 @@ import pytest
 import tiles
 from scenes import add_mesh, add_node, new_material
 
-COLUMNS = 8
+COLUMNS = 14
 # Faces of 4 x 4 on either side of a gap, bent, so that there are two islands and no vertex is flat.
 SIDES = ((-0.95, -0.05), (0.05, 0.95))
 STEPS = 5
@@ -71,12 +71,37 @@ def furnished(name, material):
     return obj
 
 
+LIGHT_PATH = (
+    "Is Camera Ray",
+    "Is Shadow Ray",
+    "Is Diffuse Ray",
+    "Is Glossy Ray",
+    "Is Singular Ray",
+    "Is Reflection Ray",
+    "Is Transmission Ray",
+    "Is Volume Scatter Ray",
+    "Ray Length",
+    "Ray Depth",
+    "Diffuse Depth",
+    "Glossy Depth",
+    "Transparent Depth",
+    "Transmission Depth",
+    "Portal Depth",
+)
+# What a mesh has nothing of.
+ABSENT = {
+    "HairInfo": ("Is Strand", "Intercept", "Length", "Thickness", "Random"),
+    "PointInfo": ("Radius", "Random"),
+    "VolumeInfo": ("Color", "Density", "Flame", "Temperature"),
+}
+
+
 def cases():
-    """Name -> node type, properties, identifier of the output."""
+    """Name -> node type, properties, inputs, identifier of the output."""
     found = {}
 
-    def add(name, kind, output, **properties):
-        found[name] = (f"ShaderNode{kind}", properties, output)
+    def add(name, kind, output, inputs=None, **properties):
+        found[name] = (f"ShaderNode{kind}", properties, inputs or {}, output)
 
     for key in (*ATTRIBUTES, "second", "first", "group", "nowhere", ""):
         # Of two numbers Cycles' Fac is the first one, ours the mean of three.
@@ -112,6 +137,50 @@ def cases():
         add(output, "NewGeometry", output)
     for output in ("Location", "Color", "Alpha", "Object Index", "Material Index", "Random"):
         add(f"object {output}", "ObjectInfo", output)
+    for output in ("Object", "Camera", "Window", "Reflection", "Normal"):
+        add(f"coordinate {output}", "TexCoord", output)
+    add("coordinate of another", "TexCoord", "Object", object="Other")
+    for output in ("View Vector", "View Z Depth", "View Distance"):
+        add(f"camera {output}", "CameraData", output)
+    for output in ("Tangent", "Parametric", "Position", "Normal", "True Normal", "Incoming"):
+        add(f"geometry {output}", "NewGeometry", output)
+    for axis in "XYZ":
+        add(f"tangent {axis}", "Tangent", "Tangent", axis=axis)
+    for layer in ("", "first"):
+        along = {"direction_type": "UV_MAP", "uv_map": layer}
+        add(f"tangent of {layer}", "Tangent", "Tangent", **along)
+    for meaning in ("VECTOR", "POINT", "NORMAL"):
+        for one in ("WORLD", "OBJECT", "CAMERA"):
+            for other in ("WORLD", "OBJECT", "CAMERA"):
+                spaces = {"vector_type": meaning, "convert_from": one, "convert_to": other}
+                add(f"transform {meaning} {one} {other}", "VectorTransform", "Vector", **spaces)
+    for size in (0.02, 0.2):
+        add(f"wireframe {size}", "Wireframe", "Fac", inputs={"Size": size})
+    for temperature in (500, 800, 900, 1200, 1700, 2500, 5000, 6500, 9000, 13000):
+        add(f"{temperature} K", "Blackbody", "Color", inputs={"Temperature": temperature})
+    for wavelength in (370, 380, 433, 501, 550, 580, 612, 650, 700, 790):
+        add(f"{wavelength} nm", "Wavelength", "Color", inputs={"Wavelength": wavelength})
+    for output in LIGHT_PATH:
+        add(f"ray {output}", "LightPath", output)
+    for output in ("Quadratic", "Linear", "Constant"):
+        for smooth in (0.0, 2.0):
+            strength = {"Strength": 0.3, "Smooth": smooth}
+            add(f"falloff {output} {smooth}", "LightFalloff", output, inputs=strength)
+    for kind, outputs in ABSENT.items():
+        for output in outputs:
+            add(f"{kind} {output}", kind, output)
+    for projection in ("FLAT", "BOX", "SPHERE", "TUBE"):
+        for output in ("Color", "Alpha"):
+            picture = {"projection": projection, "image": "Picture"}
+            add(f"{projection} {output}", "TexImage", output, **picture)
+    for blend in (0.2, 1.0):
+        box = {"projection": "BOX", "projection_blend": blend, "image": "Picture"}
+        add(f"box {blend}", "TexImage", "Color", **box)
+    for output in ("Color", "Alpha"):
+        add(f"tiles {output}", "TexImage", output, image="Tiles", inputs={"Vector": "wide"})
+    for space in ("OBJECT", "WORLD", "BLENDER_OBJECT", "BLENDER_WORLD", "TANGENT"):
+        color = {"Color": (0.7, 0.3, 0.8, 1.0), "Strength": 0.7}
+        add(f"normal map {space}", "NormalMap", "Normal", space=space, inputs=color)
     add("checker unlinked", "TexChecker", "Color")
     add("noise unlinked", "TexNoise", "Color")
     return found
@@ -124,7 +193,7 @@ def find_socket(sockets, name):
 
 def add_tile(index, case):
     """A tile of the picture; False where this Blender has no such node, property or output."""
-    kind, properties, output = case
+    kind, properties, inputs, output = case
     if not hasattr(bpy.types, kind):
         return False
     material = new_material()
@@ -133,15 +202,56 @@ def add_tile(index, case):
     if any(not hasattr(node, name) for name in properties) or not find_socket(node.outputs, output):
         return False
     for name, value in properties.items():
+        if name == "object":
+            value = bpy.data.objects[value]
+        elif name == "image":
+            value = bpy.data.images[value]
         setattr(node, name, value)
+    for name, value in inputs.items():
+        if value == "wide":  # x and y from 0 to 3
+            at = add_node(material, "ShaderNodeVectorMath", operation="MULTIPLY_ADD")
+            at.inputs[1].default_value, at.inputs[2].default_value = (1.5, 1.5, 0), (1.5, 1.5, 0)
+            coordinates = add_node(material, "ShaderNodeTexCoord")
+            material.node_tree.links.new(coordinates.outputs["Object"], at.inputs[0])
+            material.node_tree.links.new(at.outputs[0], find_socket(node.inputs, name))
+        else:
+            find_socket(node.inputs, name).default_value = value
     tiles.show(material, find_socket(node.outputs, output))
     tiles.place(furnished(f"Tile {index}", material), index, COLUMNS)
     return True
 
 
+def save_picture(path, seed: int) -> None:
+    """A file of 4 x 4 random colours and alphas."""
+    image = bpy.data.images.new("Saved", 4, 4, alpha=True, float_buffer=True)
+    image.pixels.foreach_set(np.random.default_rng(seed).random(64).astype(np.float32))
+    image.filepath_raw, image.file_format = str(path), "OPEN_EXR"
+    image.save()
+    bpy.data.images.remove(image)
+
+
+def load_pictures(folder) -> None:
+    """'Picture', and 'Tiles' with three of the nine that the tile `wide` shows."""
+    save_picture(folder / "picture.exr", 1)
+    bpy.data.images.load(str(folder / "picture.exr")).name = "Picture"
+    for seed, number in enumerate((1001, 1003, 1012)):
+        save_picture(folder / f"tiles.{number}.exr", seed)
+    tiled = bpy.data.images.load(str(folder / "tiles.1001.exr"))
+    tiled.name, tiled.source = "Tiles", "TILED"
+    tiled.filepath = str(folder / "tiles.<UDIM>.exr")
+    for number in (1003, 1012):
+        if tiled.tiles.get(number) is None:
+            tiled.tiles.new(number)
+
+
 @pytest.fixture(scope="module")
 def pictures(tmp_path_factory):
     bpy.ops.wm.read_homefile(use_empty=True)
+    load_pictures(tmp_path_factory.mktemp("pictures"))
+    other = bpy.data.objects.new("Other", None)
+    bpy.context.scene.collection.objects.link(other)
+    other.location, other.rotation_euler, other.scale = (1, 2, 3), (0.3, 0.7, 1.1), (2, 1, 0.5)
+    bpy.context.view_layer.update()
     placed = []
     for name, case in cases().items():
         if add_tile(len(placed), case):

@@ -5,25 +5,55 @@
 
 #include <array>
 #include <bit>
-#include <cstddef>
-#include <cstdint>
+#include <type_traits>
+
+#include "math/lanes.h"
 
 namespace spc {
 
+// Signed words and floats that go with a word, or with words side by side.
+template <class Word>
+struct LikeWord {
+    static constexpr size_t kCount = sizeof(Word) / sizeof(uint32_t);
+    using Ints = typename LanesOf<kCount>::Ints;
+    using Floats = typename LanesOf<kCount>::Floats;
+    static Floats to_floats(const Ints& a) { return __builtin_convertvector(a, Floats); }
+    static Floats to_floats(const Word& a) { return __builtin_convertvector(a, Floats); }
+    static Word from_whole(const Floats& a) {
+        return std::bit_cast<Word>(__builtin_convertvector(a, Ints));
+    }
+};
+template <>
+struct LikeWord<uint32_t> {
+    using Ints = int32_t;
+    using Floats = float;
+    static float to_floats(int32_t a) { return static_cast<float>(a); }
+    static float to_floats(uint32_t a) { return static_cast<float>(a); }
+    static uint32_t from_whole(float a) { return static_cast<uint32_t>(static_cast<int32_t>(a)); }
+};
+template <class Float>
+using WordLike = std::conditional_t<std::is_same_v<Float, float>, uint32_t,
+                                    typename LanesOf<sizeof(Float) / sizeof(float)>::Words>;
+
+template <class Word>
+Word rotated(const Word& a, int bits) {
+    return (a << bits) | (a >> (32 - bits));
+}
+
 // http://burtleburtle.net/bob/c/lookup3.c
-template <size_t N>
-uint32_t lookup3(const std::array<uint32_t, N>& word) {
+template <size_t N, class Word = uint32_t>
+Word lookup3(const std::array<Word, N>& word) {
     static_assert(N >= 1 && N <= 4);
-    uint32_t a = 0xdeadbeefu + (static_cast<uint32_t>(N) << 2) + 13u, b = a, c = a;
+    Word a = Word{} + (0xdeadbeefu + (static_cast<uint32_t>(N) << 2) + 13u), b = a, c = a;
     // One step: subtracts and mixes in a rotated neighbour, in the hash's two ways.
-    const auto stir = [](uint32_t& to, uint32_t& from, uint32_t& other, int bits) {
+    const auto stir = [](Word& to, Word& from, const Word& other, int bits) {
         to -= from;
-        to ^= std::rotl(from, bits);
+        to ^= rotated(from, bits);
         from += other;
     };
-    const auto finish = [](uint32_t& to, uint32_t from, int bits) {
+    const auto finish = [](Word& to, const Word& from, int bits) {
         to ^= from;
-        to -= std::rotl(from, bits);
+        to -= rotated(from, bits);
     };
     a += word[0];
     if constexpr (N >= 2) b += word[1];
@@ -48,20 +78,23 @@ uint32_t lookup3(const std::array<uint32_t, N>& word) {
 }
 
 // A number in [0, 1] for the bits of one to four floats.
-template <class... Floats>
-float hash_unit(Floats... values) {
-    const std::array<uint32_t, sizeof...(Floats)> words{std::bit_cast<uint32_t>(values)...};
-    return static_cast<float>(lookup3(words)) * (1.0f / 4294967295.0f);
+template <class Float, class... Floats>
+Float hash_unit(const Float& first, const Floats&... others) {
+    using Word = WordLike<Float>;
+    const std::array<Word, 1 + sizeof...(Floats)> words{std::bit_cast<Word>(first),
+                                                        std::bit_cast<Word>(others)...};
+    return LikeWord<Word>::to_floats(lookup3(words)) * (1.0f / 4294967295.0f);
 }
 
 // N numbers and three numbers of that kind for a point of N coordinates.
-template <size_t N>
-std::array<float, N> hash_point(const std::array<float, N>& k) {
+template <size_t N, class Float>
+std::array<Float, N> hash_point(const std::array<Float, N>& k) {
+    const Float one = Float{} + 1.0f, two = Float{} + 2.0f;
     if constexpr (N == 1) return {hash_unit(k[0])};
-    if constexpr (N == 2) return {hash_unit(k[0], k[1]), hash_unit(k[0], k[1], 1.0f)};
+    if constexpr (N == 2) return {hash_unit(k[0], k[1]), hash_unit(k[0], k[1], one)};
     if constexpr (N == 3)
-        return {hash_unit(k[0], k[1], k[2]), hash_unit(k[0], k[1], k[2], 1.0f),
-                hash_unit(k[0], k[1], k[2], 2.0f)};
+        return {hash_unit(k[0], k[1], k[2]), hash_unit(k[0], k[1], k[2], one),
+                hash_unit(k[0], k[1], k[2], two)};
     if constexpr (N == 4)
         return {hash_unit(k[0], k[1], k[2], k[3]), hash_unit(k[3], k[0], k[1], k[2]),
                 hash_unit(k[2], k[3], k[0], k[1]), hash_unit(k[1], k[2], k[3], k[0])};
@@ -79,12 +112,13 @@ std::array<float, 3> hash_color(const std::array<float, N>& k) {
 
 // M. Jarzynski and M. Olano, "Hash Functions for GPU Rendering", JCGT 9(3), 2020; of signed words, as
 // Blender has it: shifts keep the sign, which is dropped at the end.
-template <size_t N>
-std::array<float, N> pcg_unit(const std::array<int32_t, N>& words) {
+template <size_t N, class Word>
+std::array<typename LikeWord<Word>::Floats, N> pcg_unit(const std::array<Word, N>& words) {
     static_assert(N >= 2 && N <= 4);
+    using Ints = typename LikeWord<Word>::Ints;
     constexpr uint32_t kFactor = 1664525u, kIncrement = 1013904223u;
-    std::array<uint32_t, N> v;
-    for (size_t k = 0; k < N; ++k) v[k] = static_cast<uint32_t>(words[k]) * kFactor + kIncrement;
+    std::array<Word, N> v;
+    for (size_t k = 0; k < N; ++k) v[k] = words[k] * kFactor + kIncrement;
     const auto stir = [&v] {
         if constexpr (N == 2) {
             v[0] += v[1] * kFactor;
@@ -97,11 +131,12 @@ std::array<float, N> pcg_unit(const std::array<int32_t, N>& words) {
         }
     };
     stir();
-    for (uint32_t& word : v) word ^= static_cast<uint32_t>(static_cast<int32_t>(word) >> 16);
+    for (Word& word : v) word ^= std::bit_cast<Word>(std::bit_cast<Ints>(word) >> 16);
     stir();
-    std::array<float, N> result;
+    std::array<typename LikeWord<Word>::Floats, N> result;
     for (size_t k = 0; k < N; ++k)
-        result[k] = static_cast<float>(v[k] & 0x7fffffffu) * (1.0f / 2147483647.0f);
+        result[k] = LikeWord<Word>::to_floats(std::bit_cast<Ints>(v[k] & 0x7fffffffu)) *
+                    (1.0f / 2147483647.0f);
     return result;
 }
 

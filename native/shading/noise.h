@@ -33,55 +33,148 @@ T lattice_coordinate(const T& x) {
     return std::abs(value) < kPeriod ? x : x - T(value - std::fmod(value, kPeriod));
 }
 
-// A corner's gradient, which its hash chooses, times the way from there.
-template <class T, size_t N>
-T corner_slope(uint32_t hash, const Point<T, N>& d) {
-    const auto flip = [&](const T& x, uint32_t bit) { return hash & bit ? T(0.0f) - x : x; };
+// Gradients of lattice points side by side, chosen by their hashes.
+template <size_t N, class Words>
+auto lattice_gradients(const Words& hash) {
+    using Floats = typename LikeWord<Words>::Floats;
+    const Floats zero{}, one = zero + 1.0f;
+    const auto sign = [&](uint32_t bit) { return (hash & bit) != 0 ? -one : one; };
     if constexpr (N == 1) {
-        return flip(times(d[0], 1.0f + static_cast<float>(hash & 7)), 8);
+        return Point<Floats, 1>{sign(8) * (LikeWord<Words>::to_floats(hash & 7) + 1.0f)};
     } else if constexpr (N == 2) {
-        const bool steep_y = (hash & 7) < 4;
-        return flip(d[steep_y ? 0 : 1], 1) + flip(times(d[steep_y ? 1 : 0], 2.0f), 2);
+        const auto steep_y = (hash & 7) < 4;
+        const Floats slight = sign(1), steep = sign(2) * 2.0f;
+        return Point<Floats, 2>{steep_y ? slight : steep, steep_y ? steep : slight};
     } else if constexpr (N == 3) {
-        const uint32_t h = hash & 15;
-        const T& v = h < 4 ? d[1] : h == 12 || h == 14 ? d[0] : d[2];
-        return flip(d[h < 8 ? 0 : 1], 1) + flip(v, 2);
+        const Words h = hash & 15;
+        const Floats a = sign(1), b = sign(2);
+        const auto b_along_y = h < 4, b_along_x = (h == 12) | (h == 14);
+        return Point<Floats, 3>{(h < 8 ? a : zero) + (b_along_x ? b : zero),
+                                (h < 8 ? zero : a) + (b_along_y ? b : zero),
+                                b_along_x | b_along_y ? zero : b};
     } else {
-        const uint32_t h = hash & 31;
-        return flip(d[h < 24 ? 0 : 1], 1) + flip(d[h < 16 ? 1 : 2], 2) + flip(d[h < 8 ? 2 : 3], 4);
+        const Words h = hash & 31;
+        const Floats a = sign(1), b = sign(2), c = sign(4);
+        return Point<Floats, 4>{h < 24 ? a : zero, (h < 24 ? zero : a) + (h < 16 ? b : zero),
+                                (h < 16 ? zero : b) + (h < 8 ? c : zero), h < 8 ? zero : c};
     }
+}
+
+// Noise at a point, its slopes, and theirs.
+template <size_t N>
+struct NoiseJet {
+    float value;
+    std::array<float, N> slope;
+    std::array<std::array<float, N>, N> curvature;
+};
+
+// As far as `Order` says; all corners of a cell are looked at side by side.
+template <size_t Order, size_t N>
+NoiseJet<N> noise_jet(const Point<float, N>& p) {
+    constexpr std::array<float, 4> kScale{0.25f, 0.6616f, 0.982f, 0.8344f};
+    constexpr size_t kCorners = size_t{1} << N;
+    using Floats = typename LanesOf<kCorners>::Floats;
+    using Words = typename LanesOf<kCorners>::Words;
+    std::array<Words, N> lattice;
+    Point<Floats, N> way;
+    // Of each axis a corner's share of the noise, and its derivatives.
+    std::array<Point<Floats, N>, Order + 1> share;
+    for (size_t k = 0; k < N; ++k) {
+        Words step;
+        for (size_t corner = 0; corner < kCorners; ++corner) step[corner] = corner >> k & 1;
+        const float floor = std::floor(p[k]), t = p[k] - floor;
+        lattice[k] = step + static_cast<uint32_t>(static_cast<int32_t>(floor));
+        way[k] = t - LikeWord<Words>::to_floats(step);
+        const auto both = [&](float of_far, float of_near) {
+            return step != 0 ? Floats{} + of_far : Floats{} + of_near;
+        };
+        const float far = t * t * t * (t * (t * 6.0f - 15.0f) + 10.0f);
+        share[0][k] = both(far, 1.0f - far);
+        if constexpr (Order >= 1) {
+            const float rise = 30.0f * t * t * (t - 1.0f) * (t - 1.0f);
+            share[1][k] = both(rise, -rise);
+        }
+        if constexpr (Order >= 2) {
+            const float bend = 60.0f * t * (t - 1.0f) * (2.0f * t - 1.0f);
+            share[2][k] = both(bend, -bend);
+        }
+    }
+    const Point<Floats, N> gradient = lattice_gradients<N>(lookup3(lattice));
+    Floats height = gradient[0] * way[0];
+    for (size_t k = 1; k < N; ++k) height += gradient[k] * way[k];
+
+    // The corners' shares, differentiated so many times along each axis.
+    const auto shares = [&](const std::array<size_t, N>& times) {
+        Floats product = share[times[0]][0];
+        for (size_t k = 1; k < N; ++k) product *= share[times[k]][k];
+        return product;
+    };
+    const auto total = [&](const Floats& lanes) {
+        float sum = 0.0f;
+        for (size_t corner = 0; corner < kCorners; ++corner) sum += lanes[corner];
+        return sum * kScale[N - 1];
+    };
+    NoiseJet<N> jet;
+    const Floats plain = shares({});
+    jet.value = total(plain * height);
+    if constexpr (Order >= 1) {
+        std::array<Floats, N> risen;
+        for (size_t k = 0; k < N; ++k) {
+            std::array<size_t, N> once{};
+            once[k] = 1;
+            risen[k] = shares(once);
+            jet.slope[k] = total(plain * gradient[k] + risen[k] * height);
+        }
+        if constexpr (Order >= 2)
+            for (size_t k = 0; k < N; ++k)
+                for (size_t j = 0; j < N; ++j) {
+                    std::array<size_t, N> twice{};
+                    ++twice[k];
+                    ++twice[j];
+                    jet.curvature[k][j] = total(risen[k] * gradient[j] + risen[j] * gradient[k] +
+                                                shares(twice) * height);
+                }
+    }
+    return jet;
+}
+
+// A function's value and slopes at p, over duals.
+template <size_t N>
+Dual2 lifted(float value, const std::array<float, N>& slope, const Point<Dual2, N>& p) {
+    Dual2 result(value);
+    for (size_t k = 0; k < N; ++k) {
+        result.du += slope[k] * p[k].du;
+        result.dv += slope[k] * p[k].dv;
+    }
+    return result;
 }
 
 // About 0; nearly all within [-1, 1].
 template <class T, size_t N>
 T perlin(const Point<T, N>& p) {
-    constexpr std::array<float, 4> kScale{0.25f, 0.6616f, 0.982f, 0.8344f};
-    constexpr size_t kCorners = size_t{1} << N;
-    std::array<int, N> cell;
-    Point<T, N> local, share;
+    Point<T, N> at;
+    Point<float, N> value;
     for (size_t k = 0; k < N; ++k) {
-        const T x = lattice_coordinate(p[k]);
-        cell[k] = static_cast<int>(std::floor(value_of(x)));
-        local[k] = x - T(static_cast<float>(cell[k]));
-        const T& t = local[k];
-        share[k] = t * t * t * (t * (times(t, 6.0f) - T(15.0f)) + T(10.0f));
+        at[k] = lattice_coordinate(p[k]);
+        value[k] = value_of(at[k]);
     }
-    std::array<T, kCorners> value;
-    for (size_t corner = 0; corner < kCorners; ++corner) {
-        std::array<uint32_t, N> lattice;
-        Point<T, N> way = local;
+    if constexpr (std::is_same_v<T, float>) {
+        return noise_jet<0>(value).value;
+    } else if constexpr (std::is_same_v<T, Dual2>) {
+        const NoiseJet<N> jet = noise_jet<1>(value);
+        return lifted(jet.value, jet.slope, at);
+    } else {
+        const NoiseJet<N> jet = noise_jet<2>(value);
+        Point<Dual2, N> inner;
+        for (size_t k = 0; k < N; ++k) inner[k] = at[k].v;
+        T result(lifted(jet.value, jet.slope, inner), {}, {});
         for (size_t k = 0; k < N; ++k) {
-            const int step = static_cast<int>(corner >> k & 1);
-            lattice[k] = static_cast<uint32_t>(cell[k] + step);
-            if (step != 0) way[k] = way[k] - T(1.0f);
+            const Dual2 slope = lifted(jet.slope[k], jet.curvature[k], inner);
+            result.du += slope * at[k].du;
+            result.dv += slope * at[k].dv;
         }
-        value[corner] = corner_slope(lookup3(lattice), way);
+        return result;
     }
-    for (size_t k = 0; k < N; ++k)
-        for (size_t corner = 0; corner < kCorners >> (k + 1); ++corner)
-            value[corner] =
-                value[2 * corner] + (value[2 * corner + 1] - value[2 * corner]) * share[k];
-    return times(value[0], kScale[N - 1]);
 }
 
 enum class FractalType : uint8_t { fbm, multifractal, hybrid, ridged, hetero_terrain };

@@ -5,7 +5,9 @@
 //   I. Quilez, "Voronoi borders" and "Smooth Voronoi", iquilezles.org.
 #pragma once
 
+#include <cstring>
 #include <limits>
+#include <utility>
 
 #include "shading/noise.h"
 
@@ -79,9 +81,26 @@ T distance(const Voronoi<T>& v, const Point<T, N>& way) {
                : result;
 }
 
+// Whole coordinates as words, zeros behind them.
+template <size_t M, size_t N, class Float>
+std::array<WordLike<Float>, M> whole_words(const Point<Float, N>& cells) {
+    std::array<WordLike<Float>, M> result{};
+    for (size_t k = 0; k < N; ++k) result[k] = LikeWord<WordLike<Float>>::from_whole(cells[k]);
+    return result;
+}
+// The numbers of cells, or of cells side by side, at whole coordinates.
+template <size_t N, class Float>
+Point<Float, N> random_points(VoronoiHash hash, const Point<Float, N>& cells) {
+    if constexpr (N > 1)
+        if (hash == VoronoiHash::pcg) return pcg_unit(whole_words<N>(cells));
+    return hash_point(cells);
+}
+
 // The cell around a point, which is the origin of all places.
 template <class T, size_t N>
 struct Cell {
+    Cell(VoronoiHash hash_of_cells, const Point<float, N>& at, const Point<T, N>& in_it)
+        : hash(hash_of_cells), corner(at), local(in_it) {}
     Cell(const Point<T, N>& p, VoronoiHash hash_of_cells) : hash(hash_of_cells) {
         for (size_t k = 0; k < N; ++k) {
             const T x = lattice_coordinate(p[k]);
@@ -92,7 +111,10 @@ struct Cell {
     Point<float, N> neighbor(const Point<float, N>& step) const { return sum(corner, step); }
     // Of the point of the cell so many steps away.
     Point<T, N> point(const Point<float, N>& step, const T& randomness) const {
-        const Point<float, N> random = random_point(neighbor(step));
+        return point(step, random_points(hash, neighbor(step)), randomness);
+    }
+    static Point<T, N> point(const Point<float, N>& step, const Point<float, N>& random,
+                             const T& randomness) {
         Point<T, N> place;
         for (size_t k = 0; k < N; ++k) place[k] = T(step[k]) + T(random[k]) * randomness;
         return place;
@@ -101,25 +123,13 @@ struct Cell {
         const std::array<float, 3> c = random_color(neighbor(step));
         return {T(c[0]), T(c[1]), T(c[2])};
     }
-    Point<float, N> random_point(const Point<float, N>& cell) const {
-        if constexpr (N > 1)
-            if (hash == VoronoiHash::pcg) return pcg_unit(words<N>(cell));
-        return hash_point(cell);
-    }
     std::array<float, 3> random_color(const Point<float, N>& cell) const {
         if constexpr (N > 1)
             if (hash == VoronoiHash::pcg) {
-                const auto found = pcg_unit(words<std::max<size_t>(N, 3)>(cell));
+                const auto found = pcg_unit(whole_words<std::max<size_t>(N, 3)>(cell));
                 return {found[0], found[1], found[2]};
             }
         return hash_color(cell);
-    }
-    // Whole coordinates, zeros behind them.
-    template <size_t M>
-    static std::array<int32_t, M> words(const Point<float, N>& cell) {
-        std::array<int32_t, M> result{};
-        for (size_t k = 0; k < N; ++k) result[k] = static_cast<int32_t>(cell[k]);
-        return result;
     }
     Point<T, N> in_space(Point<T, N> place) const { return moved(place, corner); }
 
@@ -128,117 +138,187 @@ struct Cell {
     Point<T, N> local;
 };
 
-// Calls visit(step) for all cells up to `reach` steps around one, x fastest.
-template <size_t N, class Visit>
-void around(int reach, const Visit& visit) {
-    const int width = 2 * reach + 1;
-    int count = 1;
-    for (size_t k = 0; k < N; ++k) count *= width;
-    for (int i = 0; i < count; ++i) {
-        Point<float, N> step;
-        int rest = i;
-        for (size_t k = 0; k < N; ++k, rest /= width)
-            step[k] = static_cast<float>(rest % width - reach);
-        visit(step);
+// All cells up to `Reach` steps around one, x fastest, and their random numbers, which are found side by
+// side.
+template <size_t N, int Reach>
+class Neighbors {
+public:
+    template <class T>
+    Neighbors(const Cell<T, N>& cell, const Point<float, N>& from = {}) {
+        using Floats = typename LanesOf<kLanes>::Floats;
+        for (size_t i = 0; i < kCount; i += kLanes) {
+            Point<Floats, N> lanes;
+            for (size_t k = 0; k < N; ++k) {
+                std::memcpy(&lanes[k], &kSteps[k][i], sizeof(Floats));
+                lanes[k] += cell.corner[k] + from[k];
+            }
+            lanes = random_points(cell.hash, lanes);
+            for (size_t k = 0; k < N; ++k) std::memcpy(&random_[k][i], &lanes[k], sizeof(Floats));
+        }
     }
+
+    static constexpr size_t count() { return kCount; }
+    static Point<float, N> step(size_t i) { return at(kSteps, i); }
+    Point<float, N> random(size_t i) const { return at(random_, i); }
+
+private:
+    static constexpr size_t kLanes = 8, kWidth = 2 * Reach + 1;
+    static constexpr size_t kCount = [] {
+        size_t count = 1;
+        for (size_t k = 0; k < N; ++k) count *= kWidth;
+        return count;
+    }();
+    using Table = std::array<std::array<float, (kCount + kLanes - 1) / kLanes * kLanes>, N>;
+    static constexpr Table kSteps = [] {
+        Table steps{};
+        for (size_t i = 0; i < kCount; ++i)
+            for (size_t k = 0, rest = i; k < N; ++k, rest /= kWidth)
+                steps[k][i] = static_cast<float>(rest % kWidth) - static_cast<float>(Reach);
+        return steps;
+    }();
+    static Point<float, N> at(const Table& table, size_t i) {
+        Point<float, N> point;
+        for (size_t k = 0; k < N; ++k) point[k] = table[k][i];
+        return point;
+    }
+
+    Table random_;
+};
+
+template <class T>
+Voronoi<float> without_derivatives(const Voronoi<T>& v) {
+    return {v.feature,
+            v.metric,
+            v.hash,
+            v.normalized,
+            value_of(v.detail),
+            value_of(v.roughness),
+            value_of(v.lacunarity),
+            value_of(v.smoothness),
+            value_of(v.exponent),
+            value_of(v.randomness)};
+}
+template <class T, size_t N>
+Cell<float, N> without_derivatives(const Cell<T, N>& cell) {
+    Point<float, N> local;
+    for (size_t k = 0; k < N; ++k) local[k] = value_of(cell.local[k]);
+    return {cell.hash, cell.corner, local};
 }
 
-// The nearest point, or the second nearest.
+// Which of several values is the least, and the least but one.
+struct TwoLeast {
+    static constexpr size_t kNothing = ~size_t{0};
+    size_t first = kNothing, second = kNothing;
+    float first_value = std::numeric_limits<float>::max(), second_value = first_value;
+
+    void add(size_t index, float value) {
+        if (value < first_value) {
+            second = std::exchange(first, index);
+            second_value = std::exchange(first_value, value);
+        } else if (value < second_value) {
+            second = index;
+            second_value = value;
+        }
+    }
+};
+
+// The nearest point, or the second nearest. It is looked for without derivatives.
 template <class T, size_t N>
 VoronoiPoint<T, N> nearest(const Voronoi<T>& v, const Cell<T, N>& cell, bool second) {
-    struct Found {
-        T distance{std::numeric_limits<float>::max()};
-        Point<float, N> step{};
-        Point<T, N> place{};
-    };
-    Found first, next;
-    around<N>(1, [&](const Point<float, N>& step) {
-        const Point<T, N> place = cell.point(step, v.randomness);
-        const T d = distance(v, difference(place, cell.local));
-        if (value_of(d) < value_of(first.distance)) {
-            next = first;
-            first = {d, step, place};
-        } else if (value_of(d) < value_of(next.distance)) {
-            next = {d, step, place};
-        }
-    });
-    const Found& found = second ? next : first;
-    return {found.distance, cell.color(found.step), cell.in_space(found.place)};
+    const Neighbors<N, 1> near(cell);
+    const Voronoi<float> plain = without_derivatives(v);
+    const Cell<float, N> here = without_derivatives(cell);
+    std::array<float, near.count()> distances;
+    for (size_t i = 0; i < near.count(); ++i) {
+        const Point<float, N> place = here.point(near.step(i), near.random(i), plain.randomness);
+        distances[i] = distance(plain, difference(place, here.local));
+    }
+    TwoLeast least;
+    for (size_t i = 0; i < near.count(); ++i) least.add(i, distances[i]);
+    const size_t found = second ? least.second : least.first;
+    if (found == TwoLeast::kNothing) return {};
+    const Point<float, N> step = near.step(found);
+    const Point<T, N> place = cell.point(step, near.random(found), v.randomness);
+    return {distance(v, difference(place, cell.local)), cell.color(step), cell.in_space(place)};
 }
 
 template <class T, size_t N>
 VoronoiPoint<T, N> smooth(const Voronoi<T>& v, const Cell<T, N>& cell) {
+    const Neighbors<N, 2> near(cell);
     VoronoiPoint<T, N> result;
-    bool started = false;
-    around<N>(2, [&](const Point<float, N>& step) {
-        const Point<T, N> place = cell.point(step, v.randomness);
+    for (size_t i = 0; i < near.count(); ++i) {
+        const Point<T, N> place = cell.point(near.step(i), near.random(i), v.randomness);
         const T d = distance(v, difference(place, cell.local));
         const T ahead = times((result.distance - d) / v.smoothness, 0.5f) + T(0.5f);
-        const T h = started ? smoothstep(ahead, T(0.0f), T(1.0f)) : T(1.0f);
-        started = true;
+        const T h = i > 0 ? smoothstep(ahead, T(0.0f), T(1.0f)) : T(1.0f);
         const T dip = v.smoothness * h * (T(1.0f) - h);
         const T small_dip = dip / (T(1.0f) + times(v.smoothness, 3.0f));
-        const Vector3<T> color = cell.color(step);
+        const Vector3<T> color = cell.color(near.step(i));
         const auto blend = [&](const T& a, const T& b) { return mixed(a, b, h) - small_dip; };
         result.distance = mixed(result.distance, d, h) - dip;
         result.color = {blend(result.color.x, color.x), blend(result.color.y, color.y),
                         blend(result.color.z, color.z)};
         for (size_t k = 0; k < N; ++k) result.position[k] = blend(result.position[k], place[k]);
-    });
+    }
     result.position = cell.in_space(result.position);
     return result;
 }
 
 template <class T, size_t N>
 T distance_to_edge(const Voronoi<T>& v, const Cell<T, N>& cell) {
-    const auto way_to = [&](const Point<float, N>& step) {
-        return difference(cell.point(step, v.randomness), cell.local);
+    const Neighbors<N, 1> near(cell);
+    const auto way_to = [&](size_t i) {
+        return difference(cell.point(near.step(i), near.random(i), v.randomness), cell.local);
     };
-    T least(std::numeric_limits<float>::max());
     if constexpr (N == 1) {  // the borders of its own cell, even where a neighbour's point is nearer
-        const T middle = way_to({0.0f})[0];
-        return smaller(absolute(times(middle + way_to({-1.0f})[0], 0.5f)),
-                       absolute(times(middle + way_to({1.0f})[0], 0.5f)));
+        const T middle = way_to(1)[0];
+        return smaller(absolute(times(middle + way_to(0)[0], 0.5f)),
+                       absolute(times(middle + way_to(2)[0], 0.5f)));
     }
-    Point<T, N> closest{};
-    around<N>(1, [&](const Point<float, N>& step) {
-        const Point<T, N> way = way_to(step);
-        const T square = dot(way, way);
-        if (value_of(square) >= value_of(least)) return;
-        least = square;
-        closest = way;
-    });
-    least = T(std::numeric_limits<float>::max());
-    around<N>(1, [&](const Point<float, N>& step) {
-        const Point<T, N> way = way_to(step), across = difference(way, closest);
-        const T square = dot(across, across);
-        if (value_of(square) <= 1e-4f) return;  // the closest one itself
-        least = smaller(least, times(dot(sum(closest, way), across), 0.5f) / safe_root(square));
-    });
-    return least;
+    const Cell<float, N> here = without_derivatives(cell);
+    const float randomness = value_of(v.randomness);
+    std::array<Point<float, N>, near.count()> ways;
+    TwoLeast square;
+    for (size_t i = 0; i < near.count(); ++i) {
+        ways[i] = difference(here.point(near.step(i), near.random(i), randomness), here.local);
+        square.add(i, dot(ways[i], ways[i]));
+    }
+    if (square.first == TwoLeast::kNothing) return T(std::numeric_limits<float>::max());
+    const auto to_edge = [](const auto& closest, const auto& way) {
+        const auto across = difference(way, closest);
+        return times(dot(sum(closest, way), across), 0.5f) / safe_root(dot(across, across));
+    };
+    TwoLeast edge;
+    for (size_t i = 0; i < near.count(); ++i) {
+        const Point<float, N> across = difference(ways[i], ways[square.first]);
+        if (dot(across, across) > 1e-4f)  // not the closest one itself
+            edge.add(i, to_edge(ways[square.first], ways[i]));
+    }
+    if (edge.first == TwoLeast::kNothing) return T(std::numeric_limits<float>::max());
+    return to_edge(way_to(square.first), way_to(edge.first));
 }
 
 // Half the way from the nearest point to the one nearest to it.
 template <class T, size_t N>
 T sphere_radius(const Voronoi<T>& v, const Cell<T, N>& cell) {
-    T least(std::numeric_limits<float>::max());
-    Point<float, N> closest_step{};
-    Point<T, N> closest{};
-    around<N>(1, [&](const Point<float, N>& step) {
-        const Point<T, N> place = cell.point(step, v.randomness);
-        const T d = length(difference(place, cell.local));
-        if (value_of(d) >= value_of(least)) return;
-        least = d;
-        closest_step = step;
-        closest = place;
-    });
-    least = T(std::numeric_limits<float>::max());
-    around<N>(1, [&](const Point<float, N>& step) {
-        if (step == Point<float, N>{}) return;
-        const Point<T, N> place = cell.point(sum(step, closest_step), v.randomness);
-        least = smaller(least, length(difference(place, closest)));
-    });
-    return times(least, 0.5f);
+    const Voronoi<float> plain = without_derivatives(v);
+    const Cell<float, N> here = without_derivatives(cell);
+    // Of the neighbours of `from`; its own point counts only where it is looked for.
+    const auto least_from = [&](const Point<float, N>& from, const Point<float, N>& to, bool own) {
+        const Neighbors<N, 1> near(here, from);
+        TwoLeast least;
+        for (size_t i = 0; i < near.count(); ++i)
+            if (own || near.step(i) != Point<float, N>{}) {
+                const Point<float, N> step = sum(near.step(i), from);
+                const Point<float, N> place = here.point(step, near.random(i), plain.randomness);
+                least.add(i, length(difference(place, to)));
+            }
+        return least.first == TwoLeast::kNothing ? from : sum(near.step(least.first), from);
+    };
+    const Point<float, N> closest = least_from({}, here.local, true);
+    const Point<float, N> next = least_from(closest, here.point(closest, plain.randomness), false);
+    return times(
+        length(difference(cell.point(next, v.randomness), cell.point(closest, v.randomness))), 0.5f);
 }
 
 template <class T, size_t N>

@@ -32,6 +32,7 @@ class Run:
     """What one child took, from before its start to after its end, and what it reported."""
 
     wall_seconds: float
+    peak_memory: int  # bytes
     report: dict
 
 
@@ -91,7 +92,7 @@ def run(
         why = "no end in time" if ended.code is None else f"exit code {ended.code}"
         words = last_words(ended.log.read_text(errors="replace"))
         raise MeasurementError(f"{name}: {why}; its last words: {words}; all of them: {ended.log}")
-    return Run(ended.wall_seconds, ended.report)
+    return Run(ended.wall_seconds, ended.peak_memory, ended.report)
 
 
 def execute(

@@ -2,7 +2,8 @@
 """Runs in a child process, in today's Blender: renders a scene as a job says.
 
 The last argument is a JSON file, the job: `scene` (path), `engine`, `threads`, `samples` (a list:
-a render for each), `result` (the JSON file to write); and optionally `method` (Specula's),
+a render for each, after one of a
+single sample), `result` (the JSON file to write); and optionally `method` (Specula's),
 `specula` (values of its other properties), `size` ([width, height]), `picture` (PNG to write),
 `mean` (whether to report the picture's mean), `shadow_caustics` (whether Cycles walks where the
 scene's flags say so).
@@ -92,8 +93,9 @@ def main(job: dict) -> None:
         bpy.ops.render.render(write_still=True)
         report = {}
     else:
-        rendered(scene, 1, job["engine"])  # the first render of a process pays for what is loaded
-        report = {"renders": [rendered(scene, count, job["engine"]) for count in job["samples"]]}
+        first = rendered(scene, 1, job["engine"])  # pays for what a process loads
+        renders = [rendered(scene, count, job["engine"]) for count in job["samples"]]
+        report = {"first": first} | ({"renders": renders} if renders else {})
     percent = render.resolution_percentage
     report["pixels"] = (render.resolution_x * percent // 100) * (
         render.resolution_y * percent // 100

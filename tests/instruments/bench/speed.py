@@ -17,6 +17,9 @@ e  What the automatic method costs beside path tracing where there are no caster
 f  Samples that walks without light paths make in half a minute, beside path tracing. The targets
    are what the authors' code of [Zeltner20] made of its own scenes of the kind, on two threads of
    another machine: a yardstick, not a comparison.
+g  Scenes as large as artists' are, by path tracing, beside Cycles: samples per second as in a,
+   seconds from the call to the end of a first picture of one sample, and the process's peak memory.
+   An interior of twenty materials, and ten thousand instances of leaves that an image cuts out.
 """
 
 from __future__ import annotations
@@ -32,12 +35,13 @@ from pathlib import Path
 from tests.instruments.bench import _children, _machine, _program, _ratios
 from tests.instruments.bench._children import Progress, Run
 from tests.instruments.bench._ratios import MeasurementError, Target
+from tests.instruments.field.field import make as make_scenes
 from tools import venvs
 from tools.common import BUILD, ROOT
 
 FOLDER = BUILD / "bench" / "speed"
 SCENES = ROOT / "blend_scenes"
-PARTS = "abcdef"
+PARTS = "abcdefg"
 CYCLES = f"Cycles {venvs.BPY_VERSION}"
 THREADS = 2
 SMALL = {"size": [480, 270], "samples": [16]}
@@ -119,8 +123,17 @@ def export_and_commit(run: Run) -> float:
     return run.report["export_seconds"] + run.report["commit_seconds"]
 
 
+def first_picture(run: Run) -> float:
+    return run.report["first"]["seconds"]
+
+
+def peak_memory(run: Run) -> float:
+    return run.peak_memory / 1e6
+
+
 def render_side(label: str, scene: str, guess: float, **job) -> Side:
-    """A render with Specula if `job` names a method, else with Cycles."""
+    """A render with Specula if `job` names a method, else with Cycles. `scene` is one of
+    blend_scenes/ unless `job` says where it is."""
     engine, where = ("SPECULA", "specula in bpy") if "method" in job else ("CYCLES", "bpy")
     job = {"scene": str(SCENES / f"{scene}.blend"), "engine": engine, "threads": THREADS} | job
     return Side(label, where, "_render_job.py", job, guess)
@@ -252,6 +265,37 @@ def yardsticks(samples: int) -> Iterator[Measurement]:
         )
 
 
+LARGE = ("interior_of_many_materials", "meadow_of_leaves")
+
+
+def large(samples: int) -> Iterator[Measurement]:
+    names = [name for name in LARGE if not (FOLDER / f"{name}.blend").exists()]
+    if names:
+        make_scenes(FOLDER, names)
+    kinds = (
+        ("samples", "samples per second", tripled(samples), sample_rate, " M/s", Target(1.3, True)),
+        ("first", "time of a first picture", [], first_picture, " s", Target(1.0, False)),
+        ("memory", "peak memory", [], peak_memory, " MB", Target(1.0, False)),
+    )
+    for name in LARGE:
+        for kind, what, counts, value, unit, target in kinds:
+            job = {"scene": str(FOLDER / f"{name}.blend"), "size": [480, 480], "samples": counts}
+            job |= {"mean": True}
+            guess = 8 + 2 * sum(counts)
+            yield Measurement(
+                "g",
+                f"{kind}_{name}",
+                f"{what}, path tracing, {name} 480x480, {THREADS} threads, Specula / {CYCLES}",
+                (
+                    render_side("Specula", name, guess, method="PT", **job),
+                    render_side("Cycles", name, guess, **job),
+                ),
+                value,
+                unit,
+                target,
+            )
+
+
 MAKERS = {
     "a": rates,
     "b": walls,
@@ -259,10 +303,11 @@ MAKERS = {
     "d": grids,
     "e": without_casters,
     "f": yardsticks,
+    "g": large,
 }
 # Samples that take a few seconds each, so that the slope is not noise.
-SAMPLES = {"a": 20, "b": 0, "c": 16, "d": 0, "e": 20, "f": 4}
-QUICK_SAMPLES = {"a": 4, "b": 0, "c": 4, "d": 0, "e": 4, "f": 1}
+SAMPLES = {"a": 20, "b": 0, "c": 16, "d": 0, "e": 20, "f": 4, "g": 6}
+QUICK_SAMPLES = {"a": 4, "b": 0, "c": 4, "d": 0, "e": 4, "f": 1, "g": 1}
 
 
 # ----------------------------------------------------------------------------------- measuring

@@ -149,11 +149,11 @@ def not_examined(blend: Path, error: Exception) -> _page.Scene:
     return _page.Scene(str(blend), _measure.FAILED, child, child, None, {})
 
 
-def make(folder: Path) -> None:
-    """Writes the made-up scenes, in Debian's Blender, so that every later one opens them."""
+def make(folder: Path, names: Sequence[str] = ()) -> None:
+    """Writes made-up scenes, all or these, in Debian's Blender: every later one opens them."""
     folder.mkdir(parents=True, exist_ok=True)
     arguments = ["--background", "--python-exit-code", "1", "--python", str(MAKER)]
-    command = host.blender_command([*arguments, "--", str(folder.resolve())])
+    command = host.blender_command([*arguments, "--", str(folder.resolve()), *names])
     environment = host.blender_environment(host.library_folder())
     result = subprocess.run(command, env=environment, stdin=subprocess.DEVNULL)
     if result.returncode != 0:

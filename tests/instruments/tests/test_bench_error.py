@@ -242,7 +242,7 @@ def test_what_was_disturbed_is_rendered_again(monkeypatch, undisturbed, of_sms):
 def test_an_image_with_a_value_that_is_no_number_is_a_failure(monkeypatch, tmp_path):
     def run(name, where, script, job, folder, limit):
         np.save(job["image"], np.where(np.arange(12) == 5, np.nan, 1.0).reshape(2, 2, 3))
-        return _children.Run(1.0, {"samples": 1.0})
+        return _children.Run(1.0, 0, {"samples": 1.0})
 
     monkeypatch.setattr(_children, "run", run)
     monkeypatch.setattr(_store, "FOLDER", tmp_path)

@@ -181,7 +181,7 @@ def run(job, slow=1.0):
             ),
         },
     }
-    return Run(1.0, report)
+    return Run(1.0, 0, report)
 
 
 @pytest.fixture

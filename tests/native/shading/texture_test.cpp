@@ -81,6 +81,26 @@ TEST(Noise, HasTheDerivativesThatDifferencesShow) {
         }
 }
 
+TEST(Noise, HasTheSecondDerivativesThatDifferencesOfSlopesShow) {
+    for (int dimensions = 1; dimensions <= 4; ++dimensions) {
+        SCOPED_TRACE(dimensions);
+        const auto value = [&]<class T>(const T& t) {
+            return in_dimensions(dimensions, on_line(t), t, [](const auto& p) { return perlin(p); });
+        };
+        constexpr float kStep = 2e-3f;
+        for (int i = 0; i < 50; ++i) {
+            const float t = 0.1f + 0.0371f * static_cast<float>(i);
+            const Dual2 line(t, 1.0f, 0.0f);
+            const Dual<Dual2> twice = value(Dual<Dual2>(line, Dual2(1.0f), Dual2(0.0f)));
+            const float slope_before = value(Dual2(t - kStep, 1.0f, 0.0f)).du,
+                        slope_after = value(Dual2(t + kStep, 1.0f, 0.0f)).du;
+            EXPECT_NEAR(value_of(twice.du), value(line).du, 1e-5f);
+            EXPECT_EQ(twice.v.du, value_of(twice.du));
+            EXPECT_NEAR(twice.du.du, (slope_after - slope_before) / (2 * kStep), 0.05f);
+        }
+    }
+}
+
 TEST(Noise, FadesInItsLastOctave) {
     const auto at = [](float detail) {
         const Fractal<float> f{.detail = detail, .roughness = 0.6f, .lacunarity = 2.1f};

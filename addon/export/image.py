@@ -68,7 +68,7 @@ class Images:
                 raise ExportError(f"image {image.name}: out of memory ({error})") from error
         return self._indices[key]
 
-    def tiles(self, image, user: str) -> list[tuple[int, int]]:
+    def tiles(self, image) -> list[tuple[int, int]]:
         """Of a picture in several tiles: each one's number, counted from 0 in rows of ten, and the
         index of its image; empty for others."""
         if image is None or image.source != "TILED" or len(image.tiles) < 2 or _is_in_memory(image):

@@ -147,7 +147,7 @@ def _image(converter, node, desc) -> None:
 def _image_texture(converter, node, desc) -> None:
     """Exports the node's image, or the images of its tiles, and how it is thrown on a box."""
     _image(converter, node, desc)
-    tiles = converter.images.tiles(node.image, converter.label(node))
+    tiles = converter.images.tiles(node.image)
     if tiles:
         desc.arrays["Tiles"] = np.array(tiles, np.float32)
     if node.projection == "BOX":

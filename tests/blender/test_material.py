@@ -669,7 +669,7 @@ def test_blender_decodes_the_frame_of_a_sequence(sequence):
 
 
 @pytest.mark.parametrize("name", ["skin.<UDIM>.png", "skin.<UVTILE>.png"])
-def test_a_udim_shows_its_first_tile(tmp_path, name):
+def test_a_udim_has_an_image_for_each_tile(tmp_path, name):
     numbers = ("1001", "1012") if "UDIM" in name else ("u1_v1", "u2_v2")
     for number in numbers:
         save_color(tmp_path / f"skin.{number}.png", 0.5)
@@ -678,11 +678,14 @@ def test_a_udim_shows_its_first_tile(tmp_path, name):
     image.filepath = str(tmp_path / name)
     if len(image.tiles) == 1:
         image.tiles.new(1012)
-    desc, warnings = added(image)
-    assert desc.path == str(tmp_path / f"skin.{numbers[0]}.png")
-    assert warnings == [f"image {image.name}: of its tiles only 1001 is shown"]
+    images = Images(ExportLog())
+    assert images.add(image, None, "user") == 0
+    assert images.tiles(image) == [(0, 0), (11, 1)]
+    paths = [str(tmp_path / f"skin.{number}.png") for number in numbers]
+    assert [desc.path for desc in images.descs] == paths
     image.tiles.remove(image.tiles[1])
     image.tiles[0].number = 1012
+    assert images.tiles(image) == []
     desc, warnings = added(image)
     assert desc.path == str(tmp_path / f"skin.{numbers[1]}.png")
     assert warnings == []

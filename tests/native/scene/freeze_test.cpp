@@ -197,6 +197,26 @@ TEST(Freeze, NoLightTracingWhereSomeRaysSeeOtherObjects) {
     }
 }
 
+// A caster elsewhere: light paths would come to the pane without knowing their rays.
+TEST(Freeze, NoLightTracingWhereALookDependsOnTheRay) {
+    test::SceneMaker maker;
+    Graph pane = test::single_shader("bsdf_transparent");
+    pane.name = "pane";
+    const auto path = static_cast<uint32_t>(pane.nodes.size());
+    pane.nodes.push_back({"Path", "light_path", kNone});
+    pane.links.push_back({path, "Is Camera Ray", 1, "Color"});
+    maker.add(test::square(1.0f), pane);
+    maker.add(test::square(1.0f), test::single_shader("bsdf_glass"));
+    const RenderScene world = maker.finish();
+    EXPECT_FALSE(world.scene->same_for_scattered_rays);
+    EXPECT_TRUE(std::any_of(world.scene->report.begin(), world.scene->report.end(),
+                            [](const std::string& line) {
+                                return line.find(
+                                           "its look depends on the kind of ray, so no "
+                                           "light tracing") != std::string::npos;
+                            }));
+}
+
 TEST(Freeze, MissingUvLayerIsReported) {
     test::SceneMaker maker;
     maker.builder.add_image(image_from_floats("grey", std::vector<float>{0.5f}, 1, 1, 1,

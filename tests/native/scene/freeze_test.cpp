@@ -18,8 +18,10 @@ Mesh partly_degenerate() {
     mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {2, 0, 0}, {1, 0, 0}, {0, 0, 1}};
     mesh.triangles = {{0, 1, 2}, {0, 0, 1}, {0, 1, 3}, {0, 1, 5}, {1, 4, 2}};
     mesh.slot_count = 2;
-    Attribute layer = test::uv_layer({}),
-              shade{{AttributeKind::named, "shade"}, AttributeDomain::triangle, 1};
+    Attribute layer = test::uv_layer({}), shade;
+    shade.called.name = "shade";
+    shade.domain = AttributeDomain::triangle;
+    shade.components = 1;
     for (uint32_t t = 0; t < 5; ++t) {
         mesh.slots.push_back(t == 3 ? 1 : 0);
         shade.values.push_back(float(t));

@@ -151,18 +151,18 @@ TEST(Values, UvLayersByName) {
 
 TEST(Values, AttributesByKindAndName) {
     TestPoint at;
-    GraphBuilder b;
-    const uint32_t node =
-        b.node("attribute", {}, {{"attribute_type", "OBJECT"}, {"attribute_name", "tint"}});
+    const Options tint{{"attribute_type", "OBJECT"}, {"attribute_name", "tint"}};
     at.attributes[0] = {0.1f, 0.2f, 0.6f, 0.4f};
     const auto get = [&](const std::string& socket) {
-        return value_of_graph(b, node, socket, at.point);
+        GraphBuilder b;
+        return value_of_graph(b, b.node("attribute", {}, tint), socket, at.point);
     };
     expect_near(get("Color"), {0.1f, 0.2f, 0.6f}, 0.0f);
     expect_near(get("Fac"), Vec3(0.3f), 1e-6f);
     expect_near(get("Alpha"), Vec3(0.4f), 0.0f);
+    GraphBuilder b;
     const uint32_t emission = b.node("emission");
-    b.link(node, "Color", emission, "Color");
+    b.link(b.node("attribute", {}, tint), "Color", emission, "Color");
     const Material material = compile(b.surface(emission, "Emission"), {});
     ASSERT_EQ(material.attributes.size(), 1u);
     EXPECT_EQ(material.attributes[0], (AttributeName{AttributeKind::object, "tint"}));
@@ -284,19 +284,21 @@ TEST(Values, TilesAreImagesOfTheirOwn) {
         images.push_back(image_from_floats("tile", std::vector<float>{grey}, 1, 1, 1,
                                            ColorSpace::linear, AlphaMode::none));
     TestPoint at;
-    GraphBuilder b;
-    const uint32_t texture = b.node("image_texture", {}, {}, 0);
-    b.graph.arrays.push_back({texture, "Tiles", {0, 0, 11, 1}});
+    const auto texel = [&](float last_image) {
+        GraphBuilder b;
+        const uint32_t texture = b.node("image_texture", {}, {}, 0);
+        b.graph.arrays.push_back({texture, "Tiles", {0, 0, 11, last_image}});
+        return value_of_graph(b, texture, "Color", at.point, images);
+    };
     const std::pair<std::array<float, 2>, Vec3> seen[] = {{{0.5f, 0.5f}, Vec3(0.2f)},
                                                           {{1.5f, 1.5f}, Vec3(0.4f)},
                                                           {{1.5f, 0.5f}, Vec3(1, 0, 1)},
                                                           {{-0.5f, 1.5f}, Vec3(1, 0, 1)}};
     for (const auto& [uv, color] : seen) {
         at.attributes[0] = {uv[0], uv[1], 0, 1};
-        expect_near(value_of_graph(b, texture, "Color", at.point, images), color, 1e-6f);
+        expect_near(texel(1), color, 1e-6f);
     }
-    b.graph.arrays.back().values.back() = 2;
-    EXPECT_THROW(value_of_graph(b, texture, "Color", at.point, images), Error);
+    EXPECT_THROW(texel(2), Error);
 }
 
 // One texel coloured by where it lies: what a direction sees.

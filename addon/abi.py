@@ -33,7 +33,7 @@ class SizedStructure(Structure):
         super().__init__(struct_size=sizeof(type(self)), **fields)
 
 
-API_VERSION = 10
+API_VERSION = 12
 NONE = 0xFFFFFFFF
 
 
@@ -130,6 +130,12 @@ class Glints(IntEnum):
     OFF = 2
 
 
+class BumpCorrection(IntEnum):
+    NONE = 0
+    SMOOTHED = 1
+    MICROFACET = 2
+
+
 class MaterialDesc(SizedStructure):
     _fields_ = [
         ("struct_size", c_size_t),
@@ -145,6 +151,7 @@ class MaterialDesc(SizedStructure):
         ("links", POINTER(NodeLink)),
         ("link_count", c_uint32),
         ("glints", c_uint32),
+        ("bump_correction", c_uint32),
     ]
 
 
@@ -239,6 +246,7 @@ class InstanceDesc(SizedStructure):
         ("material_count", c_uint32),
         ("visibility", c_uint32),
         ("caustics_role", c_uint32),
+        ("terminator_offset", c_float),
         ("attributes", POINTER(Attribute)),
         ("attribute_count", c_uint32),
     ]
@@ -485,6 +493,10 @@ PROTOTYPES = {
     "spc_last_error": (c_char_p, ()),
     "spc_scene_create": (c_int, (POINTER(c_void_p),)),
     "spc_scene_destroy": (None, (c_void_p,)),
+    "spc_scene_edit": (c_int, (c_void_p, POINTER(c_void_p))),
+    "spc_scene_keep_image": (c_int, (c_void_p, c_uint32, POINTER(c_uint32))),
+    "spc_scene_keep_material": (c_int, (c_void_p, c_uint32, POINTER(c_uint32))),
+    "spc_scene_keep_mesh": (c_int, (c_void_p, c_uint32, POINTER(c_uint32))),
     "spc_scene_add_image": (c_int, (c_void_p, POINTER(ImageDesc), POINTER(c_uint32))),
     "spc_scene_add_material": (c_int, (c_void_p, POINTER(MaterialDesc), POINTER(c_uint32))),
     "spc_scene_material_needs": (c_int, (c_void_p, c_uint32, POINTER(MaterialNeeds))),

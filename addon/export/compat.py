@@ -10,7 +10,18 @@ import math
 
 import numpy as np
 
+from .desc import BumpCorrection
 from .sky import Sky
+
+# ------------------------------------------------------------------------------------------- data
+
+
+def identity(data) -> int:
+    """Tells an ID, evaluated or not, from all others of the session; before 4.1, and what is part
+    of another ID, from those that live at the same time."""
+    original = data.original
+    return getattr(original, "session_uid", 0) or original.as_pointer()
+
 
 # ------------------------------------------------------------------------------- Cycles' settings
 
@@ -106,6 +117,7 @@ OLD_IDENTIFIERS = {
     "Coat Normal": ("Clearcoat Normal",),
     "Sheen Weight": ("Sheen",),
     "Subsurface Weight": ("Subsurface",),
+    "Roughness": ("Sigma",),  # of a Velvet BSDF
     # Of the nodes that separated and combined colours until Separate Color and Combine Color.
     "Color": ("Image",),
     "Red": ("R", "H"),
@@ -139,6 +151,23 @@ def output_name(socket, names: tuple[str, ...]) -> str | None:
 def is_sharp(node) -> bool:
     """The distribution 'SHARP' was removed in 4.0; it is GGX of roughness 0."""
     return getattr(node, "distribution", "") == "SHARP"
+
+
+def diffuse_exchanges() -> bool:
+    """Whether facets of a rough diffuse surface give light to each other. The version tells."""
+    import bpy  # not above: tables that use this module are also read without Blender
+
+    return bpy.app.version >= (4, 3, 0)
+
+
+def bump_correction(material) -> BumpCorrection:
+    """What Cycles does where shading normals disagree with the surface, since 4.2 by material."""
+    if not cycles_value(material, "use_bump_map_correction", True):
+        return BumpCorrection.NONE
+    import bpy  # not above: tables that use this module are also read without Blender
+
+    new = bpy.app.version >= (4, 2, 0)
+    return BumpCorrection.MICROFACET if new else BumpCorrection.SMOOTHED
 
 
 def sky(node) -> Sky:

@@ -18,6 +18,7 @@ from ..abi import (
     AreaShape,
     AttributeDomain,
     AttributeKind,
+    BumpCorrection,
     CausticsRole,
     ColorSpace,
     Glints,
@@ -79,6 +80,7 @@ class MaterialDesc:
     nodes: list[NodeDesc] = field(default_factory=list)
     links: list[LinkDesc] = field(default_factory=list)
     glints: Glints = Glints.AUTO
+    bump_correction: BumpCorrection = BumpCorrection.NONE
 
 
 @dataclass(frozen=True, order=True)
@@ -131,6 +133,7 @@ class InstanceDesc:
     visibility: Visibility = Visibility.ALL
     caustics_role: CausticsRole = CausticsRole.AUTO
     attributes: list[AttributeDesc] = field(default_factory=list)
+    terminator_offset: float = 0.0  # 0 .. 1: how far the edge of light moves into the light
 
 
 @dataclass

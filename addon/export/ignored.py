@@ -36,11 +36,6 @@ OBJECT = (
         0.1,
         "an offset of the shadow terminator is not supported, shadows start at the surface",
     ),
-    Ignored(
-        "shadow_terminator_offset",
-        0.0,
-        "an offset of the shading terminator is not supported, it has no effect",
-    ),
 )
 # Bounces after which the light of a lamp or the world counts no more.
 BOUNCES = 1024

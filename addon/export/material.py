@@ -44,6 +44,7 @@ def export_material(material, images: Images, log: ExportLog) -> MaterialDesc:
     converter.draw_suns()
     _make_emission(desc)
     desc.glints = Glints[material.specula.glints]
+    desc.bump_correction = compat.bump_correction(material)
     return desc
 
 

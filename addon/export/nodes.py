@@ -47,6 +47,11 @@ def _sharp(converter, node, desc) -> None:
         converter.set_constant(desc, "Roughness", (0.0, 0.0, 0.0, 1.0))
 
 
+def _diffuse_exchanges(converter, node, desc) -> None:
+    """Until 4.2 light that facets exchange was lost."""
+    desc.options["multiple_scattering"] = str(compat.diffuse_exchanges())
+
+
 def _voronoi_hash(converter, node, desc) -> None:
     """Cells have got other numbers with 5.0."""
     desc.options["hash"] = compat.voronoi_hash()
@@ -93,10 +98,17 @@ def _clearcoat(converter, node, desc) -> None:
         converter.set_constant(desc, "Coat Weight", (*[0.25 * weight.default_value] * 3, 1.0))
 
 
+def _sheen(converter, node, desc) -> None:
+    """Until 3.6 the sheen was another one; its tint was a factor from white to the base's hue."""
+    new = compat.find_input(node, "Sheen Roughness")
+    desc.options["sheen"] = "MICROFIBER" if new else "SCHLICK"
+
+
 def _old_principled(converter, node, desc) -> None:
     """Converts what the Principled BSDF called and meant otherwise until 3.6."""
     _scalar_tint(converter, node, desc)
     _clearcoat(converter, node, desc)
+    _sheen(converter, node, desc)
 
 
 def _ramp(node) -> np.ndarray:
@@ -177,10 +189,9 @@ def _sky(converter, node, desc) -> None:
 
 _GLOSSY = NodeKind(
     "bsdf_glossy",
-    ("Color", "Roughness", "Normal"),
+    ("Color", "Roughness", "Normal", "Anisotropy", "Rotation", "Tangent"),
     ("BSDF",),
-    options={"distribution": DISTRIBUTIONS},
-    neutral_inputs={"Anisotropy": 0.0},
+    options={"distribution": (*DISTRIBUTIONS, "ASHIKHMIN_SHIRLEY")},
     adjust=_sharp,
 )
 
@@ -229,9 +240,55 @@ def _combine(**columns) -> NodeKind:
 
 
 NODES = {
-    "ShaderNodeBsdfDiffuse": NodeKind("bsdf_diffuse", ("Color", "Roughness", "Normal"), ("BSDF",)),
+    "ShaderNodeBsdfDiffuse": NodeKind(
+        "bsdf_diffuse",
+        ("Color", "Roughness", "Normal"),
+        ("BSDF",),
+        fixed_options={"multiple_scattering": "True"},
+        adjust=_diffuse_exchanges,
+    ),
+    "ShaderNodeBsdfTranslucent": NodeKind("bsdf_translucent", ("Color", "Normal"), ("BSDF",)),
+    "ShaderNodeBsdfSheen": NodeKind(
+        "bsdf_sheen",
+        ("Color", "Roughness", "Normal"),
+        ("BSDF",),
+        options={"distribution": ("MICROFIBER", "ASHIKHMIN")},
+    ),
+    "ShaderNodeBsdfVelvet": NodeKind(
+        "bsdf_sheen",
+        ("Color", "Roughness", "Normal"),
+        ("BSDF",),
+        fixed_options={"distribution": "ASHIKHMIN"},
+    ),
+    "ShaderNodeBsdfToon": NodeKind(
+        "bsdf_toon",
+        ("Color", "Size", "Smooth", "Normal"),
+        ("BSDF",),
+        options={"component": ("DIFFUSE", "GLOSSY")},
+    ),
+    "ShaderNodeHoldout": NodeKind("holdout", (), ("Holdout",)),
     "ShaderNodeBsdfGlossy": _GLOSSY,
     "ShaderNodeBsdfAnisotropic": _GLOSSY,
+    "ShaderNodeBsdfMetallic": NodeKind(
+        "bsdf_metallic",
+        (
+            "Base Color",
+            "Edge Tint",
+            "IOR",
+            "Extinction",
+            "Roughness",
+            "Anisotropy",
+            "Rotation",
+            "Normal",
+            "Tangent",
+        ),
+        ("BSDF",),
+        options={
+            "distribution": DISTRIBUTIONS,
+            "fresnel_type": ("F82", "PHYSICAL_CONDUCTOR"),
+        },
+        neutral_inputs={"Thin Film Thickness": 0.0},
+    ),
     "ShaderNodeBsdfGlass": NodeKind(
         "bsdf_glass",
         ("Color", "Roughness", "IOR", "Normal"),
@@ -271,18 +328,48 @@ NODES = {
             "Coat IOR",
             "Coat Tint",
             "Coat Normal",
+            "Diffuse Roughness",
+            "Sheen Weight",
+            "Sheen Roughness",
+            "Sheen Tint",
+            "Anisotropic",
+            "Anisotropic Rotation",
+            "Tangent",
         ),
         ("BSDF",),
         options={"distribution": ("GGX", "MULTI_GGX")},
+        fixed_options={"sheen": "MICROFIBER"},
         neutral_inputs={
-            "Diffuse Roughness": 0.0,
             "Subsurface Weight": 0.0,
-            "Anisotropic": 0.0,
-            "Sheen Weight": 0.0,
             "Thin Film Thickness": 0.0,
         },
         adjust=_old_principled,
     ),
+    "ShaderNodeSubsurfaceScattering": NodeKind(
+        "subsurface_scattering",
+        ("Color", "Scale", "Radius", "IOR", "Roughness", "Anisotropy", "Normal"),
+        ("BSSRDF",),
+    ),
+    "ShaderNodeBsdfHair": NodeKind(
+        "bsdf_hair",
+        ("Color", "Offset", "RoughnessU", "RoughnessV"),
+        ("BSDF",),
+        options={"component": ("Reflection", "Transmission")},
+    ),
+    "ShaderNodeBsdfHairPrincipled": NodeKind(
+        "bsdf_hair_principled",
+        (
+            "Color",
+            "Melanin",
+            "Melanin Redness",
+            "Tint",
+            "Absorption Coefficient",
+            "Radial Roughness",
+        ),
+        ("BSDF",),
+        options={"parametrization": ("COLOR", "MELANIN", "ABSORPTION")},
+    ),
+    "ShaderNodeBsdfRayPortal": NodeKind("bsdf_ray_portal", ("Color",), ("BSDF",)),
     "ShaderNodeVolumeAbsorption": NodeKind("volume_absorption", ("Color", "Density"), ("Volume",)),
     "ShaderNodeVolumePrincipled": NodeKind(
         "volume_principled",

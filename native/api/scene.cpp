@@ -85,6 +85,8 @@ Graph to_graph(const spc_material_desc& desc) {
     graph.name = name_or(desc.name, "material");
     const std::string owner = named("material", graph.name);
     graph.glints = checked_enum<GlintsMode>(desc.glints, SPC_GLINTS_OFF, owner, "choice of glints");
+    graph.bump_correction = checked_enum<BumpCorrection>(
+        desc.bump_correction, SPC_BUMP_CORRECTION_MICROFACET, owner, "bump correction");
     require(desc.nodes != nullptr && desc.node_count > 0, owner + ": the material has no nodes");
     require(desc.inputs != nullptr || desc.input_count == 0, owner + ": inputs is null");
     require(desc.options != nullptr || desc.option_count == 0, owner + ": options is null");
@@ -211,6 +213,9 @@ Instance to_instance(const spc_instance_desc& desc) {
     instance.role =
         checked_enum<CausticsRole>(desc.caustics_role, SPC_CAUSTICS_BOTH, owner, "caustics role");
     instance.attributes = to_attributes(desc.attributes, desc.attribute_count, {0, 0, 0, 1}, owner);
+    require(desc.terminator_offset >= 0.0f && desc.terminator_offset <= 1.0f,
+            owner + ": terminator_offset is not within 0 and 1");
+    instance.terminator_stretch = 1.0f / (1.0f - 0.5f * desc.terminator_offset);
     return instance;
 }
 
@@ -317,6 +322,50 @@ spc_status spc_scene_create(spc_scene** scene) {
             checked_output(scene, "scene");  // first: an assignment evaluates its right side before
         out = new spc_scene;
     });
+}
+
+spc_status spc_scene_edit(const spc_scene* before, spc_scene** scene) {
+    return gate("spc_scene_edit", [&] {
+        spc_scene*& out = checked_output(scene, "scene");
+        std::shared_ptr<const spc::RenderScene> world;
+        if (before != nullptr) {
+            require(world_of(before).scene->has_trees_to_share,
+                    "the scene before was not made to be edited");
+            world = before->world;
+        }
+        auto made = std::make_unique<spc_scene>();
+        made->builder = std::make_unique<spc::SceneBuilder>(
+            world ? std::shared_ptr<const spc::Scene>(world, world->scene.get()) : nullptr);
+        made->before = std::move(world);
+        out = made.release();
+    });
+}
+
+namespace {
+
+// One of the builder's ways to keep something of the scene before.
+spc_status keep(const char* function, spc_scene* scene, uint32_t before, uint32_t* index,
+                uint32_t (spc::SceneBuilder::*how)(uint32_t)) {
+    return gate(function, [&] {
+        spc::SceneBuilder& builder = builder_of(scene);
+        uint32_t& out = checked_output(index, "index");
+        out = (builder.*how)(before);
+    });
+}
+
+}  // namespace
+
+spc_status spc_scene_keep_image(spc_scene* scene, uint32_t before, uint32_t* image_index) {
+    return keep("spc_scene_keep_image", scene, before, image_index, &spc::SceneBuilder::keep_image);
+}
+
+spc_status spc_scene_keep_material(spc_scene* scene, uint32_t before, uint32_t* material_index) {
+    return keep("spc_scene_keep_material", scene, before, material_index,
+                &spc::SceneBuilder::keep_material);
+}
+
+spc_status spc_scene_keep_mesh(spc_scene* scene, uint32_t before, uint32_t* mesh_index) {
+    return keep("spc_scene_keep_mesh", scene, before, mesh_index, &spc::SceneBuilder::keep_mesh);
 }
 
 void spc_scene_destroy(spc_scene* scene) { delete scene; }
@@ -442,13 +491,14 @@ spc_status spc_scene_commit(spc_scene* scene, uint32_t threads) {
         // From here on only a lack of memory can stop it; then the scene is lost, and says so to
         // every later call.
         const std::unique_ptr<spc::SceneBuilder> taken = std::move(scene->builder);
+        const std::shared_ptr<const spc::RenderScene> before = std::move(scene->before);
         std::unique_ptr<spc::Scene> frozen = spc::with_memory_for(
             "the trees over the scene's geometry", [&] { return taken->freeze(threads); });
-        spc::RenderScene world =
-            spc::with_memory_for("the tables of the scene's lights and casters",
-                                 [&] { return spc::prepare(std::move(frozen), threads); });
+        spc::RenderScene world = spc::with_memory_for(
+            "the tables of the scene's lights and casters",
+            [&] { return spc::prepare(std::move(frozen), threads, before.get()); });
         for (const std::string& line : world.scene->report) scene->report += line + "\n";
-        scene->world = std::move(world);
+        scene->world = std::make_shared<spc::RenderScene>(std::move(world));
         scene->commit_seconds =
             std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     });

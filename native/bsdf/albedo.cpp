@@ -317,6 +317,7 @@ bool compensated(const MicrofacetDielectric& c) {
 }
 
 Spectrum albedo_of(const Lambert&, const Vec3&) { return Spectrum(1.0f); }
+Spectrum albedo_of(const Translucent&, const Vec3&) { return Spectrum(1.0f); }
 Spectrum albedo_of(const Transparent&, const Vec3&) { return Spectrum(1.0f); }
 
 Spectrum albedo_of(const MicrofacetReflection& c, const Vec3& wo) {
@@ -353,8 +354,10 @@ Spectrum albedo_of(const MicrofacetDielectric& c, const Vec3& wo) {
     return once * compensation(c.transmission_tint, entry.energy, table.mean(c.alpha, c.eta));
 }
 
-Spectrum compensation_of(const Lambert&, const Vec3&) { return Spectrum(1.0f); }
-Spectrum compensation_of(const Transparent&, const Vec3&) { return Spectrum(1.0f); }
+template <class C>
+Spectrum compensation_of(const C&, const Vec3&) {
+    return Spectrum(1.0f);
+}
 
 Spectrum compensation_of(const MicrofacetReflection& c, const Vec3& wo) {
     const float cos_o = std::min(dot(c.n, wo), 1.0f);

@@ -17,13 +17,15 @@ constexpr float kMatchedWidth = 1e-6f;
 // scatters must not have a vanishing probability.
 constexpr float kMinSampledAlbedo = 1e-3f;
 
-bool is_delta_kind(const Lambert&) { return false; }
+template <class C>
+bool is_delta_kind(const C&) {
+    return C::kTraits.straight;
+}
 bool is_delta_kind(const MicrofacetReflection& c) { return c.alpha <= kDeltaAlpha; }
 bool is_delta_kind(const MicrofacetDielectric& c) {
     return c.alpha <= kDeltaAlpha ||
            (c.refracts && c.alpha * std::abs(c.eta - 1.0f) <= kMatchedWidth);
 }
-bool is_delta_kind(const Transparent&) { return true; }
 
 // How a facet of a dielectric divides the light, and how often sample() follows the reflected part.
 struct Division {
@@ -42,19 +44,6 @@ Division divide(const MicrofacetDielectric& c, float cos_facet) {
         d.p_transmit = transmitted / all;
     }
     return d;
-}
-
-// f |cos| and density of one smooth closure of weight 1. `crosses`: wi is on the other side of the
-// geometry.
-struct LobeEval {
-    Spectrum f_cos{0.0f};
-    float pdf_omega = 0.0f;
-};
-
-LobeEval eval_lobe(const Lambert& c, const Vec3&, const Vec3& wi, bool crosses) {
-    if (crosses) return {};
-    const float pdf = cosine_hemisphere_pdf(dot(c.n, wi));
-    return {Spectrum(pdf), pdf};
 }
 
 // f cos_i = F D G2 / (4 cos_o), pdf = D G1 / (4 cos_o)  [Walter07 Eq. 20], [Heitz18 Eq. 17].
@@ -125,22 +114,6 @@ LobeEval eval_lobe(const MicrofacetDielectric& c, const Vec3& wo, const Vec3& wi
 
 LobeEval eval_lobe(const Transparent&, const Vec3&, const Vec3&, bool) { return {}; }
 
-// One direction of one closure, before the geometry has its say. Empty where eval_lobe has no
-// density: a facet may send light to the wrong side of the shading normal, where another closure of
-// the list may have some.
-struct LobeSample {
-    Vec3 wi;
-    BounceKind kind;
-    bool delta = false;
-    // For a delta lobe alone: its throughput, and its probability within the closure.
-    Spectrum throughput{0.0f};
-    float probability = 1.0f;
-};
-
-std::optional<LobeSample> sample_lobe(const Lambert& c, const Vec3&, float, const Vec2& u) {
-    return LobeSample{Frame::around(c.n).to_world(cosine_hemisphere(u)), BounceKind::diffuse};
-}
-
 std::optional<LobeSample> sample_lobe(const MicrofacetReflection& c, const Vec3& wo, float,
                                       const Vec2& u) {
     const float cos_o = dot(c.n, wo);
@@ -186,29 +159,48 @@ std::optional<LobeSample> sample_lobe(const Transparent&, const Vec3& wo, float,
 }
 
 // Alpha, and index of the far side over that of wo, of closures that have them.
-float alpha_of(const Lambert&) { return 0.0f; }
-float alpha_of(const Transparent&) { return 0.0f; }
+template <class C>
+float alpha_of(const C&) {
+    return 0.0f;
+}
 float alpha_of(const MicrofacetReflection& c) { return c.mean_alpha(); }
 float alpha_of(const MicrofacetDielectric& c) { return c.alpha; }
-float eta_of(const Lambert&) { return 1.0f; }
-float eta_of(const Transparent&) { return 1.0f; }
-float eta_of(const MicrofacetReflection&) { return 1.0f; }
+float alpha_of(const AshikhminShirley& c) { return c.mean_alpha(); }
+template <class C>
+float eta_of(const C&) {
+    return 1.0f;
+}
 float eta_of(const MicrofacetDielectric& c) { return c.eta; }
 
 // Whether a closure sends light to the other side by what is not a delta.
-bool is_smooth_across(const Lambert&) { return false; }
-bool is_smooth_across(const Transparent&) { return false; }
-bool is_smooth_across(const MicrofacetReflection&) { return false; }
+template <class C>
+bool is_smooth_across(const C&) {
+    return C::kTraits.crosses;
+}
 bool is_smooth_across(const MicrofacetDielectric& c) { return c.refracts && !is_delta_kind(c); }
 
-// Takes away the facets' reflection or transmission; false where nothing is left.
-bool restrict_facets(Lambert&, bool, bool) { return true; }
-bool restrict_facets(Transparent&, bool, bool) { return true; }
-bool restrict_facets(MicrofacetReflection&, bool reflective, bool) { return reflective; }
-bool restrict_facets(MicrofacetDielectric& c, bool reflective, bool refractive) {
+// Takes away glossy reflection, or refraction; false where nothing is left.
+template <class C>
+bool restrict_glossy(C&, bool reflective, bool) {
+    return C::kTraits.reflected != BounceKind::glossy || reflective;
+}
+bool restrict_glossy(MicrofacetDielectric& c, bool reflective, bool refractive) {
     c.reflects = c.reflects && reflective;
     c.refracts = c.refracts && refractive;
     return c.reflects || c.refracts;
+}
+
+template <class C>
+Vec3 normal_of(const C& c) {
+    return c.n;
+}
+Vec3 normal_of(const Transparent&) { return Vec3(0.0f); }
+
+// Of the terminator, for light that is not a delta's. Lobes that glint have the normals of their map.
+float fade_of(const Terminator& terminator, const Closure& closure, const Vec3& wi) {
+    if (!terminator.fades() || closure.glints) return 1.0f;
+    return std::visit([&](const auto& c) { return fade(terminator, c.kTraits, normal_of(c), wi); },
+                      closure.kind);
 }
 
 float total_sample_weight(const ClosureList& list) {
@@ -234,8 +226,10 @@ struct DeltaPart {
     Spectrum throughput{0.0f};
     float probability = 0.0f;
 };
-DeltaPart delta_part(const Lambert&, const Vec3&, bool) { return {}; }
-DeltaPart delta_part(const Transparent&, const Vec3&, bool) { return {}; }
+template <class C>
+DeltaPart delta_part(const C&, const Vec3&, bool) {
+    return {};
+}
 DeltaPart delta_part(const MicrofacetReflection& c, const Vec3& wo, bool refracted) {
     const float cos_o = dot(c.n, wo);
     if (refracted || !is_delta_kind(c) || !(cos_o > 0.0f)) return {};
@@ -280,8 +274,10 @@ void ClosureList::clear() {
     count = 0;
     emission = Spectrum(0.0f);
     transparency = Spectrum(0.0f);
+    holdout = Spectrum(0.0f);
     glint_count = 0;
     glints_apart = false;
+    terminator = {};
 }
 
 Fresnel coat_fresnel(float ior) { return {Fresnel::Kind::dielectric, ior}; }
@@ -335,7 +331,7 @@ void ClosureList::add(const Spectrum& weight, const ClosureKind& kind, const Vec
     closure.glints = false;
     closure.weight = w;
     closure.sample_weight = mean(w);
-    if (row.has_facets) {
+    if (row.albedo_varies) {
         const Spectrum scattered = w * albedo(kind, wo);
         if (is_black(scattered)) return;
         closure.weight = w * energy_compensation(kind, wo);
@@ -360,7 +356,7 @@ ClosureEval eval(const ClosureList& list, const Vec3& ng, const Vec3& wo, const 
         result.pdf_omega += pdf;
         if ((kinds & group_of(list, closure, crosses)) == 0) continue;
         result.pdf_of_kinds += pdf;
-        result.f_cos += closure.weight * lobe.f_cos;
+        result.f_cos += closure.weight * lobe.f_cos * fade_of(list.terminator, closure, wi);
     }
     result.pdf_omega *= 1.0f / total;
     result.pdf_of_kinds *= 1.0f / total;
@@ -371,7 +367,7 @@ void drop_caustics(ClosureList& list, bool reflective, bool refractive) {
     int kept = 0;
     for (int i = 0; i < list.count; ++i) {
         Closure& closure = list.closures[i];
-        if (!std::visit([&](auto& c) { return restrict_facets(c, reflective, refractive); },
+        if (!std::visit([&](auto& c) { return restrict_glossy(c, reflective, refractive); },
                         closure.kind))
             continue;
         if (kept != i) list.closures[kept] = closure;
@@ -403,6 +399,7 @@ std::optional<ClosureSample> sample(const ClosureList& list, const Vec3& ng, con
         .delta = lobe->delta,
         .on_caster_normal = closure.on_caster_normal,
         .refracted = lobe->kind == BounceKind::transmission,
+        .facets = traits(closure.kind).has_facets,
         .alpha = std::visit([](const auto& c) { return alpha_of(c); }, closure.kind),
         .eta = std::visit([](const auto& c) { return eta_of(c); }, closure.kind),
         .glints = list.glints_apart && closure.glints,

@@ -14,7 +14,9 @@
 // tracing and manifold alike.
 #pragma once
 
-#include "math/vec.h"
+#include "bsdf/ashikhmin_shirley.h"
+#include "bsdf/diffuse.h"
+#include "bsdf/terminator.h"
 
 #include <variant>
 
@@ -46,28 +48,14 @@ Spectrum fresnel(const Fresnel& fresnel, float cos_wo_h);
 // Reflectance of a dielectric interface; eta as above; 1 at total internal reflection.
 float fresnel_dielectric(float cos_i, float eta);
 
-// The bounce counters and visibility flags that Blender knows.
-enum class BounceKind : uint8_t { diffuse, glossy, transmission, transparent };
-
-// What a kind of closure is; what follows of it is asked of this row, never of the kind.
-struct ClosureTraits {
-    BounceKind reflected;    // what rays are that it sends to the side of wo
-    BounceKind transmitted;  // and to the other side
-    // Facets around its normal scatter: a delta where their alpha vanishes, a caustic where light falls
-    // on what scatters diffusely; how much it scatters depends on wo.
-    bool has_facets = false;
-    bool straight = false;  // lets light pass as it came: shadow rays see through it
-};
-
-struct Lambert {
-    static constexpr ClosureTraits kTraits{BounceKind::diffuse, BounceKind::diffuse};
-    Vec3 n;
-};
 // Mirror where alpha <= kDeltaAlpha. Where alpha_y differs, alpha is along the tangent and alpha_y
 // across it, and neither is that of a delta. With `energy_compensated` (GGX alone, as in Cycles) light that
 // one bounce between the microfacets loses is given back, scaled to the same lobe [Turquin19].
 struct MicrofacetReflection {
-    static constexpr ClosureTraits kTraits{BounceKind::glossy, BounceKind::transmission, true};
+    static constexpr ClosureTraits kTraits{.reflected = BounceKind::glossy,
+                                           .transmitted = BounceKind::transmission,
+                                           .has_facets = true,
+                                           .albedo_varies = true};
     Vec3 n;
     float alpha;
     MicrofacetModel model;
@@ -87,7 +75,10 @@ struct MicrofacetReflection {
 // float directions has no digits left (see is_delta). Compensated as above, as a whole, for glass
 // of both halves; the coloured loss follows transmission_tint.
 struct MicrofacetDielectric {
-    static constexpr ClosureTraits kTraits{BounceKind::glossy, BounceKind::transmission, true};
+    static constexpr ClosureTraits kTraits{.reflected = BounceKind::glossy,
+                                           .transmitted = BounceKind::transmission,
+                                           .has_facets = true,
+                                           .albedo_varies = true};
     Vec3 n;
     float alpha;
     MicrofacetModel model;
@@ -98,11 +89,14 @@ struct MicrofacetDielectric {
     bool energy_compensated = false;
 };
 struct Transparent {  // a delta
-    static constexpr ClosureTraits kTraits{BounceKind::transparent, BounceKind::transparent, false,
-                                           true};
+    static constexpr ClosureTraits kTraits{.reflected = BounceKind::transparent,
+                                           .transmitted = BounceKind::transparent,
+                                           .straight = true};
 };
 
-using ClosureKind = std::variant<Lambert, MicrofacetReflection, MicrofacetDielectric, Transparent>;
+using ClosureKind =
+    std::variant<Lambert, MicrofacetReflection, MicrofacetDielectric, Transparent, Translucent,
+                 OrenNayar, Sheen, Velvet, SchlickSheen, DiffuseToon, GlossyToon, AshikhminShirley>;
 inline const ClosureTraits& traits(const ClosureKind& kind) {
     return *std::visit([](const auto& c) { return &c.kTraits; }, kind);
 }
@@ -147,11 +141,13 @@ struct ClosureList {
     int count = 0;
     Spectrum emission{0.0f};      // radiance towards wo
     Spectrum transparency{0.0f};  // sum of the weights of Transparent closures
+    Spectrum holdout{0.0f};       // a hole in the picture, where a camera sees it
     std::array<GlintLobe, kMaxGlints> glints;
     int glint_count = 0;
     // Closures with `glints` are a kind of scattering of their own: whoever connects to light looks
     // at them through a footprint instead (native/glints/).
     bool glints_apart = false;
+    Terminator terminator;
 
     // Drops closures that are black from wo; negative weights count as zero. The sample weight
     // follows the closure's albedo, and energy compensation, which depends on wo alone, is folded
@@ -189,7 +185,7 @@ struct ClosureEval {
 ClosureEval eval(const ClosureList& list, const Vec3& ng, const Vec3& wo, const Vec3& wi,
                  uint32_t kinds = kAllKinds);
 
-// Takes away what reflects, or transmits, other than diffusely and straight on: what a diffuse ray
+// Takes away what reflects glossily, or refracts: what a diffuse ray
 // finds where caustics are switched off.
 void drop_caustics(ClosureList& list, bool reflective, bool refractive);
 
@@ -205,6 +201,7 @@ struct ClosureSample {
     bool delta;
     bool on_caster_normal;  // of the closure that was sampled
     bool refracted;         // crossed the surface with a change of direction
+    bool facets;            // the closure has facets that turned wi; else it goes anywhere
     float alpha;            // of the closure that was sampled; 0 where it has none
     float eta;              // likewise, on the far side over that of wo; 1 where it has none
     bool glints;            // of closures with glints, where they are apart
@@ -227,8 +224,8 @@ DeltaLobe delta_lobe(const ClosureList& list, const Vec3& ng, const Vec3& wo, co
                      bool refracted);
 
 // Directional albedo of one closure (weight 1) with its energy compensation, for layering and
-// sample weights: exact for Lambert and deltas, from tables for rough microfacets. Their first use
-// builds the tables (some ms).
+// sample weights: exact for Lambert and deltas, from tables for rough microfacets, whose first use
+// builds the tables (some ms); diffuse.h says of which others it is but about right.
 Spectrum albedo(const ClosureKind& kind, const Vec3& wo);
 
 }  // namespace spc

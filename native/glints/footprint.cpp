@@ -192,7 +192,7 @@ PathDifferential camera_differential(const Camera& camera, const PixelKernel& pi
 bool propagate_through_bounce(const Scene& scene, const Surface& surface, const ClosureSample& next,
                               double distance, PathDifferential& path) {
     if (next.delta && !next.on_caster_normal) return false;
-    const bool diffuse = next.kind == BounceKind::diffuse;
+    const bool diffuse = !next.facets;
     ChainVertex vertex{};
     if (!diffuse)
         vertex =

@@ -91,6 +91,7 @@ bool PathTracer::look_through(const Hit& hit) {
 
 void PathTracer::spawn_ray(const Surface& surface, const ClosureSample& next) {
     ray_kind = ray_kind_after(next.kind);
+    ray_begins = 0.0f;
     ray_kinds = (next.kind == BounceKind::diffuse ? kRayDiffuse : kRayGlossy) |
                 (next.kind == BounceKind::transmission ? kRayTransmission : kRayReflection) |
                 (next.delta ? kRaySingular : 0u);
@@ -115,8 +116,7 @@ bool PathTracer::survive_roulette(const Sampler& sampler) {
 
 std::optional<CausticVertex> PathTracer::rough_vertex_at(const Surface& surface,
                                                          const ClosureSample& next) const {
-    if (next.kind == BounceKind::diffuse || next.glints || rough_visit(surface).before == nullptr)
-        return std::nullopt;
+    if (!next.facets || next.glints || rough_visit(surface).before == nullptr) return std::nullopt;
     return rough_vertex(techniques_of(world, settings), surface.hit, surface.ng, next.wi);
 }
 
@@ -127,12 +127,13 @@ RoughVisit PathTracer::rough_visit(const Surface& surface) const {
             surface.wo};
 }
 
-RenderScene prepare(std::unique_ptr<Scene> scene, uint32_t threads) {
+RenderScene prepare(std::unique_ptr<Scene> scene, uint32_t threads, const RenderScene* before) {
     RenderScene world;
-    world.lights = build_lights(*scene, threads);
+    world.lights = build_lights(*scene, threads, before != nullptr ? &before->lights : nullptr);
     world.casters = build_casters(*scene);
     world.rough_chain_casters = build_rough_chain_casters(*scene, scene->report);
-    world.glints = build_glints(*scene, threads, scene->report);
+    world.glints =
+        build_glints(*scene, threads, before != nullptr ? &before->glints : nullptr, scene->report);
     world.scene = std::move(scene);
     return world;
 }
@@ -158,10 +159,11 @@ PathSample path_radiance(const RenderScene& world, const IntegratorSettings& set
         const std::optional<Hit> hit = path.go_to_surface(surface, out.radiance);
         if (!hit) {
             const Spectrum& t = path.throughput;
-            if (settings.transparent_film && path.ray_kind == kVisibleCamera)
-                out.alpha = 1.0f - (t.x + t.y + t.z) / 3.0f;
+            if (settings.transparent_film && path.ray_kind == kVisibleCamera) out.alpha -= mean(t);
             break;
         }
+        if (path.ray_kind == kVisibleCamera)
+            out.alpha -= mean(path.throughput * surface.closures.holdout);
         if (path.bounces.exhausted(settings.limits)) {
             if (path.look_for_lights_behind(*hit, surface)) continue;
             break;

@@ -35,6 +35,7 @@ struct PathTracer {
     BounceCounts bounces{};
     uint32_t ray_kind = kVisibleCamera;
     uint32_t ray_kinds = kRayCamera;  // of RayKind
+    float ray_begins = ray.t_near;    // where graphs count the ray's length from, as Cycles does
     // Set while the path may meet glints: its differential, and the footprint on its last surface.
     std::optional<PathDifferential> differential{};
     std::optional<GlintPoint> glints{};
@@ -65,7 +66,7 @@ struct PathTracer {
 
     // What graphs are told of the path's ray, and of one of these `kinds` from its last vertex to a
     // light, which is a bounce further.
-    RayState seen_by(float length) const { return ray_state(ray_kinds, length, bounces.total); }
+    RayState seen_by(float length) const { return ray_state(ray_kinds, length - ray_begins, bounces.total); }
     RayState to_light(uint32_t kinds) const { return ray_state(kinds, 0.0f, bounces.total + 1); }
     RayState ray_state(uint32_t kinds, float length, uint32_t depth) const {
         return {kinds,

@@ -2,6 +2,7 @@
 // The parts of a scene as plain data: what the builder collects and the frozen Scene keeps.
 #pragma once
 
+#include "core/shared.h"
 #include "math/bounds.h"
 #include "shading/program.h"
 #include "shading/ray_state.h"
@@ -65,12 +66,14 @@ struct Instance {
     std::vector<uint32_t> materials;  // index into Scene::materials for each slot
     uint32_t visibility = kVisibleAll;
     CausticsRole role = CausticsRole::automatic;
+    float terminator_stretch = 1.0f;    // Terminator::stretch
     std::vector<Attribute> attributes;  // of the object
     // Set when the scene is frozen.
     // [slot][attribute of the material] -> that of the mesh or, counted on from there, of the
     // object; or kNone.
     std::vector<std::vector<uint32_t>> attribute_indices;
-    std::vector<Vec3> world_positions;  // of every vertex if the mesh has this instance alone, else empty
+    // Of every vertex if the mesh has this instance alone, else empty.
+    SharedArray<Vec3> world_positions;
     bool caster = false, receiver = false;
     bool rough_caster = false;  // throws blurred caustics; see docs/glossary.md
     bool emits = false;

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include <unordered_map>
+
 namespace spc {
 
 // Far from the origin single precision has no digits left for the shape of casters, on which all
@@ -27,16 +29,37 @@ void center_on_casters(Scene& scene) {
     scene.camera.to_world.translation -= center;
 }
 
-void bake_single_users(Scene& scene) {
+namespace {
+
+bool same_place(const Transform& a, const Transform& b) {
+    return a.row == b.row && a.translation == b.translation;
+}
+
+SharedArray<Vec3> baked(const Mesh& mesh, const Transform& to_world) {
+    std::vector<Vec3> world;
+    world.reserve(mesh.positions.size() + 1);  // Embree reads 16 bytes at the last vertex
+    for (const Vec3& p : mesh.positions) world.push_back(to_world.point(p));
+    return SharedArray(std::move(world));
+}
+
+}  // namespace
+
+void bake_single_users(Scene& scene, const Scene* before) {
+    std::unordered_map<const Mesh*, const Instance*> baked_before;
+    if (before != nullptr)
+        for (const Instance& instance : before->instances)
+            if (!instance.world_positions.empty())
+                baked_before[before->meshes[instance.mesh].get()] = &instance;
     std::vector<uint32_t> users(scene.meshes.size(), 0);
     for (const Instance& instance : scene.instances) ++users[instance.mesh];
     for (Instance& instance : scene.instances) {
         if (users[instance.mesh] != 1) continue;
-        const std::vector<Vec3>& positions = scene.meshes[instance.mesh].positions;
-        instance.world_positions.reserve(positions.size() +
-                                         1);  // Embree reads 16 bytes at the last vertex
-        for (const Vec3& p : positions)
-            instance.world_positions.push_back(instance.object_to_world.point(p));
+        const Shared<Mesh>& mesh = scene.meshes[instance.mesh];
+        const auto known = baked_before.find(mesh.get());
+        const bool stays = known != baked_before.end() &&
+                           same_place(known->second->object_to_world, instance.object_to_world);
+        instance.world_positions =
+            stays ? known->second->world_positions : baked(mesh, instance.object_to_world);
     }
 }
 
@@ -60,6 +83,13 @@ void derive_tangents(const Mesh& mesh, Attribute& layer) {
             layer.tangent_signs[3 * t + k] = det < 0.0f ? -1.0f : 1.0f;
         }
     }
+}
+
+Mesh with_derived_tangents(const Mesh& mesh, uint32_t layer) {
+    Mesh derived = mesh;
+    derived.positions.reserve(mesh.positions.size() + 1);  // as in SceneBuilder::add_mesh()
+    derive_tangents(derived, derived.attributes[layer]);
+    return derived;
 }
 
 // The attribute that answers, of the mesh or, counted on from there, of the object; kNone without
@@ -96,7 +126,7 @@ std::string text_of(const AttributeName& attribute) {
 
 void resolve_attributes(Scene& scene) {
     for (Instance& instance : scene.instances) {
-        Mesh& mesh = scene.meshes[instance.mesh];
+        Shared<Mesh>& mesh = scene.meshes[instance.mesh];
         instance.attribute_indices.resize(instance.materials.size());
         for (size_t slot = 0; slot < instance.materials.size(); ++slot) {
             const Material& material = scene.materials[instance.materials[slot]];
@@ -107,10 +137,10 @@ void resolve_attributes(Scene& scene) {
                     scene.report.push_back(fmt::format("{}: no {} for material {}: it is 0",
                                                        instance.name, text_of(wanted),
                                                        material.name));
-                else if (tangents && index < mesh.attributes.size() &&
-                         mesh.attributes[index].is_uv_layer() &&
-                         mesh.attributes[index].tangents.empty())
-                    derive_tangents(mesh, mesh.attributes[index]);
+                else if (tangents && index < mesh->attributes.size() &&
+                         mesh->attributes[index].is_uv_layer() &&
+                         mesh->attributes[index].tangents.empty())
+                    mesh = with_derived_tangents(mesh, index);
             }
         }
     }
@@ -139,7 +169,7 @@ void find_media(Scene& scene) {
     for (uint32_t i = 0; i < scene.instances.size(); ++i) {
         Instance& instance = scene.instances[i];
         const auto absorbs = [&](uint32_t material) {
-            return !is_black(scene.materials[material].absorption);
+            return !is_black(scene.materials[material]->absorption);
         };
         if (std::none_of(instance.materials.begin(), instance.materials.end(), absorbs)) continue;
         instance.absorbs = (instance.visibility & kVisibleAll) == kVisibleAll;
@@ -155,7 +185,7 @@ void assign_caustics_roles(Scene& scene) {
     for (Instance& instance : scene.instances) {
         std::vector<const Material*> materials;
         for (const uint32_t index : instance.materials)
-            materials.push_back(&scene.materials[index]);
+            materials.push_back(scene.materials[index].get());
         const CausticsPart part = caustics_part(materials, instance.role, instance.visibility);
         instance.caster = part.caster;
         instance.rough_caster = part.rough_caster;
@@ -185,7 +215,7 @@ void check_light_tracing(Scene& scene) {
         const bool hidden = seen != 0 && seen != kVisibleScattered;
         const bool varies = std::any_of(
             instance.materials.begin(), instance.materials.end(),
-            [&](uint32_t material) { return scene.materials[material].depends_on_ray; });
+            [&](uint32_t material) { return scene.materials[material]->depends_on_ray; });
         if (!hidden && !varies) continue;
         scene.same_for_scattered_rays = false;
         scene.report.push_back(fmt::format(

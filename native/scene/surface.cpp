@@ -260,6 +260,7 @@ void evaluate_surface(const Scene& scene, const SurfaceHit& hit, const Vec3& wo,
     surface.wo = wo;
     surface.closures.clear();
     evaluate_closures(material, scene.images, at.point, surface.closures);
+    surface.closures.terminator.stretch = scene.instances[hit.instance].terminator_stretch;
 }
 
 Spectrum surface_emission(const Scene& scene, const SurfaceHit& hit, const Vec3& wo,

@@ -417,6 +417,11 @@ void run_arithmetic(const Instruction& i, const Registers<T>& r) {
             if constexpr (std::is_same_v<T, float>)
                 r.store(i.out, facet::dielectric(r.scalar(i, 0), r.scalar(i, 1)));
             return;
+        case Op::sheen_albedo:
+            if constexpr (std::is_same_v<T, float>)
+                r.store(i.out, sheen_albedo(clamp01(r.scalar(i, 0)),
+                                            std::clamp(r.scalar(i, 1), kLeastSheenRoughness, 1.0f)));
+            return;
         case Op::checker: return r.store(i.out, checker(r.vector(i, 0)));
         case Op::gradient:
             return r.store(i.out, gradient(static_cast<GradientType>(i.mode), r.vector(i, 0)));

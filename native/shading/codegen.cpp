@@ -184,7 +184,8 @@ Program generate(const ExprBuilder& expr, const std::vector<ClosureTerm>& terms,
     std::vector<ExprId> surface_roots{roots.emission};
     for (const ClosureTerm& term : terms) {
         surface_roots.insert(surface_roots.end(), term.in.begin(), term.in.end());
-        surface_roots.push_back(term.coat.through);
+        surface_roots.insert(surface_roots.end(),
+                             {term.coat.through, term.grain.stretch, term.grain.tangent});
         if (term.coated_on_slope_map())
             surface_roots.insert(surface_roots.end(), {term.coat.layer, term.coat.tint});
     }
@@ -194,6 +195,8 @@ Program generate(const ExprBuilder& expr, const std::vector<ClosureTerm>& terms,
         ClosureInstruction closure{term.op, term.modes, term.on_caster_normal, term.on_slope_map};
         closure.operands = generator.operands(term.in);
         closure.through = generator.operand(term.coat.through);
+        closure.stretch = generator.operand(term.grain.stretch);
+        closure.tangent = generator.operand(term.grain.tangent);
         if (term.coated_on_slope_map()) {
             closure.coat = generator.operand(term.coat.layer);
             closure.coat_tint = generator.operand(term.coat.tint);

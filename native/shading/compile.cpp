@@ -19,6 +19,7 @@ Compiler::Compiler(const Graph& graph, std::span<const Image> images)
     : emission(expr.constant(Vec3(0.0f))),
       graph_(resolve(graph, images.size())),
       glints_(graph.glints),
+      bump_correction_(graph.bump_correction),
       images_(images),
       outputs_(graph_.nodes.size()),
       absorption_(emission),
@@ -93,11 +94,18 @@ void Compiler::add_term(ClosureTerm term) {
     term.modes.reflects = term.reflects() && scatters(term, row.reflection) && !matched;
     term.modes.refracts = term.refracts() && scatters(term, row.refraction);
     const bool facets = term.modes.reflects || term.modes.refracts;
-    if (!facets && !scatters(term, row.diffuse) && !scatters(term, row.straight)) return;
+    if (!facets && !scatters(term, row.diffuse) && !scatters(term, row.straight) && !row.holds_out)
+        return;
     if (!facets && row.has_facets()) {  // what lies below the reflection is left
-        term.in = {term.weight(), term.normal(), term.operand(row.diffuse)};
+        term.in = {term.weight(), term.normal(), term.operand(row.diffuse),
+                   term.operand(row.diffuse_roughness)};
+        term.op = ClosureOp::rough_diffuse;
+    }
+    if (term.op == ClosureOp::rough_diffuse && expr.is_constant(term.in.back(), 0.0f)) {
+        term.in.pop_back();
         term.op = ClosureOp::lambert;
     }
+    if (term.grain.exists() && expr.is_constant(term.alpha(), 0.0f)) term.grain = {};  // a mirror
     terms_.push_back(std::move(term));
 }
 
@@ -134,6 +142,7 @@ void Compiler::describe(Material& material) {
         material.has_smooth |=
             scatters(term, row.diffuse) || (row.has_facets() && !delta(term.alpha()));
     }
+    material.bump_correction = bump_correction_;
     material.is_background = is_world_;
     material.constant_background = is_world_ && expr.is_constant(emission);
     material.emits = !is_black(emission);

@@ -16,6 +16,14 @@ struct CoatOver {
     bool exists() const { return through != kNoExpr; }
 };
 
+// The grain of a brushed surface: its alpha along the tangent is `stretch` times that of the term, and
+// across it as many times less.
+struct Grain {
+    ExprId stretch = kNoExpr, tangent = kNoExpr;  // kNoExpr: there is none
+
+    bool exists() const { return stretch != kNoExpr; }
+};
+
 // A term of the surface with its operands as expressions.
 struct ClosureTerm {
     ClosureOp op = ClosureOp::lambert;
@@ -24,6 +32,7 @@ struct ClosureTerm {
     std::string label;       // "Glass BSDF", for the log
     std::vector<ExprId> in;  // operands, as many as the row says
     CoatOver coat;
+    Grain grain;
     bool on_caster_normal = false, on_slope_map = false;
 
     // Dims what glints by the normal of each place of the slope map.
@@ -87,6 +96,7 @@ private:
 
     ResolvedGraph graph_;
     GlintsMode glints_;
+    BumpCorrection bump_correction_;
     std::span<const Image> images_;
     std::vector<std::vector<ExprId>> outputs_;  // known values of [node][output]
     std::vector<ExprId> shader_weights_;
@@ -123,6 +133,13 @@ public:
     bool has_array(int i) const { return c.node(index).arrays[static_cast<size_t>(i)] != nullptr; }
     const std::vector<float>& array(int i) const {
         return *c.node(index).arrays[static_cast<size_t>(i)];
+    }
+    // A table of colours, as Op::ramp looks it up.
+    uint32_t ramp(int array_index) {
+        const std::vector<float>& rows = array(array_index);
+        std::vector<float> block{static_cast<float>(rows.size() / 4)};
+        block.insert(block.end(), rows.begin(), rows.end());
+        return e.block(block);
     }
     bool enabled(int i) const { return option(i) == "True"; }
     bool output_used(int i) const { return c.node(index).used_outputs[static_cast<size_t>(i)]; }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The interpreter: value instructions over T, then closures from their results.
+#include "bsdf/fresnel.h"
 #include "core/uninitialized_array.h"
 #include "shading/normal_map.h"
 #include "shading/program.h"
@@ -7,6 +8,11 @@
 
 namespace spc {
 namespace {
+
+// Cycles takes rough facets below this roughness for none.
+constexpr float kSmoothDiffuse = 1e-5f;
+// Neither axis of a brushed lobe is a delta.
+constexpr float kLeastStretchedAlpha = 2.0f * kDeltaAlpha;
 
 template <class T>
 void run_image(const Instruction& i, const Registers<T>& r, std::span<const Image> images) {
@@ -76,6 +82,14 @@ Vector3<T> constant(const Vec3& a) {
     return {T(a.x), T(a.y), T(a.z)};
 }
 
+// Around the object's Z axis, world; not normalised. It turns like normals, as in Cycles.
+template <class T>
+Vector3<T> radial_tangent(const ShadingPoint<T>& point) {
+    const Vector3<T>& p = point.position_object;
+    const Vector3<T> around{T(0.0f) - p.y, p.x, T(0.0f)};
+    return apply_transposed(point.world_to_object->row, around);
+}
+
 Spectrum spectrum(const Vector3<float>& a) { return {a.x, a.y, a.z}; }
 
 Coat coat_of(const Registers<float>& r, Operand layer, Operand tint) {
@@ -105,6 +119,7 @@ void run(const Program& program, const Section& section, std::span<const Image> 
                                                                facing_normal(point))));
                 break;
             case Op::normal: r.store(i.out, facing_normal(point)); break;
+            case Op::radial_tangent: r.store(i.out, radial_tangent(point)); break;
             case Op::true_normal: r.store(i.out, constant<T>(point.ng)); break;
             case Op::incoming: r.store(i.out, constant<T>(point.wo)); break;
             case Op::facing: {
@@ -191,8 +206,14 @@ Spectrum evaluate_spectrum(const Program& program, const Section& section,
 class ClosureBuilder {
 public:
     ClosureBuilder(const Registers<float>& registers, const ShadingPoint<float>& point,
-                   ClosureList& list)
-        : r_(registers), point_(point), list_(list), facing_normal_(value_of(facing_normal(point))) {}
+                   BumpCorrection bump_correction, ClosureList& list)
+        : r_(registers),
+          point_(point),
+          bump_correction_(bump_correction),
+          list_(list),
+          facing_normal_(value_of(facing_normal(point))) {
+        list.terminator = {bump_correction, 1.0f, facing_normal_};
+    }
 
     void add(const ClosureInstruction& c) {
         const float scale = r_.scalar(operand(c, kWeightOperand));
@@ -200,16 +221,42 @@ public:
         Spectrum weight(scale);
         if (c.through != kNoOperand) weight *= spectrum(r_.vector(c.through));
         switch (c.op) {
-            case ClosureOp::lambert: return add(c, color(c, 2) * weight, Lambert{normal(c)});
+            case ClosureOp::lambert:
+                return add(c, color(c, 2) * weight, Lambert{diffuse_normal(c)});
+            case ClosureOp::rough_diffuse: return add_rough_diffuse(c, weight);
+            case ClosureOp::translucent:
+                return add(c, color(c, 2) * weight, Translucent{glossy_normal(c)});
+            case ClosureOp::sheen: {
+                const float roughness = std::clamp(scalar(c, 3), kLeastSheenRoughness, 1.0f);
+                return add(c, color(c, 2) * weight, Sheen{diffuse_normal(c), roughness});
+            }
+            case ClosureOp::velvet: {
+                const float sigma = std::clamp(scalar(c, 3), 0.01f, 1.0f);  // Cycles' bounds
+                return add(c, color(c, 2) * weight, Velvet{diffuse_normal(c), sigma});
+            }
+            case ClosureOp::schlick_sheen:
+                return add(c, color(c, 2) * weight, SchlickSheen{diffuse_normal(c)});
+            case ClosureOp::diffuse_toon: return add_toon<BounceKind::diffuse>(c, weight);
+            case ClosureOp::glossy_toon: return add_toon<BounceKind::glossy>(c, weight);
             case ClosureOp::transparent: return add(c, color(c, 2) * weight, Transparent{});
-            case ClosureOp::glossy: {
-                Fresnel fresnel;
-                fresnel.f0 = color(c, 3);
-                return add_reflection(c, weight, fresnel);
+            case ClosureOp::holdout: list_.holdout += weight; return;
+            case ClosureOp::glossy: return add_glossy(c, weight);
+            case ClosureOp::ashikhmin_shirley: {
+                if (alpha(c) <= kDeltaAlpha) return add_glossy(c, weight);
+                AshikhminShirley lobe{glossy_normal(c), alpha(c)};
+                stretch(c, lobe);
+                return add(c, color(c, 3) * weight, lobe);
             }
             case ClosureOp::metal: {
                 Fresnel fresnel;
                 fresnel.kind = Fresnel::Kind::f82;
+                fresnel.f0 = color(c, 3);
+                fresnel.f82 = color(c, 4);
+                return add_reflection(c, weight, fresnel);
+            }
+            case ClosureOp::conductor: {
+                Fresnel fresnel;
+                fresnel.kind = Fresnel::Kind::conductor;
                 fresnel.f0 = color(c, 3);
                 fresnel.f82 = color(c, 4);
                 return add_reflection(c, weight, fresnel);
@@ -229,6 +276,7 @@ private:
         return r_.scalar(operand(c, traits(c.op).alpha));
     }
     float ior(const ClosureInstruction& c) const { return r_.scalar(operand(c, traits(c.op).ior)); }
+    float scalar(const ClosureInstruction& c, int k) const { return r_.scalar(operand(c, k)); }
     Spectrum color(const ClosureInstruction& c, int k) const {
         return spectrum(r_.vector(operand(c, k)));
     }
@@ -236,11 +284,63 @@ private:
         const Operand n = operand(c, kNormalOperand);
         return n == kNoOperand ? facing_normal_ : value_of(r_.vector(n));
     }
+    // Of closures that mirror or refract. Those that glint have the normals of their map.
+    Vec3 glossy_normal(const ClosureInstruction& c) const {
+        const Vec3 n = normal(c);
+        const bool bends = bump_correction_ != BumpCorrection::none && !c.on_slope_map;
+        return bends && n != point_.ng ? bent_normal(point_.ng, point_.wo, n) : n;
+    }
+    Vec3 diffuse_normal(const ClosureInstruction& c) const {
+        return bump_correction_ == BumpCorrection::smoothed ? glossy_normal(c) : normal(c);
+    }
     MicrofacetReflection reflection(const ClosureInstruction& c, const Fresnel& fresnel) const {
-        return {normal(c), alpha(c), c.modes.model, fresnel, c.modes.energy_compensated};
+        MicrofacetReflection lobe{glossy_normal(c), alpha(c), c.modes.model, fresnel,
+                                  c.modes.energy_compensated};
+        lobe.alpha_y = lobe.alpha;
+        stretch(c, lobe);
+        return lobe;
+    }
+    // Along the grain, if there is one that the normal does not follow.
+    template <class Lobe>
+    void stretch(const ClosureInstruction& c, Lobe& lobe) const {
+        if (c.stretch == kNoOperand || lobe.alpha <= kDeltaAlpha) return;
+        const Vec3 along = value_of(r_.vector(c.tangent));
+        const Vec3 tangent = along - lobe.n * dot(lobe.n, along);
+        const float factor = r_.scalar(c.stretch);
+        if (!(length_squared(tangent) > 0.0f) || factor == 1.0f) return;
+        lobe.tangent = normalize(tangent);
+        const float alpha = lobe.alpha;
+        lobe.alpha = std::clamp(alpha * factor, kLeastStretchedAlpha, 1.0f);
+        lobe.alpha_y = std::clamp(alpha / factor, kLeastStretchedAlpha, 1.0f);
     }
     void add(const ClosureInstruction& c, const Spectrum& weight, const ClosureKind& kind) {
-        list_.add(weight, kind, point_.wo, c.on_caster_normal);
+        list_.add(weight, kind, point_.wo, stays_on_caster_normal(c));
+    }
+    // Chains turn at the caster's normal, not at one that was bent for wo: such light is left to path
+    // tracing.
+    bool stays_on_caster_normal(const ClosureInstruction& c) const {
+        return c.on_caster_normal && glossy_normal(c) == normal(c);
+    }
+    void add_glossy(const ClosureInstruction& c, const Spectrum& weight) {
+        Fresnel fresnel;
+        fresnel.f0 = color(c, 3);
+        add_reflection(c, weight, fresnel);
+    }
+    void add_rough_diffuse(const ClosureInstruction& c, const Spectrum& weight) {
+        const Spectrum albedo = color(c, traits(c.op).diffuse);
+        const float roughness = clamp01(scalar(c, traits(c.op).diffuse_roughness));
+        if (roughness < kSmoothDiffuse)
+            return list_.add(albedo * weight, Lambert{diffuse_normal(c)}, point_.wo, false);
+        OrenNayar rough{diffuse_normal(c), roughness};
+        if (c.modes.exchanges) rough.exchanged = facet::saturate(albedo);
+        list_.add(albedo * weight, rough, point_.wo, false);
+    }
+    template <BounceKind kind>
+    void add_toon(const ClosureInstruction& c, const Spectrum& weight) {
+        constexpr float kQuarter = 0.5f * kPi;
+        add(c, color(c, 2) * weight,
+            Toon<kind>{kind == BounceKind::glossy ? normal(c) : diffuse_normal(c),
+                       clamp01(scalar(c, 3)) * kQuarter, clamp01(scalar(c, 4)) * kQuarter});
     }
     void add_reflection(const ClosureInstruction& c, const Spectrum& weight, const Fresnel& fresnel) {
         const MicrofacetReflection lobe = reflection(c, fresnel);
@@ -249,12 +349,12 @@ private:
         if (c.coat != kNoOperand)
             glint = {Spectrum(r_.scalar(operand(c, kWeightOperand))), lobe,
                      coat_of(r_, c.coat, c.coat_tint)};
-        list_.add_glints(weight, glint, point_.wo, c.on_caster_normal);
+        list_.add_glints(weight, glint, point_.wo, stays_on_caster_normal(c));
     }
 
     void add_dielectric(const ClosureInstruction& c, const Spectrum& weight) {
         MicrofacetDielectric d{};
-        d.n = normal(c);
+        d.n = glossy_normal(c);
         d.alpha = alpha(c);
         d.model = c.modes.model;
         d.eta = point_.backfacing ? 1.0f / ior(c) : ior(c);
@@ -279,11 +379,12 @@ private:
             add_reflection(c, weight, fresnel);
             below *= clamp01(1.0f - max_component(albedo(layer, point_.wo)));
         }
-        list_.add(color(c, 5) * below, Lambert{normal(c)}, point_.wo, false);
+        add_rough_diffuse(c, below);
     }
 
     const Registers<float>& r_;
     const ShadingPoint<float>& point_;
+    const BumpCorrection bump_correction_;
     ClosureList& list_;
     Vec3 facing_normal_;
 };
@@ -296,7 +397,7 @@ void evaluate_closures(const Material& material, std::span<const Image> images,
     closures.clear();
     const RegisterFile<float> file(program);
     run(program, program.surface, images, point, file.registers);
-    ClosureBuilder builder(file.registers, point, closures);
+    ClosureBuilder builder(file.registers, point, material.bump_correction, closures);
     for (const ClosureInstruction& closure : program.closures) builder.add(closure);
     if (program.surface.result != kNoOperand)
         closures.emission = spectrum(file.registers.vector(program.surface.result));

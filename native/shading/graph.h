@@ -3,6 +3,7 @@
 // compile() in program.h validates it.
 #pragma once
 
+#include "bsdf/terminator.h"
 #include "math/vec.h"
 
 #include <string>
@@ -44,6 +45,7 @@ enum class GlintsMode : uint8_t { automatic, on, off };
 struct Graph {
     std::string name;
     GlintsMode glints = GlintsMode::automatic;
+    BumpCorrection bump_correction = BumpCorrection::none;
     std::vector<GraphNode> nodes;
     std::vector<GraphInput> inputs;
     std::vector<GraphOption> options;

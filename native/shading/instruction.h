@@ -58,6 +58,7 @@ struct Instruction {
 struct ClosureModes {
     MicrofacetModel model = MicrofacetModel::ggx;
     bool energy_compensated = false;
+    bool exchanges = true;  // diffuse facets give light to each other
     bool reflects = true, refracts = true, fresnel_weighted = true;  // dielectric
 };
 
@@ -67,6 +68,8 @@ struct ClosureInstruction {
     bool on_caster_normal = false, on_slope_map = false;
     uint32_t operands = 0;         // as of an instruction
     Operand through = kNoOperand;  // what the coat above lets through, a colour; none: all
+    // Of a lobe that is stretched along a tangent, by a factor that the other axis lacks; none: it is round.
+    Operand stretch = kNoOperand, tangent = kNoOperand;
     // For a lobe on the slope map under a coat: the coat's (share, alpha, index), and its tint.
     Operand coat = kNoOperand, coat_tint = kNoOperand;
 };

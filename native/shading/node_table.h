@@ -21,6 +21,7 @@ enum class ShaderPart : uint8_t { surface, volume, both };
 enum class Unlinked : uint8_t {
     constant,
     normal,     // the interpolated normal
+    tangent,    // around the Z axis of the object
     uv,         // the active UV layer
     generated,  // the position within the object's bounds
     direction   // of a background; elsewhere the position

@@ -78,7 +78,12 @@ void volume_principled(NodeContext& node, ExprId weight);
 
 // nodes_surface.cpp
 void diffuse(NodeContext& node, ExprId weight);
+void translucent(NodeContext& node, ExprId weight);
+void sheen(NodeContext& node, ExprId weight);
+void toon(NodeContext& node, ExprId weight);
+void holdout(NodeContext& node, ExprId weight);
 void glossy(NodeContext& node, ExprId weight);
+void metallic(NodeContext& node, ExprId weight);
 void glass(NodeContext& node, ExprId weight);
 void refraction(NodeContext& node, ExprId weight);
 void transparent(NodeContext& node, ExprId weight);
@@ -88,5 +93,11 @@ void mix_shader(NodeContext& node, ExprId weight);
 void add_shader(NodeContext& node, ExprId weight);
 void output(NodeContext& node, ExprId weight);
 void principled(NodeContext& node, ExprId weight);
+
+// nodes_stand_ins.cpp
+void subsurface(NodeContext& node, ExprId weight);
+void hair(NodeContext& node, ExprId weight);
+void principled_hair(NodeContext& node, ExprId weight);
+void ray_portal(NodeContext& node, ExprId weight);
 
 }  // namespace spc::nodes

@@ -153,7 +153,7 @@ namespace {
 // The colour of a table at `factor`, which runs from 0 to 1 over it.
 ExprId looked_up(NodeContext& node, ExprId factor) {
     return node.e.make(Op::ramp, {node.e.clamp01(factor)},
-                       static_cast<uint8_t>(Interpolation::linear), node.e.block(node.array(0)));
+                       static_cast<uint8_t>(Interpolation::linear), node.ramp(0));
 }
 
 }  // namespace

@@ -26,6 +26,30 @@ ExprId alpha_of(NodeContext& node, ExprId roughness) {
 // Indices at and below zero mean nothing; Cycles' bound.
 ExprId ior_of(NodeContext& node, ExprId ior) { return node.e.maximum(ior, node.e.constant(1e-5f)); }
 
+// Along a socket's tangent, or around the object's axis, turned about the normal by a share of a whole
+// turn.
+Grain grain_of(NodeContext& node, ExprId stretch, ExprId normal, int tangent_socket,
+               int turn_socket) {
+    ExprBuilder& e = node.e;
+    if (e.is_constant(stretch, 1.0f)) return {};
+    ExprId tangent = node.input(tangent_socket);
+    if (tangent == kNoExpr) tangent = e.make(Op::radial_tangent, {});
+    const ExprId turn = node.input(turn_socket);
+    if (!e.is_constant(turn, 0.0f)) {
+        const ExprId axis = normal == kNoExpr ? e.make(Op::normal, {}) : normal;
+        const ExprId angle = e.multiply(turn, e.constant(2.0f * kPi));
+        tangent = e.make(Op::rotate_axis, {tangent, axis, angle});
+    }
+    return {stretch, tangent};
+}
+
+// Of nodes that follow [Burley12]: alphas are in a ratio of 1 - 0.9 of the anisotropy.
+ExprId stretch_of(NodeContext& node, ExprId anisotropic) {
+    ExprBuilder& e = node.e;
+    const ExprId ratio = e.one_minus(e.multiply(e.clamp01(anisotropic), e.constant(0.9f)));
+    return e.divide(e.constant(1.0f), e.square_root(ratio));
+}
+
 ClosureModes modes_of(const std::string& distribution) {
     ClosureModes modes;
     if (distribution == "BECKMANN") modes.model = MicrofacetModel::beckmann;
@@ -42,6 +66,35 @@ CoatOver coat_over(NodeContext& node, const ClosureTerm& coat, ExprId share, Exp
     over.tint = node.e.clamp01(tint);
     over.through = node.e.make(Op::coat, {over.normal, over.layer, over.tint});
     return over;
+}
+
+// Halfway, by `share`, from one normal to another one; kNoExpr is the interpolated normal.
+ExprId between_normals(NodeContext& node, ExprId from, ExprId to, ExprId share) {
+    ExprBuilder& e = node.e;
+    if (from == to || e.is_constant(share, 0.0f)) return from;
+    if (e.is_constant(share, 1.0f)) return to;
+    const auto known = [&](ExprId n) { return n == kNoExpr ? e.make(Op::normal, {}) : n; };
+    return e.make(Op::shading_normal,
+                  {e.add(e.scale(known(from), e.one_minus(share)), e.scale(known(to), share))});
+}
+
+// From white to the colour at a luminance of 1.
+ExprId hue_of(NodeContext& node, ExprId color, ExprId factor) {
+    ExprBuilder& e = node.e;
+    const ExprId one = e.constant(Vec3(1.0f));
+    const ExprId hue = e.divide(color, e.splat(e.luminance(color)));
+    return e.add(e.scale(one, e.one_minus(factor)), e.scale(hue, factor));
+}
+
+// Adds the sheen that lies over the rest. The share of light that goes on below it.
+ExprId sheen_layer(NodeContext& node, ExprId weight, ExprId normal, ExprId color, ExprId roughness) {
+    ExprBuilder& e = node.e;
+    if (e.is_constant(color, 0.0f)) return e.constant(1.0f);
+    node.c.add_term(term(node, ClosureOp::sheen, " (sheen)", {weight, normal, color, roughness}));
+    const ExprId albedo = e.make(Op::sheen_albedo, {e.make(Op::facing, {normal}), roughness});
+    const ExprId largest =
+        e.maximum(e.maximum(e.lane(color, 0), e.lane(color, 1)), e.lane(color, 2));
+    return e.one_minus(e.clamp01(e.multiply(largest, albedo)));
 }
 
 void mix_into(NodeContext& node, int socket, ExprId weight) {
@@ -83,18 +136,83 @@ void background(NodeContext& node, ExprId weight) { emission(node, weight); }
 
 void diffuse(NodeContext& node, ExprId weight) {
     enum { kColor, kRoughness, kNormal };
-    if (!node.e.is_constant(node.input(kRoughness), 0.0f))
-        node.warn("Roughness of a Diffuse BSDF is not supported; 0 is used");
+    ClosureModes modes;
+    modes.exchanges = node.enabled(0);
+    node.c.add_term(term(node, ClosureOp::rough_diffuse, "",
+                         {weight, node.normal(kNormal), node.input(kColor), node.input(kRoughness)},
+                         modes));
+}
+
+void translucent(NodeContext& node, ExprId weight) {
+    enum { kColor, kNormal };
     node.c.add_term(
-        term(node, ClosureOp::lambert, "", {weight, node.normal(kNormal), node.input(kColor)}));
+        term(node, ClosureOp::translucent, "", {weight, node.normal(kNormal), node.input(kColor)}));
+}
+
+void sheen(NodeContext& node, ExprId weight) {
+    enum { kColor, kRoughness, kNormal };
+    const bool velvet = node.option(0) == "ASHIKHMIN";
+    node.c.add_term(term(node, velvet ? ClosureOp::velvet : ClosureOp::sheen, "",
+                         {weight, node.normal(kNormal), node.input(kColor), node.input(kRoughness)}));
+}
+
+void toon(NodeContext& node, ExprId weight) {
+    enum { kColor, kSize, kSmooth, kNormal };
+    const bool glossy = node.option(0) == "GLOSSY";
+    node.c.add_term(term(
+        node, glossy ? ClosureOp::glossy_toon : ClosureOp::diffuse_toon, "",
+        {weight, node.normal(kNormal), node.input(kColor), node.input(kSize), node.input(kSmooth)}));
+}
+
+void holdout(NodeContext& node, ExprId weight) {
+    node.c.add_term(term(node, ClosureOp::holdout, "", {weight, kNoExpr}));
 }
 
 void glossy(NodeContext& node, ExprId weight) {
-    enum { kColor, kRoughness, kNormal };
+    enum { kColor, kRoughness, kNormal, kAnisotropy, kRotation, kTangent };
+    ExprBuilder& e = node.e;
     const ExprId alpha = alpha_of(node, node.input(kRoughness));
-    node.c.add_term(term(node, ClosureOp::glossy, "",
-                         {weight, node.normal(kNormal), alpha, node.input(kColor)},
-                         modes_of(node.option(0))));
+    const bool phong = node.option(0) == "ASHIKHMIN_SHIRLEY";
+    ClosureTerm lobe =
+        term(node, phong ? ClosureOp::ashikhmin_shirley : ClosureOp::glossy, "",
+             {weight, node.normal(kNormal), alpha, node.input(kColor)}, modes_of(node.option(0)));
+    // Cycles' bounds; a negative one stretches across the tangent what a positive one does along it.
+    const ExprId bound = e.constant(0.99f), one = e.constant(1.0f);
+    const ExprId anisotropy =
+        e.make(Op::clamp, {node.input(kAnisotropy), e.constant(-0.99f), bound});
+    const ExprId stretch =
+        e.divide(e.one_minus(e.non_negative(anisotropy)),
+                 e.subtract(one, e.non_negative(e.subtract(e.constant(0.0f), anisotropy))));
+    lobe.grain = grain_of(node, stretch, lobe.normal(), kTangent, kRotation);
+    node.c.add_term(lobe);
+}
+
+void metallic(NodeContext& node, ExprId weight) {
+    enum {
+        kBaseColor,
+        kEdgeTint,
+        kIndex,
+        kExtinction,
+        kRoughness,
+        kAnisotropy,
+        kRotation,
+        kNormal,
+        kTangent
+    };
+    ExprBuilder& e = node.e;
+    const ExprId normal = node.normal(kNormal), alpha = alpha_of(node, node.input(kRoughness));
+    const bool physical = node.option(1) == "PHYSICAL_CONDUCTOR";
+    ClosureTerm lobe = physical ? term(node, ClosureOp::conductor, "",
+                                       {weight, normal, alpha, e.non_negative(node.input(kIndex)),
+                                        e.non_negative(node.input(kExtinction))},
+                                       modes_of(node.option(0)))
+                                : term(node, ClosureOp::metal, "",
+                                       {weight, normal, alpha, e.clamp01(node.input(kBaseColor)),
+                                        e.clamp01(node.input(kEdgeTint))},
+                                       modes_of(node.option(0)));
+    lobe.grain =
+        grain_of(node, stretch_of(node, node.input(kAnisotropy)), normal, kTangent, kRotation);
+    node.c.add_term(lobe);
 }
 
 void glass(NodeContext& node, ExprId weight) {
@@ -121,8 +239,8 @@ void transparent(NodeContext& node, ExprId weight) {
     node.c.add_term(term(node, ClosureOp::transparent, "", {weight, kNoExpr, node.input(0)}));
 }
 
-// Layers from the top: Alpha over all, then the coat, then emission, then a mix of metal, of glass,
-// and of a dielectric's reflection over Lambert. The last pair divides light by the reflection's
+// Layers from the top: Alpha over all, then sheen, the coat, then emission, then a mix of metal, of
+// glass, and of a dielectric's reflection over what is diffuse. The last pair divides light by the reflection's
 // albedo where it is evaluated. The coat's term comes last: where terms compete for what only one of
 // them gets, it is the weakest.
 void principled(NodeContext& node, ExprId weight) {
@@ -142,7 +260,14 @@ void principled(NodeContext& node, ExprId weight) {
         kCoatRoughness,
         kCoatIor,
         kCoatTint,
-        kCoatNormal
+        kCoatNormal,
+        kDiffuseRoughness,
+        kSheenWeight,
+        kSheenRoughness,
+        kSheenTint,
+        kAnisotropic,
+        kAnisotropicRotation,
+        kTangent
     };
     ExprBuilder& e = node.e;
     const ClosureModes modes = modes_of(node.option(0));
@@ -152,6 +277,8 @@ void principled(NodeContext& node, ExprId weight) {
     const ExprId tint = e.non_negative(node.input(kSpecularTint)), clamped_tint = e.clamp01(tint);
     const ExprId rough_alpha = alpha_of(node, node.input(kRoughness));
     const ExprId ior = ior_of(node, node.input(kIor));
+    const Grain grain = grain_of(node, stretch_of(node, node.input(kAnisotropic)), normal, kTangent,
+                                 kAnisotropicRotation);
 
     const ExprId coverage = e.clamp01(node.input(kAlpha));
     node.c.add_term(term(node, ClosureOp::transparent, " (alpha)",
@@ -159,6 +286,15 @@ void principled(NodeContext& node, ExprId weight) {
     weight = e.multiply(weight, coverage);
 
     const ExprId share = e.clamp01(node.input(kCoatWeight));
+    const ExprId sheen = e.non_negative(node.input(kSheenWeight)),
+                 sheen_tint = e.non_negative(node.input(kSheenTint));
+    const bool old_sheen = node.option(1) == "SCHLICK";
+    if (!old_sheen)
+        weight = e.multiply(
+            weight, sheen_layer(node, weight,
+                                between_normals(node, normal, node.normal(kCoatNormal), share),
+                                e.scale(sheen_tint, sheen), node.input(kSheenRoughness)));
+
     const ClosureTerm coat = term(node, ClosureOp::coat, " (coat)",
                                   {e.multiply(weight, share), node.normal(kCoatNormal),
                                    alpha_of(node, node.input(kCoatRoughness)),
@@ -173,6 +309,7 @@ void principled(NodeContext& node, ExprId weight) {
         node, ClosureOp::metal, " (metal)",
         {e.multiply(weight, metallic), normal, rough_alpha, clamped_base, clamped_tint}, modes);
     metal.coat = over;
+    metal.grain = grain;
     node.c.add_term(metal);
     weight = e.multiply(weight, e.one_minus(metallic));
 
@@ -186,13 +323,20 @@ void principled(NodeContext& node, ExprId weight) {
     node.c.add_term(glass);
     weight = e.multiply(weight, e.one_minus(transmission));
 
+    if (old_sheen)
+        node.c.add_term(
+            term(node, ClosureOp::schlick_sheen, " (sheen)",
+                 {e.multiply(weight, sheen), normal, hue_of(node, base, e.lane(sheen_tint, 0))}));
+
     const ExprId index = e.make(Op::dielectric_ior, {ior, node.input(kSpecularLevel)});
     const ExprId ratio =
         e.divide(e.subtract(index, e.constant(1.0f)), e.add(index, e.constant(1.0f)));
     const ExprId f0 = e.clamp01(e.scale(tint, e.multiply(ratio, ratio)));
-    ClosureTerm coated = term(node, ClosureOp::coated, " (specular)",
-                              {weight, normal, rough_alpha, index, f0, base}, modes);
+    ClosureTerm coated =
+        term(node, ClosureOp::coated, " (specular)",
+             {weight, normal, rough_alpha, index, f0, base, node.input(kDiffuseRoughness)}, modes);
     coated.coat = over;
+    coated.grain = grain;
     node.c.add_term(coated);
     node.c.add_term(coat);
 }

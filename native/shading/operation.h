@@ -89,11 +89,12 @@ enum class Op : uint8_t {
     hsv_to_rgb,
     rgb_to_hsl,
     hsl_to_rgb,
-    blend,     // two colours and a share, by a type of Blend
-    fresnel,   // of a dielectric, by cosine and relative index
-    gamma,     // colour, exponent; of positive channels
-    checker,   // of scaled coordinates: 1 or 0
-    gradient,  // by a GradientType
+    blend,         // two colours and a share, by a type of Blend
+    fresnel,       // of a dielectric, by cosine and relative index
+    sheen_albedo,  // share that a sheen reflects, from (cosine, roughness)
+    gamma,         // colour, exponent; of positive channels
+    checker,       // of scaled coordinates: 1 or 0
+    gradient,      // by a GradientType
     wave,   // by a wave_mode(): (coordinates, distortion, detail, its scale and roughness, phase)
     magic,  // by its depth: (coordinates, scale, distortion)
     brick,  // (coordinates, mortar size, smoothing, bias, width, row height): (tint, mortar, 0)
@@ -110,6 +111,7 @@ enum class Op : uint8_t {
     position_object,   // object space
     normal_object,     // unit, in object space, on the side of wo
     normal,            // the interpolated one, unit, world, on the side of wo
+    radial_tangent,    // around the Z axis of the object
     true_normal,       // that of the geometry, likewise
     incoming,          // wo
     facing,            // cosine between wo and a normal, or the interpolated one
@@ -238,6 +240,7 @@ inline constexpr std::array<OpTraits, static_cast<size_t>(Op::count)> kOpTraits{
     {Op::hsl_to_rgb, 1, 3},
     {Op::blend, 3, 3},
     {.op = Op::fresnel, .arity = 2, .lanes = 1, .derivatives = 0},
+    {.op = Op::sheen_albedo, .arity = 2, .lanes = 1, .derivatives = 0},
     {Op::gamma, 2, 3},
     {.op = Op::checker, .arity = 1, .lanes = 1, .mean = MeanOf::half},
     {.op = Op::gradient, .arity = 1, .lanes = 1, .mean = MeanOf::half},
@@ -273,6 +276,12 @@ inline constexpr std::array<OpTraits, static_cast<size_t>(Op::count)> kOpTraits{
      .mean = MeanOf::zero},
     {.op = Op::normal_object, .arity = 0, .lanes = 3, .varies = true, .mean = MeanOf::zero},
     {.op = Op::normal, .arity = 0, .lanes = 3, .varies = true, .mean = MeanOf::zero},
+    {.op = Op::radial_tangent,
+     .arity = 0,
+     .lanes = 3,
+     .varies = true,
+     .reads = kReadsObjectPosition,
+     .mean = MeanOf::zero},
     {.op = Op::true_normal, .arity = 0, .lanes = 3, .varies = true, .mean = MeanOf::zero},
     {.op = Op::incoming, .arity = 0, .lanes = 3, .varies = true, .mean = MeanOf::zero, .derivatives = 0},
     {.op = Op::facing, .arity = 1, .lanes = 1, .varies = true, .mean = MeanOf::one, .derivatives = 0},

@@ -103,7 +103,8 @@ struct Material {
     // has none.
     std::string narrow_lobe;
     bool depends_on_ray = false;  // the surface, beyond its emission, reads a RayState
-    bool is_background = false;   // surface is a Background shader
+    BumpCorrection bump_correction = BumpCorrection::none;
+    bool is_background = false;  // surface is a Background shader
     bool constant_background =
         false;                     // of the same radiance in every direction, by the graph itself
     std::vector<uint32_t> images;  // that some part of it reads, by index into the scene's

@@ -7,13 +7,39 @@ namespace {
 
 constexpr OutputSocket kBsdf[] = {{"BSDF", shader}};
 constexpr OutputSocket kShader[] = {{"Shader", shader}};
+constexpr OutputSocket kHoldoutOut[] = {{"Holdout", shader}};
+constexpr NodeOption kDiffuseModels[] = {{"multiple_scattering", "True|False"}};
+constexpr NodeOption kSheenModels[] = {{"distribution", "MICROFIBER|ASHIKHMIN"}};
+constexpr NodeOption kToonModels[] = {{"component", "DIFFUSE|GLOSSY"}};
+constexpr NodeOption kGlossyModels[] = {
+    {"distribution", "GGX|BECKMANN|MULTI_GGX|ASHIKHMIN_SHIRLEY"}};
 constexpr NodeOption kReflectionModels[] = {{"distribution", "GGX|BECKMANN|MULTI_GGX"}};
 constexpr NodeOption kRefractionModels[] = {{"distribution", "GGX|BECKMANN"}};
 constexpr InputSocket kOutputIn[] = {shader_input("Surface"), shader_input("Volume")};
 constexpr InputSocket kDiffuseIn[] = {grey_input(0.8f), scalar_input("Roughness", 0.0f),
                                       kNormalInput};
-constexpr InputSocket kGlossyIn[] = {grey_input(0.8f), scalar_input("Roughness", 0.5f),
-                                     kNormalInput};
+constexpr InputSocket kTranslucentIn[] = {grey_input(0.8f), kNormalInput};
+constexpr InputSocket kSheenIn[] = {grey_input(0.8f), scalar_input("Roughness", 0.5f), kNormalInput};
+constexpr InputSocket kToonIn[] = {grey_input(0.8f), scalar_input("Size", 0.5f),
+                                   scalar_input("Smooth", 0.0f), kNormalInput};
+constexpr InputSocket kTangentInput{"Tangent", {}, vector, Unlinked::tangent};
+constexpr InputSocket kGlossyIn[] = {grey_input(0.8f),
+                                     scalar_input("Roughness", 0.5f),
+                                     kNormalInput,
+                                     scalar_input("Anisotropy", 0.0f),
+                                     scalar_input("Rotation", 0.0f),
+                                     kTangentInput};
+constexpr InputSocket kMetallicIn[] = {{"Base Color", {0.617f, 0.577f, 0.540f}, color},
+                                       {"Edge Tint", {0.695f, 0.726f, 0.770f}, color},
+                                       {"IOR", {2.757f, 2.513f, 2.231f}, vector},
+                                       {"Extinction", {3.867f, 3.404f, 3.009f}, vector},
+                                       scalar_input("Roughness", 0.5f),
+                                       scalar_input("Anisotropy", 0.0f),
+                                       scalar_input("Rotation", 0.0f),
+                                       kNormalInput,
+                                       kTangentInput};
+constexpr NodeOption kMetallicModels[] = {{"distribution", "GGX|BECKMANN|MULTI_GGX"},
+                                          {"fresnel_type", "F82|PHYSICAL_CONDUCTOR"}};
 constexpr InputSocket kGlassIn[] = {grey_input(1.0f), scalar_input("Roughness", 0.0f),
                                     scalar_input("IOR", 1.5f), kNormalInput};
 constexpr InputSocket kRefractionIn[] = {grey_input(1.0f), scalar_input("Roughness", 0.0f),
@@ -41,8 +67,37 @@ constexpr InputSocket kPrincipledIn[] = {grey_input(0.8f, "Base Color"),
                                          scalar_input("Coat Roughness", 0.03f),
                                          scalar_input("Coat IOR", 1.5f),
                                          grey_input(1.0f, "Coat Tint"),
-                                         {"Coat Normal", {}, vector, Unlinked::normal}};
-constexpr NodeOption kPrincipledModels[] = {{"distribution", "GGX|MULTI_GGX"}};
+                                         {"Coat Normal", {}, vector, Unlinked::normal},
+                                         scalar_input("Diffuse Roughness", 0.0f),
+                                         scalar_input("Sheen Weight", 0.0f),
+                                         scalar_input("Sheen Roughness", 0.5f),
+                                         grey_input(1.0f, "Sheen Tint"),
+                                         scalar_input("Anisotropic", 0.0f),
+                                         scalar_input("Anisotropic Rotation", 0.0f),
+                                         kTangentInput};
+constexpr InputSocket kSubsurfaceIn[] = {grey_input(0.8f),
+                                         scalar_input("Scale", 0.05f),
+                                         {"Radius", {1.0f, 0.2f, 0.1f}, vector},
+                                         scalar_input("IOR", 1.4f),
+                                         scalar_input("Roughness", 1.0f),
+                                         scalar_input("Anisotropy", 0.0f),
+                                         kNormalInput};
+constexpr OutputSocket kBssrdf[] = {{"BSSRDF", shader}};
+constexpr InputSocket kHairIn[] = {grey_input(0.8f), scalar_input("Offset", 0.0f),
+                                   scalar_input("RoughnessU", 0.1f),
+                                   scalar_input("RoughnessV", 1.0f)};
+constexpr NodeOption kHairModels[] = {{"component", "Reflection|Transmission"}};
+constexpr InputSocket kPrincipledHairIn[] = {
+    {"Color", {0.017513f, 0.005763f, 0.002059f}, color},
+    scalar_input("Melanin", 0.8f),
+    scalar_input("Melanin Redness", 1.0f),
+    grey_input(1.0f, "Tint"),
+    {"Absorption Coefficient", {0.245531f, 0.52f, 1.365f}, vector},
+    scalar_input("Radial Roughness", 0.3f)};
+constexpr NodeOption kPrincipledHairModels[] = {{"parametrization", "COLOR|MELANIN|ABSORPTION"}};
+constexpr InputSocket kPortalIn[] = {grey_input(1.0f)};
+constexpr NodeOption kPrincipledModels[] = {{"distribution", "GGX|MULTI_GGX"},
+                                            {"sheen", "MICROFIBER|SCHLICK"}};
 
 constexpr NodeKind kRows[] = {
     {.name = "output",
@@ -54,13 +109,38 @@ constexpr NodeKind kRows[] = {
      .label = "Diffuse BSDF",
      .inputs = kDiffuseIn,
      .outputs = kBsdf,
+     .options = kDiffuseModels,
      .shade = nodes::diffuse},
+    {.name = "bsdf_translucent",
+     .label = "Translucent BSDF",
+     .inputs = kTranslucentIn,
+     .outputs = kBsdf,
+     .shade = nodes::translucent},
+    {.name = "bsdf_sheen",
+     .label = "Sheen BSDF",
+     .inputs = kSheenIn,
+     .outputs = kBsdf,
+     .options = kSheenModels,
+     .shade = nodes::sheen},
+    {.name = "bsdf_toon",
+     .label = "Toon BSDF",
+     .inputs = kToonIn,
+     .outputs = kBsdf,
+     .options = kToonModels,
+     .shade = nodes::toon},
+    {.name = "holdout", .label = "Holdout", .outputs = kHoldoutOut, .shade = nodes::holdout},
     {.name = "bsdf_glossy",
      .label = "Glossy BSDF",
      .inputs = kGlossyIn,
      .outputs = kBsdf,
-     .options = kReflectionModels,
+     .options = kGlossyModels,
      .shade = nodes::glossy},
+    {.name = "bsdf_metallic",
+     .label = "Metallic BSDF",
+     .inputs = kMetallicIn,
+     .outputs = kBsdf,
+     .options = kMetallicModels,
+     .shade = nodes::metallic},
     {.name = "bsdf_glass",
      .label = "Glass BSDF",
      .inputs = kGlassIn,
@@ -84,6 +164,28 @@ constexpr NodeKind kRows[] = {
      .outputs = kBsdf,
      .options = kPrincipledModels,
      .shade = nodes::principled},
+    {.name = "subsurface_scattering",
+     .label = "Subsurface Scattering",
+     .inputs = kSubsurfaceIn,
+     .outputs = kBssrdf,
+     .shade = nodes::subsurface},
+    {.name = "bsdf_hair",
+     .label = "Hair BSDF",
+     .inputs = kHairIn,
+     .outputs = kBsdf,
+     .options = kHairModels,
+     .shade = nodes::hair},
+    {.name = "bsdf_hair_principled",
+     .label = "Principled Hair BSDF",
+     .inputs = kPrincipledHairIn,
+     .outputs = kBsdf,
+     .options = kPrincipledHairModels,
+     .shade = nodes::principled_hair},
+    {.name = "bsdf_ray_portal",
+     .label = "Ray Portal BSDF",
+     .inputs = kPortalIn,
+     .outputs = kBsdf,
+     .shade = nodes::ray_portal},
     {.name = "emission",
      .label = "Emission",
      .inputs = kEmissionIn,

@@ -51,6 +51,7 @@ public:
 private:
     std::string why_not(const ClosureTerm& term) const {
         if (term.normal() == kNoExpr) return "no normal map or bump";
+        if (term.grain.exists()) return "its facets are spread along a grain";
         if (!expr_.is_constant(term.alpha()))
             return mode_ == GlintsMode::on ? "" : "roughness varies";
         const float alpha = expr_.scalar(term.alpha());

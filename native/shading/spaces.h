@@ -31,19 +31,18 @@ Vector3<T> transformed(uint8_t mode, Vector3<T> a, const ShadingPoint<T>& point)
     const auto through = [&](const Transform& transform) {
         return is_point ? apply_to_point(transform, a) : apply(transform, a);
     };
-    if (from != to) {
-        if (from == VectorSpace::camera) a = through(point.view->to_world);
-        if (from == VectorSpace::object && has_object) {
-            a = meaning == VectorMeaning::normal ? apply_transposed(point.world_to_object->row, a)
-                                                 : through(*point.object_to_world);
-            if (is_point) a = moved(a, point.view->origin);
-        }
-        if (to == VectorSpace::camera) a = through(point.view->from_world);
-        if (to == VectorSpace::object && has_object) {
-            if (is_point) a = moved(a, point.view->origin * -1.0f);
-            a = meaning == VectorMeaning::normal ? apply_transposed(point.object_to_world->row, a)
-                                                 : through(*point.world_to_object);
-        }
+    if (from == to) return a;
+    if (from == VectorSpace::camera) a = through(point.view->to_world);
+    if (from == VectorSpace::object && has_object) {
+        a = meaning == VectorMeaning::normal ? apply_transposed(point.world_to_object->row, a)
+                                             : through(*point.object_to_world);
+        if (is_point) a = moved(a, point.view->origin);
+    }
+    if (to == VectorSpace::camera) a = through(point.view->from_world);
+    if (to == VectorSpace::object && has_object) {
+        if (is_point) a = moved(a, point.view->origin * -1.0f);
+        a = meaning == VectorMeaning::normal ? apply_transposed(point.object_to_world->row, a)
+                                             : through(*point.world_to_object);
     }
     return meaning == VectorMeaning::normal ? safe_normalize(a) : a;
 }

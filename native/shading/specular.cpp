@@ -114,6 +114,8 @@ std::string not_a_delta(const ExprBuilder& expr, const ClosureTerm& term) {
 
 std::string not_narrow(const ExprBuilder& expr, const ClosureTerm& term) {
     if (term.row().weak) return "weak beside what it covers";
+    if (term.grain.exists()) return "its facets are spread along a grain";
+    if (term.row().other_facets) return "its lobe has no facets on which chains turn";
     const std::string varies = not_constant(expr, term);
     if (!varies.empty()) return varies;
     const float alpha = expr.scalar(term.alpha());

@@ -64,6 +64,10 @@ MATERIALS = {
     "rough diffuse": ("ShaderNodeBsdfDiffuse", None, {"Color": COPPER, "Roughness": 0.5}),
     "glossy": ("ShaderNodeBsdfGlossy", "GGX", {"Color": COPPER, "Roughness": 0.5}),
     "glass": ("ShaderNodeBsdfGlass", "GGX", {"Roughness": 0.4, "IOR": 1.4}),
+    "plaster": ("ShaderNodeBsdfDiffuse", None, {"Color": COPPER, "Roughness": 1.0}),
+    "translucent": ("ShaderNodeBsdfTranslucent", None, {"Color": COPPER}),
+    "toon": ("ShaderNodeBsdfToon", None, {"Color": COPPER, "Size": 0.4, "Smooth": 0.3}),
+    "phong": ("ShaderNodeBsdfGlossy", "ASHIKHMIN_SHIRLEY", {"Color": COPPER, "Roughness": 0.5}),
     "emission": ("ShaderNodeEmission", None, {"Color": COPPER, "Strength": 2.0}),
     "plastic": ("ShaderNodeBsdfPrincipled", "GGX", {"Base Color": COPPER, "Roughness": 0.4}),
     "metal": (
@@ -80,6 +84,38 @@ MATERIALS = {
         "ShaderNodeBsdfPrincipled",
         "GGX",
         {"Base Color": COPPER, "Roughness": 0.5, "Coat Weight": 1.0, "Coat Roughness": 0.3},
+    ),
+}
+# What is not in every Blender.
+OTHERS = {
+    "velvet": ("ShaderNodeBsdfVelvet", None, {"Color": COPPER, "Sigma": 0.7}),
+    "ashikhmin": ("ShaderNodeBsdfSheen", "ASHIKHMIN", {"Color": COPPER, "Roughness": 0.7}),
+    "microfiber": ("ShaderNodeBsdfSheen", "MICROFIBER", {"Color": COPPER, "Roughness": 0.5}),
+    "principled": (
+        "ShaderNodeBsdfPrincipled",
+        "GGX",
+        {"Base Color": COPPER, "Sheen Weight": 1.0, "Sheen Roughness": 0.4},
+    ),
+    "brushed": (
+        "ShaderNodeBsdfAnisotropic",
+        "GGX",
+        {"Color": COPPER, "Roughness": 0.5, "Anisotropy": 0.7},
+    ),
+    "brushed across": (
+        "ShaderNodeBsdfAnisotropic",
+        "GGX",
+        {"Color": COPPER, "Roughness": 0.5, "Anisotropy": -0.5, "Rotation": 0.1},
+    ),
+    "brushed metal": (
+        "ShaderNodeBsdfPrincipled",
+        "GGX",
+        {"Base Color": COPPER, "Metallic": 1.0, "Anisotropic": 0.8},
+    ),
+    "metallic": ("ShaderNodeBsdfMetallic", "GGX", {"Roughness": 0.4, "Anisotropy": 0.5}),
+    "rough principled": (
+        "ShaderNodeBsdfPrincipled",
+        "GGX",
+        {"Base Color": COPPER, "Diffuse Roughness": 1.0},
     ),
 }
 COATS = {
@@ -310,6 +346,64 @@ def test_material(stage, name):
     bl_idname, distribution, inputs = MATERIALS[name]
     add_ball(bl_idname, distribution, inputs)
     stage(TOLERANCE_CLOSURES)
+
+
+@pytest.mark.parametrize("name", OTHERS)
+def test_other_closures(stage, name):
+    bl_idname, distribution, inputs = OTHERS[name]
+    if not hasattr(bpy.types, bl_idname) or (
+        bl_idname == "ShaderNodeBsdfPrincipled" and bpy.app.version < (4, 3, 0)
+    ):
+        pytest.skip("not in this Blender")
+    add_ball(bl_idname, distribution, inputs)
+    stage(TOLERANCE_CLOSURES)
+
+
+TILTS = ("diffuse", "glossy", "glass")
+
+
+@pytest.mark.parametrize("name", TILTS)
+def test_normals_far_from_the_surface(render, name):
+    """By squares: a map of a quarter turn on the whole, on flat and on smooth surfaces."""
+    if name == "glass" and bpy.app.version < (4, 0, 0):
+        pytest.skip("rough glass divided light by its own normal, not by its facets'")
+    kind = {"diffuse": "Diffuse", "glossy": "Glossy", "glass": "Glass"}[name]
+    material = new_material()
+    shader = add_node(material, f"ShaderNodeBsdf{kind}", surface(material))
+    if name != "diffuse":
+        shader.inputs["Roughness"].default_value = 0.3
+    mapped = add_node(material, "ShaderNodeNormalMap", shader.inputs["Normal"], space="OBJECT")
+    coordinates = add_node(material, "ShaderNodeTexCoord", mapped.inputs["Color"])
+    material.node_tree.links.new(coordinates.outputs["Generated"], mapped.inputs["Color"])
+    scale = add_node(material, "ShaderNodeMapping", mapped.inputs["Color"])
+    material.node_tree.links.new(coordinates.outputs["Normal"], scale.inputs["Vector"])
+    scale.inputs["Rotation"].default_value = (0.9, 0.3, 0)
+    scale.inputs["Scale"].default_value = (0.5, 0.5, 0.5)
+    scale.inputs["Location"].default_value = (0.5, 0.5, 0.5)
+    add_sky()
+    place(add_light("AREA", energy=300, size=1.0))
+    bpy.ops.mesh.primitive_uv_sphere_add(radius=1.2)
+    bpy.ops.object.shade_smooth()
+    bpy.context.object.data.materials.append(material)
+    add_camera((0, 0, 6))
+    bpy.context.scene.specula.samples = bpy.context.scene.cycles.samples = 8 * SAMPLES
+    ours, theirs = (in_squares(render(engine)[..., 0]) for engine in ("SPECULA", "CYCLES"))
+    atol = TOLERANCE * theirs.mean()
+    np.testing.assert_allclose(ours, theirs, rtol=TOLERANCE_CLOSURES, atol=atol)
+
+
+def test_holdout(render):
+    """Black, and a hole in the alpha, half of one where it is mixed."""
+    material = new_material()
+    mix = add_node(material, "ShaderNodeMixShader", surface(material))
+    add_node(material, "ShaderNodeHoldout", mix.inputs[1])
+    add_node(material, "ShaderNodeEmission", mix.inputs[2])
+    add_mesh("Plane", PLANE, material=material)
+    add_camera((0, 0, 6))
+    bpy.context.scene.render.film_transparent = True
+    ours, theirs = (render(engine).mean(axis=(0, 1)) for engine in ("SPECULA", "CYCLES"))
+    np.testing.assert_allclose(ours, theirs, atol=1e-3)
+    assert 0.1 < ours[3] < 0.9
 
 
 @pytest.mark.skipif(bpy.app.version < (4, 3, 0), reason="the coat was another")

@@ -47,9 +47,11 @@ def furnished(name, material):
     """A mesh object with two UV layers, the attributes, a vertex group and a deforming modifier."""
     obj = add_mesh(name, *patches(), material=material)
     mesh, dice = obj.data, np.random.default_rng(5)
-    for layer in ("first", "second"):
+    for layer, (a, b, c, d) in {"first": (0.3, 0.2, -0.1, 0.4), "second": (0.5, 0, 0.1, 0.4)}.items():
         uv = mesh.uv_layers.new(name=layer)
-        uv.data.foreach_set("uv", dice.random(2 * len(mesh.loops)).astype(np.float32))
+        for loop in mesh.loops:
+            x, y, _ = mesh.vertices[loop.vertex_index].co
+            uv.data[loop.index].uv = (0.5 + a * x + b * y, 0.5 + c * x + d * y)
     mesh.uv_layers["second"].active_render = True
     for key, (kind, domain, field, components) in ATTRIBUTES.items():
         made = mesh.attributes.new(key, kind, domain)
@@ -171,7 +173,7 @@ def cases():
             add(f"{kind} {output}", kind, output)
     for projection in ("FLAT", "BOX", "SPHERE", "TUBE"):
         for output in ("Color", "Alpha"):
-            picture = {"projection": projection, "image": "Picture"}
+            picture = {"projection": projection, "image": "Picture" if output == "Color" else "Clear"}
             add(f"{projection} {output}", "TexImage", output, **picture)
     for blend in (0.2, 1.0):
         box = {"projection": "BOX", "projection_blend": blend, "image": "Picture"}
@@ -221,19 +223,23 @@ def add_tile(index, case):
     return True
 
 
-def save_picture(path, seed: int) -> None:
-    """A file of 4 x 4 random colours and alphas."""
+def save_picture(path, seed: int, opaque: bool = True) -> None:
+    """A file of 4 x 4 random colours, and alphas."""
     image = bpy.data.images.new("Saved", 4, 4, alpha=True, float_buffer=True)
-    image.pixels.foreach_set(np.random.default_rng(seed).random(64).astype(np.float32))
+    pixels = np.random.default_rng(seed).random((16, 4)).astype(np.float32)
+    if opaque:
+        pixels[:, 3] = 1.0
+    image.pixels.foreach_set(pixels.ravel())
     image.filepath_raw, image.file_format = str(path), "OPEN_EXR"
     image.save()
     bpy.data.images.remove(image)
 
 
 def load_pictures(folder) -> None:
-    """'Picture', and 'Tiles' with three of the nine that the tile `wide` shows."""
-    save_picture(folder / "picture.exr", 1)
-    bpy.data.images.load(str(folder / "picture.exr")).name = "Picture"
+    """'Picture', 'Clear', and 'Tiles' with three of the nine that the tile `wide` shows."""
+    for name in ("Picture", "Clear"):
+        save_picture(folder / f"{name}.exr", 1, opaque=name == "Picture")
+        bpy.data.images.load(str(folder / f"{name}.exr")).name = name
     for seed, number in enumerate((1001, 1003, 1012)):
         save_picture(folder / f"tiles.{number}.exr", seed)
     tiled = bpy.data.images.load(str(folder / "tiles.1001.exr"))

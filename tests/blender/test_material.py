@@ -266,14 +266,14 @@ def test_a_link_with_nothing_behind_it_is_none(name):
 def test_unknown_shader_is_magenta_and_warned_of_once():
     material = new_material("strange")
     mix = add_node(material, "ShaderNodeMixShader", surface(material))
-    toon = add_node(material, "ShaderNodeBsdfToon", mix.inputs[1])
-    material.node_tree.links.new(toon.outputs[0], mix.inputs[2])
+    strange = add_node(material, "ShaderNodeEeveeSpecular", mix.inputs[1])
+    material.node_tree.links.new(strange.outputs[0], mix.inputs[2])
     desc, _, warnings, _ = convert(material)
     assert all(n.inputs["Color"] == (1, 0, 1, 1) for n in desc.nodes if n.kind == "emission")
     assert "emission.Emission -> mix_shader.Shader" in links(desc)
     (warning,) = warnings
     assert "material strange" in warning
-    assert toon.name in warning
+    assert strange.name in warning
 
 
 def test_unknown_value_node_leaves_the_reader_its_constant():
@@ -290,11 +290,11 @@ def test_unknown_value_node_leaves_the_reader_its_constant():
 def test_settings_that_are_not_modelled_are_named():
     material = new_material()
     shader = add_node(material, "ShaderNodeBsdfPrincipled", surface(material))
-    set_input(shader, "Sheen Weight", 0.5)
+    set_input(shader, "Subsurface Weight", 0.5)
     add_node(material, "ShaderNodeDisplacement", output_of(material).inputs["Displacement"])
     _, _, warnings, _ = convert(material)
     assert len(warnings) == 2
-    assert any("Sheen" in warning for warning in warnings)
+    assert any("Subsurface" in warning for warning in warnings)
     assert any("Displacement" in warning for warning in warnings)
 
 
@@ -311,7 +311,9 @@ def test_principled_has_the_names_of_blender_5():
         set_input(shader, name, value)
     desc, _, warnings, _ = convert(material)
     inputs = node(desc, "bsdf_principled").inputs
-    absent = {"Normal", "Coat Normal"} | ({"Coat IOR", "Coat Tint"} if OLD_PRINCIPLED else set())
+    absent = {"Normal", "Coat Normal", "Tangent"}
+    if OLD_PRINCIPLED:
+        absent |= {"Coat IOR", "Coat Tint", "Diffuse Roughness", "Sheen Roughness"}
     assert set(inputs) == set(NODES["ShaderNodeBsdfPrincipled"].inputs) - absent
     assert inputs["Transmission Weight"][0] == 0.5
     assert inputs["Specular IOR Level"][0] == 0.25
@@ -438,10 +440,11 @@ def test_sharp_is_ggx_of_roughness_zero():
 
 def test_an_unknown_choice_falls_back_with_a_warning():
     material = new_material()
-    add_node(material, "ShaderNodeBsdfGlossy", surface(material), distribution="ASHIKHMIN_SHIRLEY")
+    shader = add_node(material, "ShaderNodeBsdfDiffuse", surface(material))
+    add_node(material, "ShaderNodeNormalMap", shader.inputs["Normal"], space="BLENDER_OBJECT")
     desc, _, warnings, _ = convert(material)
-    assert node(desc, "bsdf_glossy").options == {"distribution": "GGX"}
-    assert "ASHIKHMIN_SHIRLEY" in warnings[0]
+    assert node(desc, "normal_map").options["space"] == "TANGENT"
+    assert "BLENDER_OBJECT" in warnings[0]
 
 
 def test_normal_map_reads_tangents_of_its_layer():

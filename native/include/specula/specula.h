@@ -29,6 +29,7 @@
  *
  * Order of calls: create, add images, then materials, meshes, lights and instances (an index can
  * only refer to what was added before), set camera and environment, commit, start renders.
+ * spc_scene_edit() begins a scene that differs little from another.
  */
 #ifndef SPECULA_SPECULA_H
 #define SPECULA_SPECULA_H
@@ -47,7 +48,7 @@ extern "C" {
 #endif
 
 /* This number is raised whenever a struct or the meaning of a call changes. */
-#define SPC_API_VERSION 10u
+#define SPC_API_VERSION 12u
 
 /* This value stands for "no index" where an index is optional. */
 #define SPC_NONE 0xffffffffu
@@ -82,6 +83,23 @@ SPC_API const char* spc_last_error(void);
 SPC_API spc_status spc_scene_create(spc_scene** scene);
 /* Frees a scene. All of its sessions must have been destroyed before. */
 SPC_API void spc_scene_destroy(spc_scene* scene);
+
+/* Creates a scene that shares with `before`, which was made by this call and is committed, what it
+ * keeps of it by the calls below and what follows from that: trees over geometry, tables of the world
+ * and of glints. Its pictures are those of a scene into which all has been added anew, to the bit but
+ * for surfaces that coincide. Each instance has a tree of its own, which takes a little longer to
+ * render and makes the next scene cheap. `before` may be NULL, for the first of a series, and be
+ * destroyed at any time. Embree's threads are those of the first commit. The scene keeps its light
+ * sheets while its camera moves. Errors: SPC_WRONG_STATE (`before` is not committed). */
+SPC_API spc_status spc_scene_edit(const spc_scene* before, spc_scene** scene);
+
+/* Adds what the scene before has at an index, as the calls that add do, but shares it. A material
+ * needs the images that it reads kept before it, with their indices. Errors: SPC_WRONG_STATE (there
+ * is no scene before). */
+SPC_API spc_status spc_scene_keep_image(spc_scene* scene, uint32_t before, uint32_t* image_index);
+SPC_API spc_status spc_scene_keep_material(spc_scene* scene, uint32_t before,
+                                           uint32_t* material_index);
+SPC_API spc_status spc_scene_keep_mesh(spc_scene* scene, uint32_t before, uint32_t* mesh_index);
 
 /* ---- images */
 
@@ -179,6 +197,15 @@ typedef struct spc_node_link {
  * says why a material has none. OFF: none. */
 typedef enum spc_glints { SPC_GLINTS_AUTO = 0, SPC_GLINTS_ON = 1, SPC_GLINTS_OFF = 2 } spc_glints;
 
+/* What is done where shading normals disagree with the surface: with reflections that would go below
+ * it, and at the edge between light and shadow. NONE: nothing. SMOOTHED: as in Cycles of Blender 3.4.
+ * MICROFACET: as in that of 5.0. */
+typedef enum spc_bump_correction {
+    SPC_BUMP_CORRECTION_NONE = 0,
+    SPC_BUMP_CORRECTION_SMOOTHED = 1,
+    SPC_BUMP_CORRECTION_MICROFACET = 2
+} spc_bump_correction;
+
 /* Exactly one node has kind "output". Its socket "Surface" is the surface, or the background of a
  * world. Its socket "Volume" is the medium behind front faces, which absorbs if all kinds of rays
  * see the instance. A graph may contain unused nodes; cycles are refused. */
@@ -195,7 +222,8 @@ typedef struct spc_material_desc {
     uint32_t array_count;
     const spc_node_link* links;
     uint32_t link_count;
-    uint32_t glints; /* spc_glints; a world ignores it */
+    uint32_t glints;          /* spc_glints; a world ignores it */
+    uint32_t bump_correction; /* spc_bump_correction; likewise */
 } spc_material_desc;
 
 /* Compiles a material and gives its index. Errors: SPC_WRONG_STATE (after commit). */
@@ -318,6 +346,7 @@ typedef struct spc_instance_desc {
     uint32_t material_count;   /* must equal the mesh's slot_count */
     uint32_t visibility;       /* of spc_visibility */
     uint32_t caustics_role;    /* spc_caustics_role */
+    float terminator_offset; /* 0 .. 1: how far the edge of light on smooth normals moves into the light */
     const spc_attribute* attributes;
     uint32_t attribute_count;
 } spc_instance_desc;

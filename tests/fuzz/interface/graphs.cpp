@@ -198,6 +198,7 @@ Graph random_graph(Dice& dice, Spoiler& spoiler, uint32_t images, Purpose purpos
     desc.links = graph.links.data();
     desc.link_count = static_cast<uint32_t>(graph.links.size());
     desc.glints = spoiler.count(dice.below(3));
+    desc.bump_correction = spoiler.count(dice.below(3));
     return graph;
 }
 

@@ -185,9 +185,11 @@ TEST_F(MaterialMisuse, AVeryLongChainOfNodes) {
     }
 }
 
-TEST_F(MaterialMisuse, UnknownChoiceOfGlints) {
+TEST_F(MaterialMisuse, UnknownChoices) {
     refuses_desc({"Plaster", "choice of glints", "3"},
                  [](spc_material_desc& desc) { desc.glints = 3; });
+    refuses_desc({"Plaster", "bump correction", "3"},
+                 [](spc_material_desc& desc) { desc.bump_correction = 3; });
 }
 
 TEST_F(MaterialMisuse, NamesMayBeMissing) {

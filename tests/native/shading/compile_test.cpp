@@ -163,7 +163,8 @@ TEST(Compile, WhatComesToNothingIsNotRead) {
               static_cast<uint32_t>(kReadsAttributes));
     EXPECT_EQ(reads("emission", {{"Strength", {0}}}, "Color", "Emission"), 0u);
     EXPECT_EQ(reads("bsdf_glossy", {{"Color", {0, 0, 0}}}, "Roughness", "BSDF"), 0u);
-    EXPECT_EQ(reads("bsdf_glossy", {}, "Roughness", "BSDF"), static_cast<uint32_t>(kReadsAttributes));
+    EXPECT_EQ(reads("bsdf_glossy", {}, "Roughness", "BSDF"),
+              static_cast<uint32_t>(kReadsAttributes));
     // A mapping that changes nothing costs nothing, one of constants is a constant.
     GraphBuilder b;
     const uint32_t diffuse = b.node("bsdf_diffuse"),

@@ -20,10 +20,13 @@ TEST(Surface, Diffuse) {
     expect_near(kind_of<Lambert>(list, 0).n, {0, 0, 1}, 0.0f);
     expect_near(weight(closures_of(single("bsdf_diffuse")), 0), Vec3(0.8f), 0.0f);
 
-    const Material rough = compile(single("bsdf_diffuse", {{"Roughness", {0.5f}}}), {});
-    ASSERT_EQ(rough.warnings.size(), 1u);
-    EXPECT_NE(rough.warnings[0].find("material \"Mat\", node \"bsdf_diffuse.0\""),
-              std::string::npos);
+    const Constants plaster{{"Color", {0.1f, 0.2f, 0.3f}}, {"Roughness", {0.5f}}};
+    const auto rough = kind_of<OrenNayar>(closures_of(single("bsdf_diffuse", plaster)), 0);
+    EXPECT_EQ(rough.roughness, 0.5f);
+    expect_near(Vec3(rough.exchanged), {0.1f, 0.2f, 0.3f}, 0.0f);
+    const Options old{{"multiple_scattering", "False"}};
+    const auto alone = kind_of<OrenNayar>(closures_of(single("bsdf_diffuse", plaster, old)), 0);
+    expect_near(Vec3(alone.exchanged), Vec3(0.0f), 0.0f);
 }
 
 TEST(Surface, NormalsFaceWo) {

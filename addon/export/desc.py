@@ -21,6 +21,7 @@ from ..abi import (
     BumpCorrection,
     CausticsRole,
     ColorSpace,
+    Crypto,
     Glints,
     LightType,
     Projection,
@@ -81,6 +82,8 @@ class MaterialDesc:
     links: list[LinkDesc] = field(default_factory=list)
     glints: Glints = Glints.AUTO
     bump_correction: BumpCorrection = BumpCorrection.NONE
+    pass_index: int = 0
+    crypto: float = 0.0  # identifier for Cryptomatte; 0: none
 
 
 @dataclass(frozen=True, order=True)
@@ -134,6 +137,9 @@ class InstanceDesc:
     caustics_role: CausticsRole = CausticsRole.AUTO
     attributes: list[AttributeDesc] = field(default_factory=list)
     terminator_offset: float = 0.0  # 0 .. 1: how far the edge of light moves into the light
+    pass_index: int = 0
+    crypto_object: float = 0.0  # identifiers for Cryptomatte; 0: none
+    crypto_asset: float = 0.0
 
 
 @dataclass
@@ -195,3 +201,5 @@ class SceneDesc:
     lights: list[LightDesc] = field(default_factory=list)
     camera: CameraDesc | None = None
     environment: EnvironmentDesc | None = None
+    # Names that Cryptomatte may show, by spc_crypto; empty if nobody asks.
+    crypto_names: dict[Crypto, set[str]] = field(default_factory=dict)

@@ -123,9 +123,7 @@ class Images:
                     return False
         return True
 
-    def _kept(
-        self, state: tuple | None, image, number: int | None, tile: int | None
-    ) -> ImageDesc:
+    def _kept(self, state: tuple | None, image, number: int | None, tile: int | None) -> ImageDesc:
         with self._log.recording() as warnings:
             desc = self._export(image, number, tile)
         if state:

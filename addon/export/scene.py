@@ -5,12 +5,21 @@ from __future__ import annotations
 
 import numpy as np
 
+from .. import cryptomatte
+from ..abi import Crypto
 from ..inquiry import Inquiry
 from ..native import NativeError
 from . import compat, ignored
 from .cache import ExportCache, KeptMaterial, KeptMesh
 from .camera import export_camera
-from .desc import AttributeNeed, EnvironmentDesc, ExportError, InstanceDesc, SceneDesc
+from .desc import (
+    AttributeKind,
+    AttributeNeed,
+    EnvironmentDesc,
+    ExportError,
+    InstanceDesc,
+    SceneDesc,
+)
 from .image import Images
 from .light import export_light
 from .log import ExportLog
@@ -53,6 +62,7 @@ class SceneExport:
         self.cache = cache
         self.images = Images(log, images_as_pixels, depsgraph.scene_eval.frame_current, cache)
         self.scene = SceneDesc(images=self.images.descs)
+        self.scene.crypto_names = {kind: set() for kind in cryptomatte.kinds(self.layer)}
         self._materials: dict = {}  # evaluated material or None -> (index, needs)
         self._meshes: dict = {}  # mesh_key -> (index or None, needs)
 
@@ -126,7 +136,8 @@ class SceneExport:
         slots = [slot.material for slot in obj.material_slots] or [None]
         override = self.layer.material_override
         materials = [self._material(override or material) for material in slots]
-        needs = frozenset().union(*(reads for _, reads in materials))
+        of_passes = {AttributeNeed(AttributeKind.UV)} if self.layer.use_pass_uv else ()
+        needs = frozenset(of_passes).union(*(reads for _, reads in materials))
         mesh = self._mesh(instance, needs, len(materials))
         if mesh is None:
             return
@@ -142,6 +153,9 @@ class SceneExport:
                 visibility=visibility,
                 caustics_role=caustics_role(instance),
                 terminator_offset=compat.cycles_value(obj, "shadow_terminator_offset", 0.0),
+                pass_index=instancer(instance).pass_index,
+                crypto_object=self._crypto(Crypto.OBJECT, obj.name),
+                crypto_asset=self._crypto(Crypto.ASSET, cryptomatte.asset_name(obj)),
                 attributes=object_attributes(instance, self.depsgraph, needs),
             )
         )
@@ -177,6 +191,7 @@ class SceneExport:
                 self.cache.keep_material(material, kept)
             self._materials[material] = (len(self.scene.materials), kept.needs)
             self.scene.materials.append(kept.desc)
+            self._crypto(Crypto.MATERIAL, kept.desc.name)
         return self._materials[material]
 
     def _new_material(self, material) -> KeptMaterial:
@@ -184,8 +199,16 @@ class SceneExport:
             desc = (
                 export_material(material, self.images, self.log) if material else default_material()
             )
+        desc.crypto = cryptomatte.identifier(desc.name)
         needs = self._core.needs(self._core.add(desc, self.images.descs))
         return KeptMaterial(desc, self.images.used_by(desc), needs, warnings)
+
+    def _crypto(self, kind: Crypto, name: str) -> float:
+        """The name's identifier, if the view layer asks for the kind."""
+        if kind not in self.scene.crypto_names:
+            return 0.0
+        self.scene.crypto_names[kind].add(name)
+        return cryptomatte.identifier(name)
 
     def _world(self, world) -> None:
         if world is None or not self.layer.use_sky:

@@ -83,6 +83,8 @@ Image to_image(const spc_image_desc& desc) {
 Graph to_graph(const spc_material_desc& desc) {
     Graph graph;
     graph.name = name_or(desc.name, "material");
+    graph.pass_index = desc.pass_index;
+    graph.crypto = desc.crypto;
     const std::string owner = named("material", graph.name);
     graph.glints = checked_enum<GlintsMode>(desc.glints, SPC_GLINTS_OFF, owner, "choice of glints");
     graph.bump_correction = checked_enum<BumpCorrection>(
@@ -210,6 +212,9 @@ Instance to_instance(const spc_instance_desc& desc) {
     instance.materials = copied<uint32_t>(desc.materials, desc.material_count, owner, "materials");
     check_visibility(desc.visibility, owner);
     instance.visibility = desc.visibility;
+    instance.pass_index = desc.pass_index;
+    instance.crypto_object = desc.crypto_object;
+    instance.crypto_asset = desc.crypto_asset;
     instance.role =
         checked_enum<CausticsRole>(desc.caustics_role, SPC_CAUSTICS_BOTH, owner, "caustics role");
     instance.attributes = to_attributes(desc.attributes, desc.attribute_count, {0, 0, 0, 1}, owner);

@@ -3,24 +3,24 @@
 
 namespace spc {
 
-std::optional<Hit> PathTracer::go_to_surface(Surface& surface, Spectrum& radiance) {
+std::optional<Hit> PathTracer::go_to_surface(Surface& surface, PathLight& light) {
     for (;;) {
         const std::optional<Hit> hit = intersect();
         if (!hit) {
             const bool shows_film = settings.transparent_film && ray_kind == kVisibleCamera;
             go_towards(ray.direction);
-            if (!shows_film) radiance += throughput * emission_from_afar();
+            if (!shows_film) add_from_afar(light);
             return hit;
         }
         if (hit->light == kNone) {
             evaluate(*hit, surface);
             come_to(surface.p);
-            radiance += throughput * emission_of_surface(*hit, surface);
+            add_met(throughput * emission_of_surface(*hit, surface), Pass::emission, light);
             return hit;
         }
         // Lamps are looked through, as in Cycles.
         come_to(ray.origin + ray.direction * hit->t);
-        radiance += throughput * emission_of_lamp(*hit);
+        add_met(throughput * emission_of_lamp(*hit), Pass::emission, light);
         ray.t_near = past(hit->t);
     }
 }
@@ -38,6 +38,7 @@ bool PathTracer::scatter(const Hit& hit, const Surface& surface, const ClosureSa
     throughput *= next.weight;
     if (!survive_roulette(sampler)) return false;
     if (next.kind == BounceKind::transparent) return look_through(hit);
+    if (bounces.total == 0) lobes = only(lobe_of(next.kind));
     const BounceCounts before = bounces;
     bounces.add(next.kind);
     if (differential && !propagate_through_bounce(scene(), surface, next,
@@ -143,7 +144,8 @@ RenderScene prepare(std::unique_ptr<Scene> scene, uint32_t threads, const Render
 // says which.
 PathSample path_radiance(const RenderScene& world, const IntegratorSettings& settings,
                          const RoundState& round, const Ray& camera_ray, const Vec2& lens,
-                         const Sampler& sampler, PathStats& stats, const PixelKernel* pixel) {
+                         const Sampler& sampler, PathStats& stats, const PixelKernel* pixel,
+                         PassValues* values) {
     const Vec3 start = camera_ray.origin + camera_ray.direction * camera_ray.t_near;
     Pcg pcg(sampler[Domain::missed_chains].stream_seed());
     PathTracer path{world, settings, round,      stats,
@@ -154,16 +156,23 @@ PathSample path_radiance(const RenderScene& world, const IntegratorSettings& set
     if (settings.camera_chains != nullptr)
         path.history.begin_at_camera(world.scene->camera, camera_ray);
     PathSample out;
+    PathLight light;
+    if (values != nullptr && values->asked().tell_lobes()) light.values = values;
+    std::optional<Features> features;
+    if (values != nullptr && values->asked().tell_features()) features.emplace();
     Surface surface;
     for (uint32_t vertex = 0;; ++vertex) {
-        const std::optional<Hit> hit = path.go_to_surface(surface, out.radiance);
+        const std::optional<Hit> hit = path.go_to_surface(surface, light);
         if (!hit) {
             const Spectrum& t = path.throughput;
             if (settings.transparent_film && path.ray_kind == kVisibleCamera) out.alpha -= mean(t);
+            if (features) features->look_at_world(path.world_seen(), *values);
             break;
         }
         if (path.ray_kind == kVisibleCamera)
             out.alpha -= mean(path.throughput * surface.closures.holdout);
+        if (values != nullptr && path.bounces.total == 0) path.tell_surface(surface, *values);
+        if (features && features->look(*world.scene, surface, hit->t, *values)) features.reset();
         if (path.bounces.exhausted(settings.limits)) {
             if (path.look_for_lights_behind(*hit, surface)) continue;
             break;
@@ -174,23 +183,24 @@ PathSample path_radiance(const RenderScene& world, const IntegratorSettings& set
         const bool receives = path.may_receive(surface);
         path.look_for_glints(*hit, surface, camera_subpath, pixel);
         path.look_for_folds(surface, camera_subpath, receives && settings.manifold.enabled);
-        out.radiance += path.throughput * path.direct_radiance(surface, camera_subpath, here);
-        if (path.glints) out.radiance += path.glint_radiance(surface, here);
-        if (receives && settings.manifold.enabled) {
-            const Spectrum caustic = path.caustic_radiance(surface, camera_subpath, here);
-            out.radiance += caustic;
-            out.caustics += caustic;
-        }
+        path.add_direct(surface, camera_subpath, here, light);
+        if (path.glints) path.add_glints(surface, here, light);
+        if (receives && settings.manifold.enabled)
+            out.caustics += path.add_caustics(surface, camera_subpath, here, light);
 
         const std::optional<ClosureSample> next =
             sample(surface.closures, surface.ng, surface.wo, here[Domain::closure].three());
         if (!out.hit && !(next && next->kind == BounceKind::transparent)) {
             out.hit = true;
+            out.surface = surface.hit;
             out.position = surface.p;
             out.normal = surface.n;
         }
         if (!next || !path.scatter(*hit, surface, *next, receives, camera_subpath, here)) break;
+        if (features) features->scatter(*next);
     }
+    out.radiance = light.total;
+    out.alpha = std::max(out.alpha, 0.0f);  // a mean of ones may be rounded to more than one
     return out;
 }
 

@@ -176,7 +176,10 @@ uint32_t SceneBuilder::add_image(Image image) {
 }
 
 uint32_t SceneBuilder::add_material(const Graph& graph) {
-    scene_->materials.push_back(compile(graph, scene_->images));
+    Material material = compile(graph, scene_->images);
+    material.pass_index = graph.pass_index;
+    material.crypto = graph.crypto;
+    scene_->materials.push_back(std::move(material));
     return static_cast<uint32_t>(scene_->materials.size() - 1);
 }
 

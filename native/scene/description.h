@@ -66,8 +66,10 @@ struct Instance {
     std::vector<uint32_t> materials;  // index into Scene::materials for each slot
     uint32_t visibility = kVisibleAll;
     CausticsRole role = CausticsRole::automatic;
-    float terminator_stretch = 1.0f;    // Terminator::stretch
-    std::vector<Attribute> attributes;  // of the object
+    float terminator_stretch = 1.0f;                  // Terminator::stretch
+    uint32_t pass_index = 0;                          // what its pass shows
+    float crypto_object = 0.0f, crypto_asset = 0.0f;  // identifiers, 0: none
+    std::vector<Attribute> attributes;                // of the object
     // Set when the scene is frozen.
     // [slot][attribute of the material] -> that of the mesh or, counted on from there, of the
     // object; or kNone.

@@ -212,8 +212,8 @@ ExprId color_ramp(NodeContext& node, int output) {
     enum { kColor, kAlpha };
     const Interpolation interpolation =
         node.option(0) == "CONSTANT" ? Interpolation::closest : Interpolation::linear;
-    const ExprId ramp = node.e.make(Op::ramp, {node.input(0)}, static_cast<uint8_t>(interpolation),
-                                    node.ramp(0));
+    const ExprId ramp =
+        node.e.make(Op::ramp, {node.input(0)}, static_cast<uint8_t>(interpolation), node.ramp(0));
     return output == kColor ? ramp : node.e.lane(ramp, 3);
 }
 

@@ -88,6 +88,8 @@ struct ProgramDeleter {
 
 struct Material {
     std::string name;
+    uint32_t pass_index = 0;  // what its pass shows
+    float crypto = 0.0f;      // identifier, 0: none
     std::unique_ptr<Program, ProgramDeleter> program;
     std::vector<AttributeName> attributes;  // that are read; ShadingPoint's are in this order
     uint32_t reads = 0;                     // of ProgramReads, whole material

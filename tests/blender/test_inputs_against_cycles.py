@@ -47,7 +47,10 @@ def furnished(name, material):
     """A mesh object with two UV layers, the attributes, a vertex group and a deforming modifier."""
     obj = add_mesh(name, *patches(), material=material)
     mesh, dice = obj.data, np.random.default_rng(5)
-    for layer, (a, b, c, d) in {"first": (0.3, 0.2, -0.1, 0.4), "second": (0.5, 0, 0.1, 0.4)}.items():
+    for layer, (a, b, c, d) in {
+        "first": (0.3, 0.2, -0.1, 0.4),
+        "second": (0.5, 0, 0.1, 0.4),
+    }.items():
         uv = mesh.uv_layers.new(name=layer)
         for loop in mesh.loops:
             x, y, _ = mesh.vertices[loop.vertex_index].co
@@ -173,7 +176,10 @@ def cases():
             add(f"{kind} {output}", kind, output)
     for projection in ("FLAT", "BOX", "SPHERE", "TUBE"):
         for output in ("Color", "Alpha"):
-            picture = {"projection": projection, "image": "Picture" if output == "Color" else "Clear"}
+            picture = {
+                "projection": projection,
+                "image": "Picture" if output == "Color" else "Clear",
+            }
             add(f"{projection} {output}", "TexImage", output, **picture)
     for blend in (0.2, 1.0):
         box = {"projection": "BOX", "projection_blend": blend, "image": "Picture"}

@@ -26,7 +26,7 @@ _BY_NAME = (AttributeKind.NAMED, AttributeKind.UV, AttributeKind.COLOR)
 
 
 def mesh_attributes(obj, corners: np.ndarray, needs: frozenset[AttributeNeed]):
-    """The attributes of evaluated mesh object `obj` that `needs` names; those it lacks are left out.
+    """The attributes of evaluated mesh object `obj` that `needs` names, but those it lacks.
 
     `corners` (T, 3) holds the loops of `obj.data.loop_triangles`.
     """
@@ -47,7 +47,7 @@ class _Reader:
         self.corners = corners
 
     def key(self, need: AttributeNeed) -> tuple[AttributeKind, str] | None:
-        """Kind and name of the attribute that is meant; one that two needs mean is exported once."""
+        """Kind and name of the attribute that is meant; two needs may mean the same."""
         if need.kind not in _BY_NAME:
             return None if need.kind >= AttributeKind.OBJECT else (need.kind, "")
         active = {

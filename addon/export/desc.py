@@ -88,7 +88,7 @@ class MaterialDesc:
 
 @dataclass(frozen=True, order=True)
 class AttributeNeed:
-    """An attribute that a material reads; '' is the one of its kind, of UV layers the active one."""
+    """An attribute that a material reads; '' is the one of its kind, as the active UV layer."""
 
     kind: AttributeKind
     name: str = ""

@@ -170,8 +170,8 @@ class Images:
 
 
 def state_of(image, number: int | None, tile: int | None = None) -> tuple | None:
-    """Tells an image and its content (of the file `number` of a sequence, of a tile) from others; None where
-    only its pixels would."""
+    """Tells an image and its content (of the file `number` of a sequence, of a tile) from others;
+    None where only its pixels would."""
     path = _path(image, number, tile)
     is_file = os.path.isfile(path)
     if image.is_dirty or not (is_file or image.packed_file or image.source == "GENERATED"):

@@ -42,8 +42,9 @@ def _property(owner, name: str) -> tuple[float, ...] | None:
     """A custom property or, by its path, one of Blender's own."""
     if owner is None or not name:
         return None
-    if name in owner.keys():
-        return _numbers(owner[name])
+    custom = owner.get(name)
+    if custom is not None:
+        return _numbers(custom)
     try:
         return _numbers(owner.path_resolve(name))
     except (ValueError, TypeError):  # there is none

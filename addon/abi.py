@@ -164,9 +164,24 @@ class MaterialDesc(SizedStructure):
     ]
 
 
-class UvNeed(Structure):
+class AttributeKind(IntEnum):
+    NAMED = 0
+    UV = 1
+    COLOR = 2
+    GENERATED = 3
+    POINTINESS = 4
+    ISLAND = 5
+    OBJECT = 6
+    INSTANCER = 7
+    OBJECT_INFO = 8
+    PARTICLE_INFO = 9
+    VIEW_LAYER = 10
+
+
+class AttributeNeed(Structure):
     _fields_ = [
-        ("layer", c_char_p),
+        ("name", c_char_p),
+        ("kind", c_uint32),
         ("tangents", c_uint32),
     ]
 
@@ -174,15 +189,25 @@ class UvNeed(Structure):
 class MaterialNeeds(SizedStructure):
     _fields_ = [
         ("struct_size", c_size_t),
-        ("uv_layers", POINTER(UvNeed)),
-        ("uv_layer_count", c_uint32),
+        ("attributes", POINTER(AttributeNeed)),
+        ("attribute_count", c_uint32),
     ]
 
 
-class UvLayer(Structure):
+class AttributeDomain(IntEnum):
+    CORNER = 0
+    VERTEX = 1
+    TRIANGLE = 2
+    OBJECT = 3
+
+
+class Attribute(Structure):
     _fields_ = [
         ("name", c_char_p),
-        ("uv", POINTER(c_float)),
+        ("kind", c_uint32),
+        ("domain", c_uint32),
+        ("components", c_uint32),
+        ("values", POINTER(c_float)),
         ("tangents", POINTER(c_float)),
     ]
 
@@ -199,9 +224,8 @@ class MeshDesc(SizedStructure):
         ("flat_faces", POINTER(c_uint32)),
         ("material_slots", POINTER(c_uint32)),
         ("slot_count", c_uint32),
-        ("uv_layers", POINTER(UvLayer)),
-        ("uv_layer_count", c_uint32),
-        ("active_uv_layer", c_uint32),
+        ("attributes", POINTER(Attribute)),
+        ("attribute_count", c_uint32),
     ]
 
 
@@ -237,6 +261,8 @@ class InstanceDesc(SizedStructure):
         ("pass_index", c_uint32),
         ("crypto_object", c_float),
         ("crypto_asset", c_float),
+        ("attributes", POINTER(Attribute)),
+        ("attribute_count", c_uint32),
     ]
 
 

@@ -129,6 +129,18 @@ def corner_normals(mesh) -> np.ndarray:
     return normals
 
 
+def active_uv(mesh) -> str | None:
+    """Name of the UV layer that is active for rendering."""
+    return next((layer.name for layer in mesh.uv_layers if layer.active_render), None)
+
+
+def active_color(mesh) -> str | None:
+    """Name of the colour attribute that is active for rendering."""
+    colors = mesh.color_attributes
+    index = colors.render_color_index
+    return colors[index].name if 0 <= index < len(colors) else None
+
+
 def finish_triangles(mesh) -> None:
     """Completes smooth triangles whose loops are set; until 4.0 faces stored their size too."""
     ones = np.ones(len(mesh.polygons), np.int32)

@@ -16,6 +16,8 @@ from ..abi import (
     NONE,
     AlphaMode,
     AreaShape,
+    AttributeDomain,
+    AttributeKind,
     BumpCorrection,
     CausticsRole,
     ColorSpace,
@@ -86,25 +88,32 @@ class MaterialDesc:
     crypto: float = 0.0  # identifier for Cryptomatte; 0: none
 
 
-@dataclass(frozen=True)
-class MaterialNeeds:
-    """UV layers that a material reads, by name; '' is the layer that is active for rendering."""
+@dataclass(frozen=True, order=True)
+class AttributeNeed:
+    """An attribute that a material reads; '' is the one of its kind, as the active UV layer."""
 
-    uv_maps: frozenset[str] = frozenset()
-    tangents: frozenset[str] = frozenset()
-
-    def __or__(self, other: MaterialNeeds) -> MaterialNeeds:
-        return MaterialNeeds(self.uv_maps | other.uv_maps, self.tangents | other.tangents)
-
-    def __le__(self, other: MaterialNeeds) -> bool:
-        return self.uv_maps <= other.uv_maps and self.tangents <= other.tangents
+    kind: AttributeKind
+    name: str = ""
+    tangents: bool = False
 
 
 @dataclass
-class UvLayerDesc:
+class AttributeDesc:
+    """Numbers of a mesh or an object for materials to read."""
+
     name: str
-    uv: np.ndarray  # (T, 3, 2) float32
+    kind: AttributeKind
+    domain: AttributeDomain
+    values: np.ndarray  # (elements of the domain, 1 to 4) float32
     tangents: np.ndarray | None = None  # (T, 3, 4) float32: MikkTSpace xyz, bitangent sign
+
+
+def uv_layer(
+    name: str, uv: np.ndarray, tangents: np.ndarray | None = None, active: bool = True
+) -> AttributeDesc:
+    """A UV layer of `uv` (T, 3, 2); the active one answers where a node names none."""
+    kind = AttributeKind.UV if active else AttributeKind.NAMED
+    return AttributeDesc(name, kind, AttributeDomain.CORNER, uv.reshape(-1, 2), tangents)
 
 
 @dataclass
@@ -118,8 +127,7 @@ class MeshDesc:
     flat_faces: np.ndarray | None = None  # (T,) uint32: 1 where a face is flat; None: as `normals`
     material_slots: np.ndarray | None = None  # (T,) uint32 < slot_count; None: all 0
     slot_count: int = 1
-    uv_layers: list[UvLayerDesc] = field(default_factory=list)
-    active_uv_layer: int = 0
+    attributes: list[AttributeDesc] = field(default_factory=list)
 
 
 @dataclass
@@ -131,6 +139,7 @@ class InstanceDesc:
     visibility: Visibility = Visibility.ALL
     caustics_role: CausticsRole = CausticsRole.AUTO
     holdout: bool = False  # the camera sees a hole in its place
+    attributes: list[AttributeDesc] = field(default_factory=list)
     terminator_offset: float = 0.0  # 0 .. 1: how far the edge of light moves into the light
     pass_index: int = 0
     crypto_object: float = 0.0  # identifiers for Cryptomatte; 0: none

@@ -45,6 +45,7 @@ def export_material(material, images: Images, log: ExportLog) -> MaterialDesc:
         desc.pass_index = material.pass_index
         return desc
     converter = Converter(f"material {material.name}", images, log)
+    converter.material_index = material.pass_index
     desc = converter.convert(material.name, material.node_tree)
     converter.draw_suns()
     _make_emission(desc)
@@ -74,6 +75,7 @@ class Converter:
         self.images = images
         self.log = log
         self.skies: list[tuple[NodeDesc, Sky]] = []  # whose suns are not in their images
+        self.material_index = 0
         self._in_volume = False  # the walk is behind the output's Volume
         self._nodes: list[NodeDesc] = []
         self._links: list[LinkDesc] = []

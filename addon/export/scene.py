@@ -12,12 +12,21 @@ from ..native import NativeError
 from . import compat, ignored, strands
 from .cache import ExportCache, KeptMaterial, KeptMesh
 from .camera import export_camera
-from .desc import CausticsRole, EnvironmentDesc, ExportError, InstanceDesc, MaterialNeeds, SceneDesc
+from .desc import (
+    AttributeKind,
+    AttributeNeed,
+    CausticsRole,
+    EnvironmentDesc,
+    ExportError,
+    InstanceDesc,
+    SceneDesc,
+)
 from .image import Images
 from .light import export_light
 from .log import ExportLog
 from .material import default_material, export_material
 from .mesh import export_mesh
+from .object_attributes import object_attributes
 from .view import export_view, is_shown, shows_particles
 from .visibility import caustics_role, instance_visibility, instancer, original, world_visibility
 from .world import export_world
@@ -133,8 +142,8 @@ class SceneExport:
             if settings.type != "HAIR" or settings.render_type != "PATH":
                 continue
 
-            def strands_of(needs: MaterialNeeds, system=system):
-                return strands.particle_hair(obj, system, needs.uv_maps, self.view is None)
+            def strands_of(needs: frozenset[AttributeNeed], system=system):
+                return strands.particle_hair(obj, system, needs, self.view is None)
 
             key = (obj.data, system.name)
             self._strand_instance(instance, key, settings.material - 1, strands_of)
@@ -152,7 +161,8 @@ class SceneExport:
             self.scene.meshes += [desc] if desc else []
         mesh, _ = self._meshes[key, index]
         transform = np.array(instance.matrix_world, np.float32)[:3]
-        self._add_instance(instance, mesh, transform, [index], self._without_casting(instance))
+        role = self._without_casting(instance)
+        self._add_instance(instance, mesh, transform, [index], needs, role)
 
     def _balls(self, instance) -> None:
         """A point cloud: its first material is that of all."""
@@ -169,7 +179,9 @@ class SceneExport:
             ball[:, 3] = matrix @ (*position, 1.0)
             if radius > 0.0:
                 transform = ball[:3].astype(np.float32)
-                self._add_instance(instance, self._meshes["ball"][0], transform, [index], role)
+                self._add_instance(
+                    instance, self._meshes["ball"][0], transform, [index], needs, role
+                )
 
     def _without_casting(self, instance) -> CausticsRole:
         """The part of strands and points, whose many small chains nothing could find again."""
@@ -184,13 +196,11 @@ class SceneExport:
         slots = [slot.material for slot in obj.material_slots] or [None]
         override = self.layer.material_override
         materials = [self._material(override or material) for material in slots]
-        needs = MaterialNeeds(uv_maps=frozenset({""} if self.layer.use_pass_uv else ()))
-        for _, material_needs in materials:
-            needs |= material_needs
+        of_passes = {AttributeNeed(AttributeKind.UV)} if self.layer.use_pass_uv else ()
+        needs = frozenset(of_passes).union(*(reads for _, reads in materials))
         mesh = self._mesh(instance, needs, len(materials))
-        self._add_instance(
-            instance, mesh, transform, [index for index, _ in materials], caustics_role(instance)
-        )
+        indices = [index for index, _ in materials]
+        self._add_instance(instance, mesh, transform, indices, needs, caustics_role(instance))
 
     def _add_instance(
         self,
@@ -198,9 +208,10 @@ class SceneExport:
         mesh: int | None,
         transform: np.ndarray,
         materials: list[int],
+        needs: frozenset[AttributeNeed],
         role: CausticsRole,
     ) -> None:
-        """Of a mesh, unless that is None, at `transform` (3, 4)."""
+        """Of a mesh, unless that is None, at `transform` (3, 4). `needs`: of all its materials."""
         obj, name = instance.object, instance.object.name
         if mesh is None:
             return
@@ -220,10 +231,11 @@ class SceneExport:
                 pass_index=instancer(instance).pass_index,
                 crypto_object=self._crypto(Crypto.OBJECT, obj.name),
                 crypto_asset=self._crypto(Crypto.ASSET, cryptomatte.asset_name(obj)),
+                attributes=object_attributes(instance, self.depsgraph, needs),
             )
         )
 
-    def _mesh(self, instance, needs: MaterialNeeds, slots: int) -> int | None:
+    def _mesh(self, instance, needs: frozenset[AttributeNeed], slots: int) -> int | None:
         """Index of the object's mesh, shared by all who show it; None if it has no faces.
 
         Exported again in its place if a later user reads more of it than all before.
@@ -245,8 +257,8 @@ class SceneExport:
         self.scene.meshes[index : index + 1] = [kept.desc]
         return index
 
-    def _material(self, material) -> tuple[int, MaterialNeeds]:
-        """Index of a material and what it reads from a mesh; None is an empty slot."""
+    def _material(self, material) -> tuple[int, frozenset[AttributeNeed]]:
+        """Index of a material and what it reads of a mesh and an object; None is an empty slot."""
         if material not in self._materials:
             kept = self.cache.material(material, self.images, self.log)
             if kept is None:
@@ -286,7 +298,7 @@ class SceneExport:
         if kept is None:
             with self.log.recording() as warnings:
                 desc, sun = export_world(world, self.images, self.log)
-            kept = KeptMaterial(desc, self.images.used_by(desc), MaterialNeeds(), warnings, sun)
+            kept = KeptMaterial(desc, self.images.used_by(desc), frozenset(), warnings, sun)
             self.cache.keep_material(world, kept)
         self.scene.materials.append(kept.desc)
         if kept.sun is not None:

@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from .desc import MeshDesc, UvLayerDesc
+from .desc import AttributeKind, AttributeNeed, MeshDesc, uv_layer
 
 SIDES = 4  # of a tube
 # A tube of so many sides is as wide, on average over the directions that it is seen from.
@@ -30,7 +30,7 @@ def tubes(
     """Tubes with smooth normals along strands; None if no strand has two points.
 
     `points` (P, 3) and `radii` (P,), strand after strand; `counts` (S,): points of each; `uv`: by
-    layer (S, 2), one for all of a strand.
+    layer (S, 2), one for all of a strand; the first is the active one.
     """
     first = np.cumsum(counts) - counts
     parts, owners, offset = [], [], 0
@@ -52,9 +52,13 @@ def tubes(
         positions=positions.astype(np.float32),
         triangles=triangles.astype(np.uint32),
         normals=normals.astype(np.float32),
-        uv_layers=[
-            UvLayerDesc(layer, np.repeat(at[of_strand][:, None], 3, axis=1).astype(np.float32))
-            for layer, at in (uv or {}).items()
+        attributes=[
+            uv_layer(
+                layer,
+                np.repeat(at[of_strand][:, None], 3, axis=1).astype(np.float32),
+                active=number == 0,
+            )
+            for number, (layer, at) in enumerate((uv or {}).items())
         ],
     )
 
@@ -90,11 +94,13 @@ def _unit(vectors: np.ndarray) -> np.ndarray:
     return vectors / np.where(lengths > 0.0, lengths, 1.0)
 
 
-def particle_hair(obj, system, layers: frozenset[str], is_render: bool) -> MeshDesc | None:
+def particle_hair(obj, system, needs: frozenset[AttributeNeed], is_render: bool) -> MeshDesc | None:
     """The strands of a particle system of the evaluated object `obj`, in object space.
 
-    `layers`: UV layers of the emitter that the strands' material reads; '' is the active one.
+    Of what their material `needs`, they have the UV layers of their emitter.
     """
+    named = (AttributeKind.UV, AttributeKind.NAMED)
+    layers = frozenset(need.name for need in needs if need.kind in named)
     settings = system.settings
     parents, children = len(system.particles), len(system.child_particles)
     numbers = range(parents if children else 0, parents + children)
@@ -137,7 +143,8 @@ def _emitter_uv(obj, system, numbers, layers: frozenset[str]) -> dict[str, np.nd
     if modifier is None or not len(system.particles):
         return {}
     particle, uv = system.particles[0], {}
-    for number, layer in enumerate(mesh_layers):
+    active_first = sorted(enumerate(mesh_layers), key=lambda entry: not entry[1].active_render)
+    for number, layer in active_first:
         if layer.name not in layers and not ("" in layers and layer.active_render):
             continue
         at = [

@@ -76,7 +76,7 @@ std::optional<Hit> PathTracer::intersect() {
 }
 
 void PathTracer::evaluate(const Hit& hit, Surface& surface) const {
-    evaluate_surface(scene(), hit.surface, ray.direction * -1.0f, surface);
+    evaluate_surface(scene(), hit.surface, ray.direction * -1.0f, surface, seen_by(hit.t));
     const Vec3 back = from - surface.p;
     if (dot(back, surface.ng) > 0.0f) surface.wo = normalize(back);
     const ManifoldSettings& caustics = settings.manifold;
@@ -95,6 +95,10 @@ bool PathTracer::look_through(const Hit& hit) {
 
 void PathTracer::spawn_ray(const Surface& surface, const ClosureSample& next) {
     ray_kind = ray_kind_after(next.kind);
+    ray_begins = 0.0f;
+    ray_kinds = (next.kind == BounceKind::diffuse ? kRayDiffuse : kRayGlossy) |
+                (next.kind == BounceKind::transmission ? kRayTransmission : kRayReflection) |
+                (next.delta ? kRaySingular : 0u);
     from = surface.p;
     if (dot(surface.ng, next.wi) < 0.0f) media.cross(scene(), surface.hit, next.wi);
     ray = {offset_origin({surface.p, surface.ng, surface.p_error}, next.wi), next.wi, 0.0f,

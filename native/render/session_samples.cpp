@@ -11,10 +11,15 @@ namespace {
 // On the mesh's active layer; the third is 1 where there is one.
 Vec3 uv_seen(const Scene& scene, const SurfaceHit& hit) {
     const Mesh& mesh = scene.meshes[scene.instances[hit.instance].mesh];
-    if (mesh.uv_layers.empty()) return Vec3(0.0f);
-    const Vec2* uv = &mesh.uv_layers[mesh.active_uv_layer].uv[size_t{3} * hit.triangle];
-    const Vec2 at = uv[0] * (1.0f - hit.u - hit.v) + uv[1] * hit.u + uv[2] * hit.v;
-    return {at.x, at.y, 1.0f};
+    const AttributeName active{AttributeKind::uv, ""};
+    for (const Attribute& layer : mesh.attributes) {
+        if (!layer.is_uv_layer() || !layer.called.answers(active)) continue;
+        const size_t first = size_t{3} * hit.triangle;
+        const Vec2 at = layer.uv(first) * (1.0f - hit.u - hit.v) + layer.uv(first + 1) * hit.u +
+                        layer.uv(first + 2) * hit.v;
+        return {at.x, at.y, 1.0f};
+    }
+    return Vec3(0.0f);
 }
 
 }  // namespace

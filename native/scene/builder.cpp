@@ -40,6 +40,15 @@ void require_all_within(const std::vector<Vec3>& values, float most, const std::
             require_within(values[i], most, owner, fmt::format("{} {}", what, i));
 }
 
+void require_numbers_within(const Attribute& attribute, const std::string& name) {
+    const std::string owner = fmt::format("{}: attribute \"{}\"", name, attribute.called.name);
+    for (size_t i = 0; i < attribute.values.size(); ++i)
+        if (!(std::abs(attribute.values[i]) <= kLargestNumber))
+            require_within(Vec3(attribute.values[i]), kLargestNumber, owner,
+                           fmt::format("value {}", i / attribute.components));
+    require_all_within(attribute.tangents, kLargestNumber, owner, "tangent");
+}
+
 Transform checked_inverse(const Transform& transform, const std::string& name) {
     for (const Vec3& row : transform.row) require_within(row, kFarthest, name, "the transform");
     require_within(transform.translation, kFarthest, name, "the transform's translation");
@@ -124,18 +133,7 @@ uint32_t SceneBuilder::add_mesh(Mesh mesh) {
         if (mesh.slots[t] >= mesh.slot_count)
             invalid(fmt::format("{}: triangle {} names material slot {} of {}", name, t,
                                 mesh.slots[t], mesh.slot_count));
-    for (const UvLayer& layer : mesh.uv_layers) {
-        const std::string of_layer = fmt::format("{}: UV layer \"{}\"", name, layer.name);
-        for (size_t i = 0; i < layer.uv.size(); ++i) {
-            const Vec3 uv(layer.uv[i].x, layer.uv[i].y, 0.0f);
-            if (!is_within(uv, kLargestNumber))
-                require_within(uv, kLargestNumber, of_layer, fmt::format("coordinate {}", i));
-        }
-        require_all_within(layer.tangents, kLargestNumber, of_layer, "tangent");
-    }
-    if (!mesh.uv_layers.empty() && mesh.active_uv_layer >= mesh.uv_layers.size())
-        invalid(fmt::format("{}: active UV layer {} of {}", name, mesh.active_uv_layer,
-                            mesh.uv_layers.size()));
+    for (const Attribute& attribute : mesh.attributes) require_numbers_within(attribute, name);
     if (mesh.slot_count == 1) mesh.slots.clear();
     drop_degenerate_triangles(mesh);
     normalize_corner_normals(mesh);
@@ -210,6 +208,7 @@ uint32_t SceneBuilder::add_instance(Instance instance) {
         if (material != kNone && material >= scene_->materials.size())
             invalid(fmt::format("{}: material index {} of {}", name, material,
                                 scene_->materials.size()));
+    for (const Attribute& attribute : instance.attributes) require_numbers_within(attribute, name);
     instance.world_to_object = checked_inverse(instance.object_to_world, name);
     require_bounds_within(scene_->meshes[instance.mesh], instance.object_to_world, name);
     instance.mirrored = instance.object_to_world.determinant() < 0.0f;
@@ -311,13 +310,14 @@ std::unique_ptr<Scene> SceneBuilder::freeze(uint32_t threads) {
     for (const Material& material : scene_->materials)
         for (const std::string& warning : material.warnings) scene_->report.push_back(warning);
     report_images(*scene_);
-    resolve_uv_layers(*scene_);
+    resolve_attributes(*scene_);
     displace(*scene_, threads);
     note_materials(*scene_);
     find_media(*scene_);
     assign_caustics_roles(*scene_);
     check_light_tracing(*scene_);
     center_on_casters(*scene_);
+    scene_->view = view_space(scene_->camera, scene_->origin);
     bake_positions(*scene_, before_.get());
     bound_scene(*scene_);
     scene_->accel =

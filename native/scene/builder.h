@@ -50,9 +50,9 @@ Camera checked_camera(const Camera& camera);
 
 // Steps of freeze(). Each may append to scene.report.
 void report_images(Scene& scene);
-void resolve_uv_layers(Scene& scene);  // layer names -> indices, fallback tangents
-void note_materials(Scene& scene);     // sets flags of instances and scene by their materials
-void find_media(Scene& scene);         // which instances absorb
+void resolve_attributes(Scene& scene);  // names -> indices, fallback tangents
+void note_materials(Scene& scene);      // sets flags of instances and scene by their materials
+void find_media(Scene& scene);          // which instances absorb
 void assign_caustics_roles(Scene& scene);
 void check_light_tracing(Scene& scene);  // after the roles
 void center_on_casters(Scene& scene);    // after the roles

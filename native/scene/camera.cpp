@@ -105,6 +105,19 @@ LensPoint point_of_lens(const Camera& camera, const Vec3& x) {
 
 }  // namespace
 
+ViewSpace view_space(const Camera& camera, const Vec3& origin) {
+    ViewSpace view;
+    view.to_world = camera.to_world;
+    view.to_world.translation += origin;
+    for (Vec3& row : view.to_world.row) row.z *= -1.0f;
+    view.from_world = view.to_world.inverse();
+    view.perspective = camera.projection == Projection::perspective;
+    view.viewplane = camera.viewplane;
+    view.pixel = (camera.viewplane[1] - camera.viewplane[0]) / static_cast<float>(camera.width);
+    view.origin = origin;
+    return view;
+}
+
 bool Camera::sees(const Vec2& film) const {
     return !is_panoramic() || panoramic_direction(*this, on_viewplane(*this, film)).has_value();
 }

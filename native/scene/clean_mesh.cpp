@@ -46,10 +46,13 @@ void drop_degenerate_triangles(Mesh& mesh) {
     keep(mesh.normals, survives, 3);
     keep(mesh.flat_faces, survives, 1);
     keep(mesh.slots, survives, 1);
-    for (UvLayer& layer : mesh.uv_layers) {
-        keep(layer.uv, survives, 3);
-        keep(layer.tangents, survives, 3);
-        keep(layer.tangent_signs, survives, 3);
+    for (Attribute& attribute : mesh.attributes) {
+        if (attribute.domain == AttributeDomain::corner)
+            keep(attribute.values, survives, 3 * attribute.components);
+        if (attribute.domain == AttributeDomain::triangle)
+            keep(attribute.values, survives, attribute.components);
+        keep(attribute.tangents, survives, 3);
+        keep(attribute.tangent_signs, survives, 3);
     }
 }
 

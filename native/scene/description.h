@@ -5,31 +5,43 @@
 #include "core/shared.h"
 #include "math/bounds.h"
 #include "shading/program.h"
+#include "shading/ray_state.h"
 
 #include <string>
 #include <vector>
 
 namespace spc {
 
-// Bits of ray visibility. A ray has the bit of its kind, an object those of the rays that see it.
-enum Visibility : uint32_t {
-    kVisibleCamera = 1,
-    kVisibleDiffuse = 2,
-    kVisibleGlossy = 4,
-    kVisibleTransmission = 8,
-    kVisibleShadow = 16,
-    kVisibleAll = 31,
-    // Rays after a bounce.
-    kVisibleScattered = kVisibleDiffuse | kVisibleGlossy | kVisibleTransmission
-};
-
 enum class CausticsRole : uint8_t { automatic, off, caster, receiver, both };
 
-struct UvLayer {
-    std::string name;
-    std::vector<Vec2> uv;              // 3 a triangle
-    std::vector<Vec3> tangents;        // 3 a triangle, object space, or empty
-    std::vector<float> tangent_signs;  // 3 a triangle, or empty
+enum class AttributeDomain : uint8_t { corner, vertex, triangle, object };
+
+// Numbers that materials read: of a mesh one each for its corners (3 a triangle), vertices or
+// triangles, of an object one for all.
+struct Attribute {
+    AttributeName called;
+    AttributeDomain domain = AttributeDomain::corner;
+    uint32_t components = 2;
+    std::vector<float> values;         // `components` each
+    std::vector<Vec3> tangents;        // of a UV layer: 3 a triangle, object space, or empty
+    std::vector<float> tangent_signs;  // likewise
+
+    size_t size() const { return values.size() / components; }
+    const float* at(size_t element) const { return values.data() + components * element; }
+    // As x, y, z and a fourth: a scalar stands for all of the first three; what is missing is 0, the
+    // fourth 1.
+    std::array<float, 4> value(size_t element) const {
+        const float* v = at(element);
+        switch (components) {
+            case 1: return {v[0], v[0], v[0], 1.0f};
+            case 2: return {v[0], v[1], 0.0f, 1.0f};
+            case 3: return {v[0], v[1], v[2], 1.0f};
+            default: return {v[0], v[1], v[2], v[3]};
+        }
+    }
+    // Coordinates in the plane of an image, one pair for each corner.
+    bool is_uv_layer() const { return domain == AttributeDomain::corner && components == 2; }
+    Vec2 uv(size_t corner) const { return {values[2 * corner], values[2 * corner + 1]}; }
 };
 
 struct Mesh {
@@ -42,8 +54,7 @@ struct Mesh {
     std::vector<Vec3> rest_positions;  // before vertices were displaced; empty where nothing reads them
     std::vector<uint32_t> slots;       // material slot of each triangle; empty = all 0
     uint32_t slot_count = 1;
-    std::vector<UvLayer> uv_layers;
-    uint32_t active_uv_layer = 0;
+    std::vector<Attribute> attributes;
     uint32_t dropped_triangles = 0;
     Bounds bounds;  // of all positions
 
@@ -62,9 +73,11 @@ struct Instance {
     float terminator_stretch = 1.0f;                  // Terminator::stretch
     uint32_t pass_index = 0;                          // what its pass shows
     float crypto_object = 0.0f, crypto_asset = 0.0f;  // identifiers, 0: none
+    std::vector<Attribute> attributes;                // of the object
     // Set when the scene is frozen.
-    std::vector<std::vector<uint32_t>>
-        uv_layers;  // [slot][layer of the material] -> layer of the mesh, or kNone
+    // [slot][attribute of the material] -> that of the mesh or, counted on from there, of the
+    // object; or kNone.
+    std::vector<std::vector<uint32_t>> attribute_indices;
     // Of every vertex if the mesh has this instance alone, else empty.
     SharedArray<Vec3> world_positions;
     bool caster = false, receiver = false;
@@ -72,6 +85,11 @@ struct Instance {
     bool emits = false;
     bool absorbs = false;  // a material has an absorbing medium behind it
     bool turns_light() const { return caster || rough_caster; }
+    const Attribute* attribute(const Mesh& on, uint32_t index) const {
+        if (index == kNone) return nullptr;
+        const size_t of_mesh = on.attributes.size();
+        return index < of_mesh ? &on.attributes[index] : &attributes[index - of_mesh];
+    }
 };
 
 enum class LightType : uint8_t { point, spot, sun, area };
@@ -182,6 +200,9 @@ struct Camera {
     // Along the viewing axis, of a panoramic camera along the ray, m.
     float depth(const Vec3& p) const;
 };
+
+// What graphs are told of a camera; `origin` is that of its world coordinates.
+ViewSpace view_space(const Camera& camera, const Vec3& origin);
 
 struct Environment {
     uint32_t material = kNone;

@@ -117,9 +117,9 @@ void turn_normals(const Scene& scene, const Instance& instance, const Mesh& befo
 // Into the planes of the new normals.
 void turn_tangents(Mesh& mesh) {
     if (mesh.normals.empty()) return;
-    for (UvLayer& layer : mesh.uv_layers)
-        for (size_t i = 0; i < layer.tangents.size(); ++i) {
-            Vec3& tangent = layer.tangents[i];
+    for (Attribute& attribute : mesh.attributes)
+        for (size_t i = 0; i < attribute.tangents.size(); ++i) {
+            Vec3& tangent = attribute.tangents[i];
             tangent =
                 safe_normalize(tangent - mesh.normals[i] * dot(mesh.normals[i], tangent), tangent);
         }

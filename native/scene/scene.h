@@ -22,6 +22,7 @@ struct Scene {
     std::vector<LightDesc> lights;
     Vec3 origin{0.0f};  // of all world coordinates here, in the host's: see center_on_casters()
     Camera camera;
+    ViewSpace view;  // of the camera
     Environment environment;
     bool any_transparency = false;  // some material lets shadow rays through
     Bounds absorbing;               // around the instances that absorb, world
@@ -38,6 +39,7 @@ struct Scene {
     void move_camera(const Camera& checked) {
         camera = checked;
         camera.to_world.translation -= origin;
+        view = view_space(camera, origin);
     }
     const Material& material_of(const SurfaceHit& hit) const {
         return materials[material_index(hit.instance, hit.triangle)];

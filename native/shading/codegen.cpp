@@ -230,10 +230,16 @@ uint32_t reads_of(const Program& program, const Section& section) {
 
 std::vector<uint32_t> images_of(const Program& program) {
     std::vector<uint32_t> images;
-    for (const Instruction& i : program.instructions)
-        if (traits(i.op).index == IndexOf::image &&
-            std::find(images.begin(), images.end(), i.index) == images.end())
-            images.push_back(i.index);
+    const auto add = [&](uint32_t image) {
+        if (std::find(images.begin(), images.end(), image) == images.end()) images.push_back(image);
+    };
+    for (const Instruction& i : program.instructions) {
+        if (traits(i.op).index == IndexOf::image) add(i.index);
+        if (i.op != Op::tiled_image) continue;
+        const float* block = program.blocks.data() + i.index;
+        for (size_t k = 0; k < static_cast<size_t>(*block); ++k)
+            add(static_cast<uint32_t>(block[2 * k + 2]));
+    }
     return images;
 }
 

@@ -61,11 +61,19 @@ ExprId Compiler::output(uint32_t index, int socket) {
     return known;
 }
 
-uint32_t Compiler::uv_layer(const std::string& name) {
-    const auto found = std::find(uv_layers_.begin(), uv_layers_.end(), name);
-    const uint32_t index = static_cast<uint32_t>(found - uv_layers_.begin());
-    if (found == uv_layers_.end()) uv_layers_.push_back(name);
+namespace {
+
+uint32_t index_in(std::vector<AttributeName>& attributes, const AttributeName& wanted) {
+    const auto found = std::find(attributes.begin(), attributes.end(), wanted);
+    const auto index = static_cast<uint32_t>(found - attributes.begin());
+    if (found == attributes.end()) attributes.push_back(wanted);
     return index;
+}
+
+}  // namespace
+
+uint32_t Compiler::attribute(AttributeKind kind, const std::string& name) {
+    return index_in(attributes_, {kind, name});
 }
 
 void Compiler::warn(uint32_t index, const std::string& text) {
@@ -129,6 +137,8 @@ void Compiler::describe(Material& material) {
     };
     for (const ClosureTerm& term : terms_) {
         const ClosureOpTraits& row = term.row();
+        for (const ExprId operand : term.in)
+            material.depends_on_ray |= operand != kNoExpr && (expr.reads(operand) & kReadsRay) != 0;
         if (material.narrow_lobe.empty()) material.narrow_lobe = narrow_lobe(term);
         material.may_be_transparent |= row.straight != kAbsent;
         material.has_smooth |=
@@ -221,8 +231,13 @@ Material Compiler::run() {
     check_closure_count();
 
     describe(material);
-    find_specular_interfaces(expr, graph_, terms_, material, roots.caster_normal, warnings_);
-    material.slopes = find_slope_map(expr, glints_, images_, terms_);
+    if (material.depends_on_ray) {
+        material.specular.why_not = "its look depends on the kind of ray";
+        material.narrow_lobe.clear();
+    } else {
+        find_specular_interfaces(expr, graph_, terms_, material, roots.caster_normal, warnings_);
+    }
+    material.slopes = find_slope_map(expr, glints_, images_, attributes_, terms_);
     if (material.emits) (is_world_ ? roots.background : roots.emission) = emission;
     for (const ClosureTerm& term : terms_) {
         if (term.row().straight == kAbsent) continue;
@@ -239,27 +254,25 @@ Material Compiler::run() {
     for (const Section& height : program.heights)
         material.height_reads |= reads_of(program, height);
     material.images = images_of(program);
-    material.uv_layers = keep_used_layers(program, material.slopes);
+    material.attributes = keep_used_attributes(program, material.slopes);
     material.warnings = std::move(warnings_);
     return material;
 }
 
-// Layers of values that came to nothing are not read.
-std::vector<std::string> Compiler::keep_used_layers(Program& program, SlopeMap& slopes) const {
-    std::vector<std::string> kept;
-    const auto keep = [&](uint32_t layer) {
-        const std::string& name = uv_layers_[layer];
-        const auto found = std::find(kept.begin(), kept.end(), name);
-        const auto index = static_cast<uint32_t>(found - kept.begin());
-        if (found == kept.end()) kept.push_back(name);
-        return index;
-    };
+// Attributes of values that came to nothing are not read.
+std::vector<AttributeName> Compiler::keep_used_attributes(Program& program, SlopeMap& slopes) const {
+    std::vector<AttributeName> kept;
+    const auto keep = [&](uint32_t& index) { index = index_in(kept, attributes_[index]); };
     for (Instruction& i : program.instructions)
-        if (traits(i.op).index == IndexOf::uv_layer) i.index = keep(i.index);
+        if (traits(i.op).index == IndexOf::attribute) keep(i.index);
     if (slopes.image != kNone) {
-        slopes.uv_layer = keep(slopes.uv_layer);
-        slopes.tangent_layer = keep(slopes.tangent_layer);
+        keep(slopes.uv_layer);
+        keep(slopes.tangent_layer);
     }
+    if (kept.size() > kMaxAttributes)
+        throw Error(ErrorKind::invalid_argument,
+                    fmt::format("{}: reads {} attributes; at most {}",
+                                named("material", graph_.name), kept.size(), kMaxAttributes));
     return kept;
 }
 

@@ -68,7 +68,7 @@ public:
     bool is_world() const { return is_world_; }
     ShaderPart part() const { return part_; }  // whose shaders are asked
     std::span<const Image> images() const { return images_; }
-    uint32_t uv_layer(const std::string& name);
+    uint32_t attribute(AttributeKind kind, const std::string& name = "");
     void warn(uint32_t node, const std::string& text);
 
     void add_weight(uint32_t node, ExprId weight);  // to a shader that another one uses
@@ -104,7 +104,7 @@ private:
     }
     void describe(Material& material);
     Spectrum medium();
-    std::vector<std::string> keep_used_layers(Program& program, SlopeMap& slopes) const;
+    std::vector<AttributeName> keep_used_attributes(Program& program, SlopeMap& slopes) const;
 
     ResolvedGraph graph_;
     GlintsMode glints_;
@@ -113,7 +113,7 @@ private:
     std::vector<std::vector<ExprId>> outputs_;  // known values of [node][output]
     std::vector<ExprId> shader_weights_;
     std::vector<ClosureTerm> terms_;
-    std::vector<std::string> uv_layers_;
+    std::vector<AttributeName> attributes_;
     std::vector<std::string> warnings_;
     ExprId absorption_;  // 1/m
     ExprId surface_normal_ = kNoExpr;
@@ -136,13 +136,24 @@ public:
         if (traits(e[given].op).gives_normal) return given;
         return e.make(Op::shading_normal, {given});
     }
+    ExprId attribute(AttributeKind kind, const std::string& name = "") {
+        return e.make(Op::attribute, {}, 0, c.attribute(kind, name));
+    }
     bool linked(int i) const { return source(i).from_node != kNone; }
     const ResolvedInput& source(int i) const {
         return c.node(index).inputs[static_cast<size_t>(i)];
     }
     const std::string& option(int i) const { return c.node(index).options[static_cast<size_t>(i)]; }
+    bool has_array(int i) const { return c.node(index).arrays[static_cast<size_t>(i)] != nullptr; }
     const std::vector<float>& array(int i) const {
         return *c.node(index).arrays[static_cast<size_t>(i)];
+    }
+    // A table of colours, as Op::ramp looks it up.
+    uint32_t ramp(int array_index) {
+        const std::vector<float>& rows = array(array_index);
+        std::vector<float> block{static_cast<float>(rows.size() / 4)};
+        block.insert(block.end(), rows.begin(), rows.end());
+        return e.block(block);
     }
     bool enabled(int i) const { return option(i) == "True"; }
     bool output_used(int i) const { return c.node(index).used_outputs[static_cast<size_t>(i)]; }
@@ -164,9 +175,9 @@ void find_specular_interfaces(const ExprBuilder& expr, const ResolvedGraph& grap
                               ExprId& caster_normal, std::vector<std::string>& warnings);
 
 // Decides in which normal or height map glints are looked for, marks the terms that belong to it
-// (slope_map.cpp). Its layers are indices among those of the compiler, in order of first use.
+// (slope_map.cpp). Its layers are indices of `attributes`, as the expressions' are.
 SlopeMap find_slope_map(const ExprBuilder& expr, GlintsMode mode, std::span<const Image> images,
-                        std::vector<ClosureTerm>& terms);
+                        std::span<const AttributeName> attributes, std::vector<ClosureTerm>& terms);
 
 // Throws Error naming `material` if registers or constants do not suffice.
 Program generate(const ExprBuilder& expr, const std::vector<ClosureTerm>& terms,

@@ -5,6 +5,7 @@
 #include "core/uninitialized_array.h"
 #include "shading/normal_map.h"
 #include "shading/program.h"
+#include "shading/spaces.h"
 
 namespace spc {
 namespace {
@@ -21,6 +22,44 @@ void run_image(const Instruction& i, const Registers<T>& r, std::span<const Imag
                                 mode_extension(i.mode), mode_straight(i.mode));
     r.store(i.out, Vector3<T>{c.r, c.g, c.b});
     r.store(static_cast<Operand>(i.out + 3), c.a);
+}
+
+// A block of pairs: a tile's number, counted from 0 in rows of ten, and its image; before them how
+// many there are. Where there is no tile it is magenta.
+template <class T>
+void run_tiled_image(const Program& program, const Instruction& i, const Registers<T>& r,
+                     std::span<const Image> images) {
+    const Vector3<T> at = r.vector(i, 0);
+    const float column = std::floor(value_of(at.x)), row = std::floor(value_of(at.y));
+    const float* block = program.blocks.data() + i.index;
+    Rgba<T> c{T(1.0f), T(0.0f), T(1.0f), T(1.0f)};
+    for (const float *tile = block + 1, *end = tile + 2 * static_cast<size_t>(*block); tile < end;
+         tile += 2) {
+        if (column < 0.0f || column >= 10.0f || *tile != 10.0f * row + column) continue;
+        c = lookup<T>(images[static_cast<size_t>(tile[1])], at.x - T(column), at.y - T(row),
+                      mode_interpolation(i.mode), mode_extension(i.mode), mode_straight(i.mode));
+        break;
+    }
+    r.store(i.out, Vector3<T>{c.r, c.g, c.b});
+    r.store(static_cast<Operand>(i.out + 3), c.a);
+}
+
+template <class T>
+void run_attribute(const Instruction& i, const Registers<T>& r, const ShadingPoint<T>& point) {
+    const std::array<T, 4>& value = point.attributes[i.index];
+    r.store(i.out, Vector3<T>{value[0], value[1], value[2]});
+    r.store(static_cast<Operand>(i.out + 3), value[3]);
+}
+
+uint32_t depth_of(const RayState& ray, RayDepth depth) {
+    switch (depth) {
+        case RayDepth::total: return ray.depth;
+        case RayDepth::diffuse: return ray.diffuse_depth;
+        case RayDepth::glossy: return ray.glossy_depth;
+        case RayDepth::transparent: return ray.transparent_depth;
+        case RayDepth::transmission: return ray.transmission_depth;
+    }
+    return 0;
 }
 
 template <class T>
@@ -73,11 +112,7 @@ void run(const Program& program, const Section& section, std::span<const Image> 
     for (uint32_t k = section.begin; k < section.end; ++k) {
         const Instruction& i = program.instructions[k];
         switch (i.op) {
-            case Op::uv:
-                r.store(i.out, point.uv == nullptr ? Vector3<T>{}
-                                                   : Vector3<T>{point.uv[i.index][0],
-                                                                point.uv[i.index][1], T(0.0f)});
-                break;
+            case Op::attribute: run_attribute(i, r, point); break;
             case Op::position: r.store(i.out, point.position); break;
             case Op::position_object: r.store(i.out, point.position_object); break;
             case Op::normal_object: {
@@ -113,6 +148,27 @@ void run(const Program& program, const Section& section, std::span<const Image> 
                 break;
             }
             case Op::backfacing: r.store(i.out, T(point.backfacing ? 1.0f : 0.0f)); break;
+            case Op::barycentric:
+                r.store(i.out, Vector3<T>{T(1.0f) - point.u - point.v, point.u, T(0.0f)});
+                break;
+            case Op::transform: r.store(i.out, transformed(i.mode, r.vector(i, 0), point)); break;
+            case Op::view_position: r.store(i.out, in_view(point)); break;
+            case Op::window: r.store(i.out, in_window(point)); break;
+            case Op::mesh_tangent:
+                r.store(i.out, apply(*point.object_to_world, point.tangent_object[i.index]));
+                break;
+            case Op::wireframe:
+                r.store(i.out, T(is_near_side(value_of(r.scalar(i, 0)), i.mode != 0, point)));
+                break;
+            case Op::tiled_image: run_tiled_image(program, i, r, images); break;
+            case Op::ray_kind:
+                r.store(i.out, T((point.ray.kinds & i.mode) != 0 ? 1.0f : 0.0f));
+                break;
+            case Op::ray_length: r.store(i.out, T(point.ray.length)); break;
+            case Op::ray_depth:
+                r.store(i.out,
+                        T(static_cast<float>(depth_of(point.ray, static_cast<RayDepth>(i.mode)))));
+                break;
             case Op::image: run_image(i, r, images); break;
             case Op::tangent_normal:
                 r.store(i.out, map_normal(NormalSpace::tangent, r.scalar(i, 0), r.vector(i, 1),
@@ -387,11 +443,19 @@ Vec3 evaluate_displacement(const Material& material, std::span<const Image> imag
 }
 
 Spectrum evaluate_background(const Material& material, std::span<const Image> images,
-                             const Vec3& direction) {
+                             const Vec3& direction, const RayState& ray, const ViewSpace& view) {
     const Section& section = material.program->background;
     if (section.begin == section.end && section.result == kNoOperand) return Spectrum(0.0f);
     ShadingPoint<float> point{};
     point.position = to_vector(direction);
+    point.ray = ray;
+    // Seen from the camera, wherever it stands.
+    ViewSpace turned;
+    if ((material.reads & kReadsView) != 0) {
+        turned = view;
+        turned.from_world.translation = turned.to_world.translation = Vec3(0.0f);
+    }
+    point.view = &turned;
     return evaluate_spectrum(*material.program, section, images, point);
 }
 

@@ -13,6 +13,18 @@
 
 namespace spc {
 
+enum class RayDepth : uint8_t { total, diffuse, glossy, transparent, transmission };
+
+// Of Vector Transform.
+enum class VectorSpace : uint8_t { world, object, camera };
+enum class VectorMeaning : uint8_t { vector, point, normal };
+
+// Instruction::mode of a transform.
+inline uint8_t transform_mode(VectorSpace from, VectorSpace to, VectorMeaning meaning) {
+    return static_cast<uint8_t>(static_cast<int>(from) | static_cast<int>(to) << 2 |
+                                static_cast<int>(meaning) << 4);
+}
+
 enum class NormalSpace : uint8_t { tangent, object, world };  // of a Normal Map
 
 // Instruction::mode of an image.

@@ -30,7 +30,7 @@ ExprId vector_displacement(NodeContext& node, int) {
     if (node.option(0) == "WORLD") return offset;
     if (node.option(0) == "OBJECT") return e.make(Op::direction_to_world, {offset});
     const ExprId normal = e.make(Op::normal_object, {kNoExpr}, kHeldStill);
-    const ExprId tangent = e.make(Op::tangent_object, {}, 0, node.c.uv_layer(""));
+    const ExprId tangent = e.make(Op::tangent_object, {}, 0, node.c.attribute(AttributeKind::uv));
     const ExprId bitangent =
         e.scale(e.normalize(e.make(Op::cross, {normal, tangent})), e.lane(tangent, 3));
     const ExprId along =

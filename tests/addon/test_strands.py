@@ -58,8 +58,8 @@ def test_a_ball_is_round():
 def test_uv_is_that_of_the_strand():
     points, counts = bent()
     uv = np.array([(0.1, 0.2), (0.7, 0.9)])
-    (layer,) = tubes("Hair", points, np.full(11, 0.05), counts, {"UVMap": uv}).uv_layers
-    assert layer.name == "UVMap" and {tuple(at) for at in layer.uv.reshape(-1, 2).round(3)} == {
+    (layer,) = tubes("Hair", points, np.full(11, 0.05), counts, {"UVMap": uv}).attributes
+    assert layer.name == "UVMap" and {tuple(at) for at in layer.values.reshape(-1, 2).round(3)} == {
         (np.float32(0.1).round(3), np.float32(0.2).round(3)),
         (np.float32(0.7).round(3), np.float32(0.9).round(3)),
     }

@@ -16,7 +16,14 @@ from scenes import (
 )
 
 from specula.export import compat
-from specula.export.desc import NONE, AlphaMode, ColorSpace, MaterialNeeds, Visibility
+from specula.export.desc import (
+    NONE,
+    AlphaMode,
+    AttributeKind,
+    AttributeNeed,
+    ColorSpace,
+    Visibility,
+)
 from specula.export.image import Images
 from specula.export.log import ExportLog
 from specula.export.material import export_material
@@ -27,8 +34,13 @@ from specula.upload import upload
 OLD_PRINCIPLED = bpy.app.version < (4, 0, 0)
 
 
+def uv_needs(*layers, tangents=frozenset()):
+    """What a material needs that reads UV layers, of some their tangents."""
+    return frozenset(AttributeNeed(AttributeKind.UV, name, name in tangents) for name in layers)
+
+
 def convert(material):
-    """(MaterialDesc, MaterialNeeds, warnings, images)"""
+    """(MaterialDesc, AttributeKind, AttributeNeed, warnings, images)"""
     log = ExportLog()
     images = Images(log)
     desc = export_material(material, images, log)
@@ -79,7 +91,7 @@ def test_constants_and_options_of_a_shader():
     assert glass.inputs["Color"] == (1, 1, 1, 1)
     assert "Normal" not in glass.inputs
     assert glass.image == NONE
-    assert (needs, warnings) == (MaterialNeeds(), [])
+    assert (needs, warnings) == (frozenset(), [])
 
 
 def test_only_reachable_nodes_are_exported():
@@ -209,7 +221,7 @@ def test_a_constant_of_a_group_does_not_replace_what_a_surface_has(shader, reade
     material.node_tree.links.new(group.outputs[0], surface(material))
     desc, needs, _, _ = convert(material)
     assert all(reader not in n.inputs for n in desc.nodes)
-    assert needs.uv_maps == (frozenset([""]) if reader == "Vector" else frozenset())
+    assert needs == (uv_needs("") if reader == "Vector" else frozenset())
 
 
 def test_a_hidden_value_of_a_group_counts():
@@ -342,7 +354,7 @@ def test_coat():
     assert inputs["Coat Roughness"][0] == 0.25
     assert inputs.get("Coat IOR", (1.5,))[0] == 1.5
     assert "normal_map.Normal -> bsdf_principled.Coat Normal" in links(desc)
-    assert needs == MaterialNeeds(frozenset([""]), frozenset([""]))
+    assert needs == uv_needs("", tangents={""})
     assert warnings == []
 
 
@@ -379,7 +391,7 @@ def test_volumes_that_absorb():
     absorbs = node(desc, "volume_absorption").inputs
     assert absorbs == {"Color": (0.25, 0.5, 1, 1), "Density": (3, 3, 3, 1)}
     assert set(node(desc, "volume_principled").inputs) == {"Color", "Density", "Absorption Color"}
-    assert (needs, warnings) == (MaterialNeeds(), [])
+    assert (needs, warnings) == (frozenset(), [])
 
 
 def test_a_volume_alone_has_an_invisible_surface():
@@ -459,9 +471,9 @@ def test_normal_map_reads_tangents_of_its_layer():
     add_node(material, "ShaderNodeTexImage", normal.inputs["Color"], image=new_image())
     desc, needs, *_ = convert(material)
     assert node(desc, "normal_map").options == {"space": "TANGENT", "uv_map": "detail"}
-    assert needs == MaterialNeeds(frozenset(["", "detail"]), frozenset(["detail"]))
+    assert needs == uv_needs("", "detail", tangents={"detail"})
     normal.space = "WORLD"
-    assert convert(material)[1].tangents == frozenset()
+    assert convert(material)[1] == uv_needs("")
 
 
 def test_bump_and_the_height_that_it_reads():
@@ -474,14 +486,14 @@ def test_bump_and_the_height_that_it_reads():
     desc, needs, warnings, _ = convert(material)
     assert node(desc, "bump").options == {"invert": "True"}
     assert node(desc, "bump").inputs["Distance"][0] == 0.25
-    assert needs == MaterialNeeds(frozenset([""]), frozenset())
+    assert needs == uv_needs("")
     assert not warnings
     bump.invert = False
     assert node(convert(material)[0], "bump").options == {"invert": "False"}
 
 
-@pytest.mark.parametrize(("output", "uv_maps"), [("UV", {""}), ("Generated", set())])
-def test_texture_coordinates_need_uv_only_for_uv(output, uv_maps):
+@pytest.mark.parametrize(("output", "kind"), [("UV", "UV"), ("Generated", "GENERATED")])
+def test_texture_coordinates_need_what_is_read(output, kind):
     material = new_material()
     shader = add_node(material, "ShaderNodeBsdfDiffuse", surface(material))
     texture = add_node(material, "ShaderNodeTexImage", shader.inputs["Color"], image=new_image())
@@ -489,7 +501,7 @@ def test_texture_coordinates_need_uv_only_for_uv(output, uv_maps):
     coordinate = add_node(material, "ShaderNodeTexCoord", mapping.inputs["Vector"], output)
     assert coordinate.outputs[output].is_linked
     desc, needs, warnings, _ = convert(material)
-    assert needs.uv_maps == uv_maps
+    assert needs == {AttributeNeed(AttributeKind[kind])}
     assert node(desc, "mapping").options == {"vector_type": "POINT"}
     assert f"texture_coordinate.{output} -> mapping.Vector" in links(desc)
     assert warnings == []
@@ -677,7 +689,7 @@ def test_blender_decodes_the_frame_of_a_sequence(sequence):
 
 
 @pytest.mark.parametrize("name", ["skin.<UDIM>.png", "skin.<UVTILE>.png"])
-def test_a_udim_shows_its_first_tile(tmp_path, name):
+def test_a_udim_has_an_image_for_each_tile(tmp_path, name):
     numbers = ("1001", "1012") if "UDIM" in name else ("u1_v1", "u2_v2")
     for number in numbers:
         save_color(tmp_path / f"skin.{number}.png", 0.5)
@@ -686,11 +698,14 @@ def test_a_udim_shows_its_first_tile(tmp_path, name):
     image.filepath = str(tmp_path / name)
     if len(image.tiles) == 1:
         image.tiles.new(1012)
-    desc, warnings = added(image)
-    assert desc.path == str(tmp_path / f"skin.{numbers[0]}.png")
-    assert warnings == [f"image {image.name}: of its tiles only 1001 is shown"]
+    images = Images(ExportLog())
+    assert images.add(image, None, "user") == 0
+    assert images.tiles(image) == [(0, 0), (11, 1)]
+    paths = [str(tmp_path / f"skin.{number}.png") for number in numbers]
+    assert [desc.path for desc in images.descs] == paths
     image.tiles.remove(image.tiles[1])
     image.tiles[0].number = 1012
+    assert images.tiles(image) == []
     desc, warnings = added(image)
     assert desc.path == str(tmp_path / f"skin.{numbers[1]}.png")
     assert warnings == []

@@ -244,17 +244,36 @@ typedef struct spc_material_desc {
 SPC_API spc_status spc_scene_add_material(spc_scene* scene, const spc_material_desc* desc,
                                           uint32_t* material_index);
 
-/* A UV layer that a material reads. */
-typedef struct spc_uv_need {
-    const char* layer; /* "": the active one */
-    uint32_t tangents; /* 1: the material reads its tangents, too */
-} spc_uv_need;
+/* What an attribute is. A material finds those of a mesh by name or, where it gives no name, by
+ * their kind; those of an object, which are the same all over it, by kind and name. */
+typedef enum spc_attribute_kind {
+    SPC_ATTRIBUTE_NAMED = 0,
+    SPC_ATTRIBUTE_UV = 1,         /* the active UV layer */
+    SPC_ATTRIBUTE_COLOR = 2,      /* the active colour */
+    SPC_ATTRIBUTE_GENERATED = 3,  /* the place in the undeformed mesh's box, 0 to 1 */
+    SPC_ATTRIBUTE_POINTINESS = 4, /* how convex the mesh is, as Cycles has it */
+    SPC_ATTRIBUTE_ISLAND = 5,     /* a random number for each connected part */
+    /* Of objects from here. */
+    SPC_ATTRIBUTE_OBJECT = 6,        /* a property of the object */
+    SPC_ATTRIBUTE_INSTANCER = 7,     /* a property of what makes the instance */
+    SPC_ATTRIBUTE_OBJECT_INFO = 8,   /* an output of Blender's node of that name */
+    SPC_ATTRIBUTE_PARTICLE_INFO = 9, /* likewise */
+    SPC_ATTRIBUTE_VIEW_LAYER = 10    /* a property of the view layer */
+} spc_attribute_kind;
 
-/* What surfaces of a material read from their mesh. The scene owns the array and its texts. */
+/* An attribute that a material reads. */
+typedef struct spc_attribute_need {
+    const char* name;  /* "": the one of its kind */
+    uint32_t kind;     /* spc_attribute_kind */
+    uint32_t tangents; /* 1: the tangents of a UV layer, too */
+} spc_attribute_need;
+
+/* What surfaces of a material read from their mesh and their object. The scene owns the array and
+ * its texts. */
 typedef struct spc_material_needs {
     size_t struct_size;
-    const spc_uv_need* uv_layers; /* valid until the next call for this scene */
-    uint32_t uv_layer_count;
+    const spc_attribute_need* attributes; /* valid until the next call for this scene */
+    uint32_t attribute_count;
 } spc_material_needs;
 
 /* Says, before commit, what a mesh with this material must bring. Errors: SPC_WRONG_STATE (after
@@ -273,14 +292,26 @@ SPC_API const char* spc_node_kinds(void);
 
 /* ---- geometry */
 
-/* Texture coordinates at the corners of a mesh's triangles. */
-typedef struct spc_uv_layer {
+/* What an attribute has a value for. */
+typedef enum spc_attribute_domain {
+    SPC_DOMAIN_CORNER = 0, /* triangle_count * 3 elements */
+    SPC_DOMAIN_VERTEX = 1, /* vertex_count */
+    SPC_DOMAIN_TRIANGLE = 2,
+    SPC_DOMAIN_OBJECT = 3 /* one; the only domain of an instance's attributes, and theirs alone */
+} spc_attribute_domain;
+
+/* Numbers for materials to read, interpolated over triangles. One component stands for all of a
+ * colour, two are x and y, a fourth is alpha. */
+typedef struct spc_attribute {
     const char* name;
-    const float* uv; /* float[triangle_count][3][2] */
-    /* float[triangle_count][3][4]: MikkTSpace tangent xyz in object space and bitangent sign; or
-     * NULL */
+    uint32_t kind;       /* spc_attribute_kind */
+    uint32_t domain;     /* spc_attribute_domain */
+    uint32_t components; /* 1 to 4 */
+    const float* values; /* float[elements][components] */
+    /* of a UV layer (two components at corners): float[triangle_count][3][4], MikkTSpace tangent
+     * xyz in object space and bitangent sign; or NULL */
     const float* tangents;
-} spc_uv_layer;
+} spc_attribute;
 
 typedef struct spc_mesh_desc {
     size_t struct_size;
@@ -296,9 +327,8 @@ typedef struct spc_mesh_desc {
     const uint32_t* flat_faces;
     const uint32_t* material_slots; /* uint32_t[triangle_count], each < slot_count; NULL = slot 0 */
     uint32_t slot_count;            /* >= 1 */
-    const spc_uv_layer* uv_layers;
-    uint32_t uv_layer_count;
-    uint32_t active_uv_layer; /* used where a node names no layer; ignored without layers */
+    const spc_attribute* attributes;
+    uint32_t attribute_count;
 } spc_mesh_desc;
 
 /* Adds a triangle mesh and gives the index by which instances refer to it. Triangles of zero area
@@ -342,6 +372,8 @@ typedef struct spc_instance_desc {
     uint32_t holdout;        /* 1: the camera sees a hole of alpha 0 in its place */
     uint32_t pass_index;               /* what SPC_PASS_OBJECT_INDEX shows */
     float crypto_object, crypto_asset; /* identifiers for Cryptomatte; 0: none */
+    const spc_attribute* attributes;
+    uint32_t attribute_count;
 } spc_instance_desc;
 
 /* Places a mesh in the world and gives the instance's index. Errors: SPC_WRONG_STATE (after

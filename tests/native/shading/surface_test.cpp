@@ -151,7 +151,7 @@ TEST(Surface, FactorsMayVary) {
         .link(b.node("bsdf_transparent"), "BSDF", mix, "Shader_001");
     const Material material = compile(b.surface(mix, "Shader"), {});
     for (const float v : {0.25f, 2.75f, 9.0f}) {  // the last one is beyond 1
-        at.uv[0] = {0.5f, v};
+        at.attributes[0] = {0.5f, v, 0, 1};
         const float fac = std::min((0.5f + v) / 3, 1.0f);
         const ClosureList list = closures_of(material, at.point);
         expect_near(Vec3(list.transparency), Vec3(fac), 1e-6f);

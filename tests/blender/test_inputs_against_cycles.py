@@ -245,11 +245,13 @@ def load_pictures(folder) -> None:
     """'Picture', 'Clear', and 'Tiles' with three of the nine that the tile `wide` shows."""
     for name in ("Picture", "Clear"):
         save_picture(folder / f"{name}.exr", 1, opaque=name == "Picture")
-        bpy.data.images.load(str(folder / f"{name}.exr")).name = name
+        image = bpy.data.images.load(str(folder / f"{name}.exr"))
+        image.name, image.colorspace_settings.name = name, "Non-Color"
     for seed, number in enumerate((1001, 1003, 1012)):
         save_picture(folder / f"tiles.{number}.exr", seed)
     tiled = bpy.data.images.load(str(folder / "tiles.1001.exr"))
     tiled.name, tiled.source = "Tiles", "TILED"
+    tiled.colorspace_settings.name = "Non-Color"
     tiled.filepath = str(folder / "tiles.<UDIM>.exr")
     for number in (1003, 1012):
         if tiled.tiles.get(number) is None:

@@ -1,4 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+from dataclasses import replace
+
 import bpy
 import numpy as np
 import pytest
@@ -276,15 +278,16 @@ def test_unknown_shader_is_magenta_and_warned_of_once():
     assert strange.name in warning
 
 
-def test_unknown_value_node_leaves_the_reader_its_constant():
+def test_unknown_value_node_leaves_the_reader_its_constant(monkeypatch):
+    monkeypatch.delitem(NODES, "ShaderNodeGamma")
     material = new_material("noisy")
     shader = add_node(material, "ShaderNodeBsdfDiffuse", surface(material))
     shader.inputs["Color"].default_value = (0.25, 0.5, 0.75, 1)
-    add_node(material, "ShaderNodeAmbientOcclusion", shader.inputs["Color"])
+    add_node(material, "ShaderNodeGamma", shader.inputs["Color"])
     desc, _, warnings, _ = convert(material)
     assert node(desc, "bsdf_diffuse").inputs["Color"] == (0.25, 0.5, 0.75, 1)
     assert len(warnings) == 1
-    assert "material noisy, node Ambient Occlusion" in warnings[0]
+    assert "material noisy, node Gamma" in warnings[0]
 
 
 def test_settings_that_are_not_modelled_are_named():
@@ -455,7 +458,9 @@ def test_sharp_is_ggx_of_roughness_zero():
     assert warnings == []
 
 
-def test_an_unknown_choice_falls_back_with_a_warning():
+def test_an_unknown_choice_falls_back_with_a_warning(monkeypatch):
+    known = replace(NODES["ShaderNodeNormalMap"], options={"space": ("TANGENT", "OBJECT")})
+    monkeypatch.setitem(NODES, "ShaderNodeNormalMap", known)
     material = new_material()
     shader = add_node(material, "ShaderNodeBsdfDiffuse", surface(material))
     add_node(material, "ShaderNodeNormalMap", shader.inputs["Normal"], space="BLENDER_OBJECT")

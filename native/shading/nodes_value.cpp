@@ -96,7 +96,7 @@ ExprId image_texture(NodeContext& node, int output) {
         return output == kColor ? image : e.lane(image, 3);
     }
     const ExprId normal = node.c.is_world() ? e.scale(read_point(e, Op::position), e.constant(-1.0f))
-                                            : read_point(e, Op::normal_object);
+                                            : e.make(Op::normal_object, {node.c.surface_normal()});
     const ExprId weights = e.make(Op::box_weights, {normal, node.input(kBlend)});
     ExprId sum = kNoExpr;
     for (uint8_t side = 0; side < 3; ++side) {

@@ -275,7 +275,6 @@ def pictures(tmp_path_factory):
 
 
 # What is not yet as in Cycles (docs/limits.md).
-FAILING = {"BOX Color", "BOX Alpha", "box 0.2", "box 1.0"}
 FAILING_IN_3_4 = {f"attribute group {output}" for output in ("Color", "Vector", "Fac")} | {
     f"transform NORMAL {space} {space}" for space in ("WORLD", "OBJECT", "CAMERA")
 }
@@ -285,7 +284,7 @@ FAILING_IN_3_4 = {f"attribute group {output}" for output in ("Color", "Vector", 
 def test_input(pictures, name):
     if name not in pictures:
         pytest.skip("not in this Blender")
-    if name in FAILING or (bpy.app.version < (4, 0) and name in FAILING_IN_3_4):
+    if bpy.app.version < (4, 0) and name in FAILING_IN_3_4:
         with pytest.raises(AssertionError):
             tiles.assert_same(*pictures[name])
         pytest.xfail("listed as failing")

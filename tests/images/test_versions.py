@@ -41,8 +41,8 @@ def differing(old: dict, new: dict) -> list[str]:
 
 
 def of_both(old: np.ndarray, new: np.ndarray) -> list[dict]:
-    """The dicts whose texts they hold, of the names in both, but for what goes by version. A socket or
-    an option that one Blender lacks stands at its default in the other."""
+    """The dicts whose texts they hold, of the names in both, but for what goes by version. A socket
+    or an option that one Blender lacks stands at its default in the other."""
     said = [ast.literal_eval(text.item()) for text in (old, new)]
     names = said[0].keys() & said[1].keys() - BY_VERSION
     return [{name: one[name] for name in names} for one in said]

@@ -107,7 +107,8 @@ void Compiler::add_term(ClosureTerm term) {
         term.in.pop_back();
         term.op = ClosureOp::lambert;
     }
-    if (term.grain.exists() && expr.is_constant(term.alpha(), 0.0f)) term.grain = {};  // a mirror
+    const bool brushed = term.row().has_facets() && !expr.is_constant(term.alpha(), 0.0f);
+    if (!brushed) term.grain = {};
     terms_.push_back(std::move(term));
 }
 

@@ -88,10 +88,11 @@ SPC_API void spc_scene_destroy(spc_scene* scene);
  * keeps of it by the calls below and what follows from that: trees over geometry, tables of the world
  * and of glints. Its pictures are those of a scene by this call, without `before`, into which all has
  * been added anew, to the bit but for surfaces that coincide; one by spc_scene_create() has copies of
- * small meshes in one tree, and rounds otherwise. Here each instance has a tree of its own, which takes a little longer to
- * render and makes the next scene cheap. `before` may be NULL, for the first of a series, and be
- * destroyed at any time. Embree's threads are those of the first commit. The scene keeps its light
- * sheets while its camera moves. Errors: SPC_WRONG_STATE (`before` is not committed). */
+ * small meshes in one tree, and rounds otherwise. Here each instance has a tree of its own, which
+ * takes a little longer to render and makes the next scene cheap. `before` may be NULL, for the first
+ * of a series, and be destroyed at any time. Embree's threads are those of the first commit. The scene
+ * keeps its light sheets while its camera moves. Errors: SPC_WRONG_STATE (`before` is not
+ * committed). */
 SPC_API spc_status spc_scene_edit(const spc_scene* before, spc_scene** scene);
 
 /* Adds what the scene before has at an index, as the calls that add do, but shares it. A material

@@ -60,8 +60,9 @@ def _principled_model(converter, node, desc) -> None:
     desc.options["model"] = "LAYERED" if new else "BURLEY"
 
 
-def _old_principled(converter, node, desc) -> None:
-    """Converts what the Principled BSDF called and meant otherwise until 3.6."""
+def _principled(converter, node, desc) -> None:
+    """Converts what the Principled BSDF called and meant otherwise in older Blenders."""
+    desc.options["film_on_metal"] = str(compat.film_on_metal())
     _scalar_tint(converter, node, desc)
     _clearcoat(converter, node, desc)
     _principled_model(converter, node, desc)
@@ -118,20 +119,20 @@ SURFACE_NODES = {
             "Rotation",
             "Normal",
             "Tangent",
+            "Thin Film Thickness",
+            "Thin Film IOR",
         ),
         ("BSDF",),
         options={
             "distribution": DISTRIBUTIONS,
             "fresnel_type": ("F82", "PHYSICAL_CONDUCTOR"),
         },
-        neutral_inputs={"Thin Film Thickness": 0.0},
     ),
     "ShaderNodeBsdfGlass": NodeKind(
         "bsdf_glass",
-        ("Color", "Roughness", "IOR", "Normal"),
+        ("Color", "Roughness", "IOR", "Normal", "Thin Film Thickness", "Thin Film IOR"),
         ("BSDF",),
         options={"distribution": DISTRIBUTIONS},
-        neutral_inputs={"Thin Film Thickness": 0.0},
         adjust=_sharp,
     ),
     "ShaderNodeBsdfRefraction": NodeKind(
@@ -172,15 +173,16 @@ SURFACE_NODES = {
             "Anisotropic",
             "Anisotropic Rotation",
             "Tangent",
+            "Thin Film Thickness",
+            "Thin Film IOR",
         ),
         ("BSDF",),
         options={"distribution": ("GGX", "MULTI_GGX")},
-        fixed_options={"model": "LAYERED"},
+        fixed_options={"model": "LAYERED", "film_on_metal": "True"},
         neutral_inputs={
             "Subsurface Weight": 0.0,
-            "Thin Film Thickness": 0.0,
         },
-        adjust=_old_principled,
+        adjust=_principled,
     ),
     "ShaderNodeSubsurfaceScattering": NodeKind(
         "subsurface_scattering",
@@ -201,10 +203,20 @@ SURFACE_NODES = {
             "Melanin Redness",
             "Tint",
             "Absorption Coefficient",
+            "Roughness",
             "Radial Roughness",
+            "Coat",
+            "IOR",
+            "Offset",
+            "Random Color",
+            "Random Roughness",
+            "Random",
         ),
         ("BSDF",),
-        options={"parametrization": ("COLOR", "MELANIN", "ABSORPTION")},
+        options={
+            "parametrization": ("COLOR", "MELANIN", "ABSORPTION"),
+            "model": ("CHIANG", "HUANG"),
+        },
     ),
     "ShaderNodeBsdfRayPortal": NodeKind("bsdf_ray_portal", ("Color",), ("BSDF",)),
     "ShaderNodeVolumeAbsorption": NodeKind("volume_absorption", ("Color", "Density"), ("Volume",)),

@@ -24,6 +24,13 @@ struct Grain {
     bool exists() const { return stretch != kNoExpr; }
 };
 
+// The film over a reflection: its thickness in nm, and its index.
+struct FilmOver {
+    ExprId thickness = kNoExpr, ior = kNoExpr;  // kNoExpr: there is none
+
+    bool exists() const { return thickness != kNoExpr; }
+};
+
 // A term of the surface with its operands as expressions.
 struct ClosureTerm {
     ClosureOp op = ClosureOp::lambert;
@@ -33,6 +40,7 @@ struct ClosureTerm {
     std::vector<ExprId> in;  // operands, as many as the row says
     CoatOver coat;
     Grain grain;
+    FilmOver film;
     bool on_caster_normal = false, on_slope_map = false;
 
     // Dims what glints by the normal of each place of the slope map.

@@ -71,6 +71,7 @@ struct ClosureInstruction {
     Operand through = kNoOperand;  // what the coat above lets through, a colour; none: all
     // Of a lobe that is stretched along a tangent, by a factor that the other axis lacks; none: it is round.
     Operand stretch = kNoOperand, tangent = kNoOperand;
+    Operand film_thickness = kNoOperand, film_ior = kNoOperand;  // nm; none: there is no film
     // For a lobe on the slope map under a coat: the coat's (share, alpha, index), and its tint.
     Operand coat = kNoOperand, coat_tint = kNoOperand;
 };

@@ -16,6 +16,7 @@
 
 #include "bsdf/ashikhmin_shirley.h"
 #include "bsdf/diffuse.h"
+#include "bsdf/subsurface.h"
 #include "bsdf/terminator.h"
 
 #include <variant>
@@ -96,7 +97,8 @@ struct Transparent {  // a delta
 
 using ClosureKind =
     std::variant<Lambert, MicrofacetReflection, MicrofacetDielectric, Transparent, Translucent,
-                 OrenNayar, Sheen, Velvet, SchlickSheen, DiffuseToon, GlossyToon, AshikhminShirley>;
+                 OrenNayar, Sheen, Velvet, SchlickSheen, DiffuseToon, GlossyToon, AshikhminShirley,
+                 Subsurface>;
 inline const ClosureTraits& traits(const ClosureKind& kind) {
     return *std::visit([](const auto& c) { return &c.kTraits; }, kind);
 }
@@ -205,6 +207,7 @@ struct ClosureSample {
     float alpha;            // of the closure that was sampled; 0 where it has none
     float eta;              // likewise, on the far side over that of wo; 1 where it has none
     bool glints;            // of closures with glints, where they are apart
+    const Subsurface* below;  // light goes on there, in the list that was sampled; null: it does not
     BounceKind kind;
 };
 // u[0] chooses closure and lobe, u[1], u[2] the direction; all in [0, 1). Empty where nothing is

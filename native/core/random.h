@@ -34,7 +34,8 @@ enum class Domain : uint32_t {
     camera_chain_seeds,
     missed_chains,
     folds,
-    even_light
+    even_light,
+    subsurface
 };
 
 inline uint64_t mix_bits(uint64_t x) {  // a bijection with good avalanche, [Stafford11] variant 13

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "integrator/path_tracer.h"
+#include "integrator/subsurface.h"
 
 namespace spc {
 
@@ -31,6 +32,37 @@ CameraSubpath PathTracer::camera_subpath_to(const Surface& surface) const {
     const std::optional<CameraView> view = scene().camera.view(surface.p, lens);
     if (!view) return {};
     return {view->film_density * std::abs(dot(surface.ng, surface.wo))};
+}
+
+PathTracer::Onward PathTracer::shade(const Hit& hit, Surface& surface, const Sampler& here,
+                                     const PixelKernel* pixel, PathSample& out) {
+    const CameraSubpath camera_subpath = camera_subpath_to(surface);
+    const bool receives = may_receive(surface);
+    look_for_glints(hit, surface, camera_subpath, pixel);
+    look_for_folds(surface, camera_subpath, receives && settings.manifold.enabled);
+    out.radiance += throughput * direct_radiance(surface, camera_subpath, here);
+    if (glints) out.radiance += glint_radiance(surface, here);
+    if (receives && settings.manifold.enabled) {
+        const Spectrum caustic = caustic_radiance(surface, camera_subpath, here);
+        out.radiance += caustic;
+        out.caustics += caustic;
+    }
+    return {sample(surface.closures, surface.ng, surface.wo, here[Domain::closure].three()), receives,
+            camera_subpath};
+}
+
+// Light paths do not walk below surfaces: the path begins anew, as one that path tracing alone finds
+// until it scatters.
+bool PathTracer::go_below(Surface& surface, const ClosureSample& entry, const Sampler& here) {
+    Pcg walk(here[Domain::subsurface].stream_seed());
+    const std::optional<SubsurfaceExit> exit =
+        walk_below(scene(), surface, *entry.below, walk, stats.rays);
+    if (!exit) return false;
+    throughput *= entry.weight * exit->weight;
+    surface = exit->surface;
+    history = {};
+    differential.reset();
+    return true;
 }
 
 bool PathTracer::scatter(const Hit& hit, const Surface& surface, const ClosureSample& next,
@@ -165,26 +197,19 @@ PathSample path_radiance(const RenderScene& world, const IntegratorSettings& set
         }
 
         const Sampler here = sampler.vertex(vertex);
-        const CameraSubpath camera_subpath = path.camera_subpath_to(surface);
-        const bool receives = path.may_receive(surface);
-        path.look_for_glints(*hit, surface, camera_subpath, pixel);
-        path.look_for_folds(surface, camera_subpath, receives && settings.manifold.enabled);
-        out.radiance += path.throughput * path.direct_radiance(surface, camera_subpath, here);
-        if (path.glints) out.radiance += path.glint_radiance(surface, here);
-        if (receives && settings.manifold.enabled) {
-            const Spectrum caustic = path.caustic_radiance(surface, camera_subpath, here);
-            out.radiance += caustic;
-            out.caustics += caustic;
-        }
-
-        const std::optional<ClosureSample> next =
-            sample(surface.closures, surface.ng, surface.wo, here[Domain::closure].three());
-        if (!out.hit && !(next && next->kind == BounceKind::transparent)) {
+        PathTracer::Onward on = path.shade(*hit, surface, here, pixel, out);
+        if (!out.hit && !(on.next && on.next->kind == BounceKind::transparent)) {
             out.hit = true;
             out.position = surface.p;
             out.normal = surface.n;
         }
-        if (!next || !path.scatter(*hit, surface, *next, receives, camera_subpath, here)) break;
+        if (on.next && on.next->below != nullptr) {
+            if (!path.go_below(surface, *on.next, here)) break;
+            on = path.shade(*hit, surface, here, pixel, out);
+        }
+        if (!on.next ||
+            !path.scatter(*hit, surface, *on.next, on.receives, on.camera_subpath, here))
+            break;
     }
     return out;
 }

@@ -136,7 +136,7 @@ Spectrum PathTracer::light_behind_deltas(const Sampler& sampler) {
         const std::optional<ClosureSample> next =
             sample(surface.closures, surface.ng, surface.wo,
                    sampler.vertex(vertex)[Domain::closure].three());
-        if (!next) return sum;
+        if (!next || next->below != nullptr) return sum;
         throughput *= next->weight;
         if (next->kind == BounceKind::transparent) {
             if (!look_through(*hit)) return sum;

@@ -327,7 +327,8 @@ std::unique_ptr<Scene> SceneBuilder::freeze(uint32_t threads) {
     bound_scene(*scene_);
     scene_->accel = std::make_unique<Accel>(*scene_, threads);
     for (uint32_t i = 0; i < scene_->instances.size(); ++i)
-        if (scene_->instances[i].turns_light()) scene_->accel->prepare_caster(*scene_, i);
+        if (scene_->instances[i].turns_light() || scene_->instances[i].has_subsurface)
+            scene_->accel->prepare_alone(*scene_, i);
     return std::move(scene_);
 }
 

@@ -240,6 +240,39 @@ void transparent(NodeContext& node, ExprId weight) {
     node.c.add_term(term(node, ClosureOp::transparent, "", {weight, kNoExpr, node.input(0)}));
 }
 
+namespace {
+
+// Of a node's inputs. With method BURLEY a random walk stands in for it.
+BelowSurface below_of(NodeContext& node, ClosureModes& modes, const std::string& method, ExprId share,
+                      ExprId radius, ExprId anisotropy, ExprId alpha, ExprId ior) {
+    if (node.e.is_constant(share, 0.0f) || node.e.is_constant(radius, 0.0f)) return {};
+    if (method == "BURLEY") node.warn("a random walk stands in for Christensen and Burley's method");
+    modes.entry = method == "RANDOM_WALK_FIXED_RADIUS" || method == "BURLEY" ? SubsurfaceEntry::diffuse
+                  : method == "RANDOM_WALK_SKIN"                            ? SubsurfaceEntry::facets
+                                                                            : SubsurfaceEntry::both;
+    modes.dipole_radius = method == "RANDOM_WALK" || method == "BURLEY";
+    return {share, radius, node.e.combine(anisotropy, alpha, ior)};
+}
+
+}  // namespace
+
+void subsurface(NodeContext& node, ExprId weight) {
+    enum { kColor, kScale, kRadius, kIor, kRoughness, kAnisotropy, kNormal };
+    ExprBuilder& e = node.e;
+    const std::string& method = node.option(0);
+    ClosureModes modes;
+    const bool skin = method == "RANDOM_WALK_SKIN";
+    const ExprId one = e.constant(1.0f);
+    const BelowSurface below =
+        below_of(node, modes, method, one, e.scale(node.input(kRadius), node.input(kScale)),
+                 node.input(kAnisotropy), skin ? node.input(kRoughness) : one, node.input(kIor));
+    ClosureTerm diffuse = term(node, ClosureOp::rough_diffuse, "",
+                               {weight, node.normal(kNormal), node.input(kColor), e.constant(0.0f)},
+                               modes);
+    diffuse.below = below;
+    node.c.add_term(diffuse);
+}
+
 // Layers from the top: Alpha over all, then sheen, the coat, then emission, then a mix of metal, of
 // glass, and of a dielectric's reflection over what is diffuse. The last pair divides light by the reflection's
 // albedo where it is evaluated. The coat's term comes last: where terms compete for what only one of
@@ -268,7 +301,12 @@ void principled(NodeContext& node, ExprId weight) {
         kSheenTint,
         kAnisotropic,
         kAnisotropicRotation,
-        kTangent
+        kTangent,
+        kSubsurface,
+        kSubsurfaceRadius,
+        kSubsurfaceScale,
+        kSubsurfaceIor,
+        kSubsurfaceAnisotropy
     };
     ExprBuilder& e = node.e;
     const ClosureModes modes = modes_of(node.option(0));
@@ -333,10 +371,20 @@ void principled(NodeContext& node, ExprId weight) {
     const ExprId ratio =
         e.divide(e.subtract(index, e.constant(1.0f)), e.add(index, e.constant(1.0f)));
     const ExprId f0 = e.clamp01(e.scale(tint, e.multiply(ratio, ratio)));
+    ClosureModes base_modes = modes;
+    const std::string& method = node.option(2);
+    const bool skin = method == "RANDOM_WALK_SKIN";
+    const BelowSurface below = below_of(
+        node, base_modes, method, e.clamp01(node.input(kSubsurface)),
+        e.scale(node.input(kSubsurfaceRadius), node.input(kSubsurfaceScale)),
+        node.input(kSubsurfaceAnisotropy), skin ? rough_alpha : e.constant(1.0f),
+        skin ? node.input(kSubsurfaceIor) : index);
     ClosureTerm coated =
         term(node, ClosureOp::coated, " (specular)",
-             {weight, normal, rough_alpha, index, f0, base, node.input(kDiffuseRoughness)}, modes);
+             {weight, normal, rough_alpha, index, f0, base, node.input(kDiffuseRoughness)},
+             base_modes);
     coated.coat = over;
+    coated.below = below;
     coated.grain = grain;
     node.c.add_term(coated);
     node.c.add_term(coat);

@@ -105,7 +105,7 @@ def _clearcoat(converter, node, desc) -> None:
 
 
 def _sheen(converter, node, desc) -> None:
-    """Until 3.6 the sheen was another one, whose tint was a factor between white and the base's hue."""
+    """Until 3.6 the sheen was another one; its tint was a factor from white to the base's hue."""
     new = compat.find_input(node, "Sheen Roughness")
     desc.options["sheen"] = "MICROFIBER" if new else "SCHLICK"
 

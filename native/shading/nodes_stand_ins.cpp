@@ -44,13 +44,13 @@ ExprId absorption_of_melanin(NodeContext& node, ExprId melanin, ExprId redness) 
 
 void hair(NodeContext& node, ExprId weight) {
     enum { kColor, kOffset, kRoughnessU, kRoughnessV };
-    node.warn("hair is drawn as a diffuse surface");
+    node.warn("hair is not supported, it is drawn as a diffuse surface");
     add_diffuse(node, weight, kNoExpr, node.input(kColor), node.option(0) == "Transmission");
 }
 
 void principled_hair(NodeContext& node, ExprId weight) {
     enum { kColor, kMelanin, kRedness, kTint, kAbsorption, kRadialRoughness };
-    node.warn("hair is drawn as a diffuse surface");
+    node.warn("hair is not supported, it is drawn as a diffuse surface");
     ExprBuilder& e = node.e;
     const ExprId factor = color_factor(node, node.input(kRadialRoughness));
     const std::string& given = node.option(0);
@@ -60,13 +60,14 @@ void principled_hair(NodeContext& node, ExprId weight) {
     else if (given == "MELANIN")
         color = e.multiply(
             color_of_absorption(
-                node, absorption_of_melanin(node, node.input(kMelanin), node.input(kRedness)), factor),
+                node, absorption_of_melanin(node, node.input(kMelanin), node.input(kRedness)),
+                factor),
             node.input(kTint));
     add_diffuse(node, weight, kNoExpr, color, false);
 }
 
 void ray_portal(NodeContext& node, ExprId weight) {
-    node.warn("a portal is looked through");
+    node.warn("a portal is not supported, it is looked through");
     ClosureTerm term;
     term.op = ClosureOp::transparent;
     term.node = node.index;

@@ -28,7 +28,8 @@ ExprId ior_of(NodeContext& node, ExprId ior) { return node.e.maximum(ior, node.e
 
 // Along a socket's tangent, or around the object's axis, turned about the normal by a share of a whole
 // turn.
-Grain grain_of(NodeContext& node, ExprId stretch, ExprId normal, int tangent_socket, int turn_socket) {
+Grain grain_of(NodeContext& node, ExprId stretch, ExprId normal, int tangent_socket,
+               int turn_socket) {
     ExprBuilder& e = node.e;
     if (e.is_constant(stretch, 1.0f)) return {};
     ExprId tangent = node.input(tangent_socket);
@@ -45,8 +46,7 @@ Grain grain_of(NodeContext& node, ExprId stretch, ExprId normal, int tangent_soc
 // Of nodes that follow [Burley12]: alphas are in a ratio of 1 - 0.9 of the anisotropy.
 ExprId stretch_of(NodeContext& node, ExprId anisotropic) {
     ExprBuilder& e = node.e;
-    const ExprId ratio =
-        e.one_minus(e.multiply(e.clamp01(anisotropic), e.constant(0.9f)));
+    const ExprId ratio = e.one_minus(e.multiply(e.clamp01(anisotropic), e.constant(0.9f)));
     return e.divide(e.constant(1.0f), e.square_root(ratio));
 }
 
@@ -173,13 +173,13 @@ void glossy(NodeContext& node, ExprId weight) {
     ExprBuilder& e = node.e;
     const ExprId alpha = alpha_of(node, node.input(kRoughness));
     const bool phong = node.option(0) == "ASHIKHMIN_SHIRLEY";
-    ClosureTerm lobe = term(node, phong ? ClosureOp::ashikhmin_shirley : ClosureOp::glossy, "",
-                            {weight, node.normal(kNormal), alpha, node.input(kColor)},
-                            modes_of(node.option(0)));
+    ClosureTerm lobe =
+        term(node, phong ? ClosureOp::ashikhmin_shirley : ClosureOp::glossy, "",
+             {weight, node.normal(kNormal), alpha, node.input(kColor)}, modes_of(node.option(0)));
     // Cycles' bounds; a negative one stretches across the tangent what a positive one does along it.
     const ExprId bound = e.constant(0.99f), one = e.constant(1.0f);
-    const ExprId anisotropy = e.make(
-        Op::clamp, {node.input(kAnisotropy), e.constant(-0.99f), bound});
+    const ExprId anisotropy =
+        e.make(Op::clamp, {node.input(kAnisotropy), e.constant(-0.99f), bound});
     const ExprId stretch =
         e.divide(e.one_minus(e.non_negative(anisotropy)),
                  e.subtract(one, e.non_negative(e.subtract(e.constant(0.0f), anisotropy))));
@@ -202,15 +202,14 @@ void metallic(NodeContext& node, ExprId weight) {
     ExprBuilder& e = node.e;
     const ExprId normal = node.normal(kNormal), alpha = alpha_of(node, node.input(kRoughness));
     const bool physical = node.option(1) == "PHYSICAL_CONDUCTOR";
-    ClosureTerm lobe =
-        physical ? term(node, ClosureOp::conductor, "",
-                        {weight, normal, alpha, e.non_negative(node.input(kIndex)),
-                         e.non_negative(node.input(kExtinction))},
-                        modes_of(node.option(0)))
-                 : term(node, ClosureOp::metal, "",
-                        {weight, normal, alpha, e.clamp01(node.input(kBaseColor)),
-                         e.clamp01(node.input(kEdgeTint))},
-                        modes_of(node.option(0)));
+    ClosureTerm lobe = physical ? term(node, ClosureOp::conductor, "",
+                                       {weight, normal, alpha, e.non_negative(node.input(kIndex)),
+                                        e.non_negative(node.input(kExtinction))},
+                                       modes_of(node.option(0)))
+                                : term(node, ClosureOp::metal, "",
+                                       {weight, normal, alpha, e.clamp01(node.input(kBaseColor)),
+                                        e.clamp01(node.input(kEdgeTint))},
+                                       modes_of(node.option(0)));
     lobe.grain =
         grain_of(node, stretch_of(node, node.input(kAnisotropy)), normal, kTangent, kRotation);
     node.c.add_term(lobe);
@@ -246,7 +245,7 @@ namespace {
 BelowSurface below_of(NodeContext& node, ClosureModes& modes, const std::string& method, ExprId share,
                       ExprId radius, ExprId anisotropy, ExprId alpha, ExprId ior) {
     if (node.e.is_constant(share, 0.0f) || node.e.is_constant(radius, 0.0f)) return {};
-    if (method == "BURLEY") node.warn("a random walk stands in for Christensen and Burley's method");
+    if (method == "BURLEY") node.warn("Christensen and Burley's method is not supported, a random walk stands in");
     modes.entry = method == "RANDOM_WALK_FIXED_RADIUS" || method == "BURLEY" ? SubsurfaceEntry::diffuse
                   : method == "RANDOM_WALK_SKIN"                            ? SubsurfaceEntry::facets
                                                                             : SubsurfaceEntry::both;

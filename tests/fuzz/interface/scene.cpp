@@ -122,7 +122,8 @@ private:
         desc.material_count = slots_[mesh];
         desc.visibility = dice_.chance(0.8) ? 31u : dice_.below(40);
         desc.caustics_role = spoiler_.count(dice_.chance(0.7) ? 0 : dice_.below(5));
-        desc.terminator_offset = spoiler_.number(dice_.chance(0.8) ? 0.0f : dice_.between(0.0f, 1.0f));
+        desc.terminator_offset =
+            spoiler_.number(dice_.chance(0.8) ? 0.0f : dice_.between(0.0f, 1.0f));
         spc_instance_desc right = desc;
         right.struct_size = sizeof(right);
         right.mesh = mesh;

@@ -318,7 +318,8 @@ TEST_F(SceneMisuse, Instances) {
     for (const uint32_t role : {5u, 0xffffffffu})
         refuses(spoilt([&](auto& d) { d.caustics_role = role; }), {"Yard", "role"});
     for (const float offset : {-0.1f, 1.1f, std::numeric_limits<float>::quiet_NaN()})
-        refuses(spoilt([&](auto& d) { d.terminator_offset = offset; }), {"Yard", "terminator_offset"});
+        refuses(spoilt([&](auto& d) { d.terminator_offset = offset; }),
+                {"Yard", "terminator_offset"});
     refuses(spoilt([](auto& d) { d.name = nullptr, d.mesh = 9; }), {"object: "});
 }
 

@@ -92,7 +92,8 @@ TEST(Terminator, SamplesFadeToo) {
     }
     const Terminator offset{BumpCorrection::none, 1.25f, kUp};
     EXPECT_NEAR(fade(offset, kDiffuse, kUp, kUp), 1.0f, 1e-6f);
-    EXPECT_NEAR(fade(offset, kDiffuse, kUp, tilted(60)), std::cos(75 * std::numbers::pi / 180) / 0.5, 1e-5);
+    EXPECT_NEAR(fade(offset, kDiffuse, kUp, tilted(60)),
+                std::cos(75 * std::numbers::pi / 180) / 0.5, 1e-5);
     EXPECT_EQ(fade(offset, kDiffuse, kUp, tilted(73)), 0.0f);
 }
 

@@ -90,9 +90,9 @@ TEST(Metallic, BothFresnelTerms) {
 TEST(Sheen, LiesOverTheRest) {
     const Constants plain{{"Base Color", {0.5f, 0.5f, 0.5f}}, {"Emission Strength", {1}}};
     Constants fuzzy = plain;
-    fuzzy.insert(fuzzy.end(), {{"Sheen Weight", {0.8f}},
-                               {"Sheen Roughness", {0.4f}},
-                               {"Sheen Tint", {1.0f, 0.5f, 0.2f}}});
+    fuzzy.insert(
+        fuzzy.end(),
+        {{"Sheen Weight", {0.8f}}, {"Sheen Roughness", {0.4f}}, {"Sheen Tint", {1.0f, 0.5f, 0.2f}}});
     const TestPoint at;
     const ClosureList below = closures_of(single("bsdf_principled", plain)),
                       all = closures_of(single("bsdf_principled", fuzzy));
@@ -117,7 +117,8 @@ TEST(Sheen, OfAnOlderPrincipled) {
                                                 {{"sheen", "SCHLICK"}}));
     int found = -1;
     for (int i = 0; i < list.count; ++i)
-        if (std::holds_alternative<SchlickSheen>(list.closures[static_cast<size_t>(i)].kind)) found = i;
+        if (std::holds_alternative<SchlickSheen>(list.closures[static_cast<size_t>(i)].kind))
+            found = i;
     ASSERT_GE(found, 0);
     const Vec3 base(0.2f, 0.4f, 0.1f);
     const Vec3 hue = base * (1.0f / luminance(Spectrum(base)));
@@ -125,10 +126,29 @@ TEST(Sheen, OfAnOlderPrincipled) {
                 (Vec3(0.5f) + hue * 0.5f) * (0.8f * 0.75f), 1e-5f);
 }
 
+// A share goes on below; the rest, and all without a radius, is diffuse.
+TEST(Subsurface, TakesItsShareOfTheBase) {
+    const auto base = [](float share, float radius) {
+        return closures_of(single("bsdf_principled", {{"Base Color", {0.5f, 0.5f, 0.5f}},
+                                                      {"Specular IOR Level", {0}},
+                                                      {"Subsurface Weight", {share}},
+                                                      {"Subsurface Radius", {radius, 0, 0}},
+                                                      {"Subsurface Scale", {2}}}));
+    };
+    const ClosureList both = base(0.25f, 0.1f);
+    ASSERT_EQ(both.count, 2);
+    EXPECT_EQ(kind_of<Subsurface>(both, 0).radius, Spectrum(0.2f, 0.0f, 0.0f));
+    expect_near(Vec3(both.closures[0].weight), Vec3(0.125f), 1e-6f);
+    expect_near(Vec3(both.closures[1].weight), Vec3(0.375f), 1e-6f);
+    EXPECT_EQ(base(1.0f, 0.1f).count, 1);
+    const ClosureList flat = base(0.0f, 0.1f);
+    ASSERT_EQ(flat.count, 1);
+    EXPECT_TRUE(std::holds_alternative<Lambert>(flat.closures[0].kind));
+}
+
 TEST(StandIns, SayWhatTheyAre) {
-    for (const char* kind : {"subsurface_scattering", "bsdf_hair", "bsdf_hair_principled"}) {
-        const bool bssrdf = kind == std::string("subsurface_scattering");
-        const Material material = compile(single(kind, {}, {}, bssrdf ? "BSSRDF" : "BSDF"), {});
+    for (const char* kind : {"bsdf_hair", "bsdf_hair_principled"}) {
+        const Material material = compile(single(kind), {});
         EXPECT_EQ(material.warnings.size(), 1u) << kind;
         const TestPoint at;
         const ClosureList list = closures_of(material, at.point);
@@ -141,20 +161,20 @@ TEST(StandIns, SayWhatTheyAre) {
 // Hair that absorbs nothing is white; a colour that is given by what absorbs it comes back.
 TEST(StandIns, HairHasTheColourOfWhatItAbsorbs) {
     const auto color = [](const Constants& constants, const std::string& given) {
-        return Vec3(closures_of(single("bsdf_hair_principled", constants,
-                                       {{"parametrization", given}}))
-                        .closures[0]
-                        .weight);
+        return Vec3(
+            closures_of(single("bsdf_hair_principled", constants, {{"parametrization", given}}))
+                .closures[0]
+                .weight);
     };
     expect_near(color({{"Absorption Coefficient", {0, 0, 0}}}, "ABSORPTION"), Vec3(1.0f), 1e-6f);
     expect_near(color({{"Melanin", {0}}}, "MELANIN"), Vec3(1.0f), 1e-6f);
     const float b = 0.3f;
-    const float factor =
-        5.969f - 0.215f * b + 2.532f * b * b - 10.73f * std::pow(b, 3.0f) +
-        5.574f * std::pow(b, 4.0f) + 0.245f * std::pow(b, 5.0f);
+    const float factor = 5.969f - 0.215f * b + 2.532f * b * b - 10.73f * std::pow(b, 3.0f) +
+                         5.574f * std::pow(b, 4.0f) + 0.245f * std::pow(b, 5.0f);
     const float absorption = std::pow(std::log(0.4f) / factor, 2.0f);
-    expect_near(color({{"Absorption Coefficient", {absorption, absorption, absorption}}}, "ABSORPTION"),
-                Vec3(0.4f), 1e-5f);
+    expect_near(
+        color({{"Absorption Coefficient", {absorption, absorption, absorption}}}, "ABSORPTION"),
+        Vec3(0.4f), 1e-5f);
 }
 
 TEST(Holdout, IsAHoleWithoutAClosure) {
@@ -174,10 +194,12 @@ TEST(BumpCorrection, BendsGlossyNormals) {
         graph.bump_correction = correction;
         return closures_of(compile(graph, {}), at.point);
     };
-    const ClosureList as_it_is = glass(BumpCorrection::none), bent = glass(BumpCorrection::microfacet);
+    const ClosureList as_it_is = glass(BumpCorrection::none),
+                      bent = glass(BumpCorrection::microfacet);
     EXPECT_EQ(kind_of<MicrofacetDielectric>(as_it_is, 0).n, smooth);
     EXPECT_TRUE(as_it_is.closures[0].on_caster_normal);
-    EXPECT_EQ(kind_of<MicrofacetDielectric>(bent, 0).n, bent_normal(at.point.ng, at.point.wo, smooth));
+    EXPECT_EQ(kind_of<MicrofacetDielectric>(bent, 0).n,
+              bent_normal(at.point.ng, at.point.wo, smooth));
     EXPECT_NE(kind_of<MicrofacetDielectric>(bent, 0).n, smooth);
     EXPECT_FALSE(bent.closures[0].on_caster_normal);
 

@@ -42,7 +42,7 @@ void compare_derivatives(const OpTraits& row, uint8_t lanes) {
     constexpr float kStep = 4e-3f, kTolerance = 2e-2f, kJump = 0.05f, kBend = 0.1f;
     Uniforms uniforms(40 + static_cast<uint64_t>(row.op));
     int compared = 0;
-    for (int trial = 0; trial < 100; ++trial) {
+    for (int trial = 0; trial < 200; ++trial) {
         Values at, direction;
         for (float& value : at) value = 0.15f + 0.7f * uniforms();
         for (float& value : direction) value = uniforms() - 0.5f;

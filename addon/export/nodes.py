@@ -20,6 +20,7 @@ SUBSURFACE_METHODS = (
     "RANDOM_WALK",
     "RANDOM_WALK_SKIN",
     "RANDOM_WALK_FIXED_RADIUS",
+    "RANDOM_WALK_DIPOLE",
     "BURLEY",
 )
 INTERPOLATIONS = ("Linear", "Closest", "Cubic", "Smart")
@@ -110,6 +111,13 @@ def _sheen(converter, node, desc) -> None:
     desc.options["sheen"] = "MICROFIBER" if new else "SCHLICK"
 
 
+def _subsurface_method(converter, node, desc) -> None:
+    """Until 3.6 a Random Walk was another one."""
+    for name in ("falloff", "subsurface_method"):
+        if name in desc.options:
+            desc.options[name] = compat.subsurface_method(desc.options[name])
+
+
 def _subsurface(converter, node, desc) -> None:
     """Until 3.6 Subsurface was how far light comes, and mixed a colour into that of the base."""
     color = compat.find_input(node, "Subsurface Color")
@@ -135,6 +143,7 @@ def _old_principled(converter, node, desc) -> None:
     _clearcoat(converter, node, desc)
     _sheen(converter, node, desc)
     _subsurface(converter, node, desc)
+    _subsurface_method(converter, node, desc)
 
 
 def _ramp(node) -> np.ndarray:
@@ -356,6 +365,7 @@ NODES = {
         ("Color", "Scale", "Radius", "IOR", "Roughness", "Anisotropy", "Normal"),
         ("BSSRDF",),
         options={"falloff": SUBSURFACE_METHODS},
+        adjust=_subsurface_method,
     ),
     "ShaderNodeBsdfHair": NodeKind(
         "bsdf_hair",

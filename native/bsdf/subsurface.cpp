@@ -10,12 +10,36 @@ namespace {
 
 constexpr float kLeastAlpha = 2e-5f;  // of facets that refract into the medium
 
-// Albedo of one isotropic scattering in a half-space that reflects `albedo` where light enters and
-// leaves as from a diffuse surface: the fit of [Wrenninge17] as Cycles has it, without anisotropy.
-float scattering_albedo(float albedo) {
+float polynomial(float x, const std::array<float, 8>& coefficients) {
+    float sum = 0.0f;
+    for (size_t i = coefficients.size(); i-- > 0;) sum = sum * x + coefficients[i];
+    return sum;
+}
+
+// Albedo of one scattering in a half-space that reflects `albedo` where light enters and leaves as from
+// a diffuse surface, by a fit for anisotropies from 0 to 0.9 [Wrenninge17], with Cycles' numbers.
+float scattering_albedo(float albedo, float g) {
     constexpr float kMost = 0.999999f;  // light gets out in the end
-    const float dark = 1.8260523782f * std::pow(std::atan(5.1124678f * albedo), 1.09686102424f);
-    const float bright = 0.496310210422f * std::pow(std::atan(4.2350090f * albedo), 2.40602999408f);
+    const float a = polynomial(g, {1.8260523782f, -1.28451056436f, -1.79904629312f, 9.19393289202f,
+                                   -22.8215585862f, 32.0234874259f, -23.6264803333f, 7.21067002658f});
+    const float b = 4.98511194385f +
+                    0.127355959438f *
+                        std::exp(polynomial(g, {0.0f, 31.1491581433f, -201.847017512f, 841.576016723f,
+                                                -2018.09288505f, 2731.71560286f, -1935.41424244f,
+                                                559.009054474f}));
+    const float c = polynomial(g, {1.09686102424f, -0.394704063468f, 1.05258115941f, -8.83963712726f,
+                                   28.8643230661f, -46.8802913581f, 38.5402837518f, -12.7181042538f});
+    const float d = polynomial(g, {0.496310210422f, 0.360146581622f, -2.15139309747f, 17.8896899217f,
+                                   -55.2984010333f, 82.065982243f, -58.5106008578f, 15.8478295021f});
+    const float e = 4.23190299701f +
+                    0.00310603949088f *
+                        std::exp(polynomial(g, {0.0f, 76.7316253952f, -594.356773233f, 2448.8834203f,
+                                                -5576.68528998f, 7116.60171912f, -4763.54467887f,
+                                                1303.5318055f}));
+    const float f = polynomial(g, {2.40602999408f, -2.51814844609f, 9.18494908356f, -79.2191708682f,
+                                   259.082868209f, -403.613804597f, 302.85712436f, -87.4370473567f});
+    const float dark = a * std::pow(std::atan(b * albedo), c),
+                bright = d * std::pow(std::atan(e * albedo), f);
     return std::clamp(lerp(dark, bright, std::pow(albedo, 0.25f)), 0.0f, kMost);
 }
 
@@ -36,18 +60,15 @@ float dipole_albedo(float albedo, float ior) {
 
 }  // namespace
 
-// By similarity, a medium of anisotropy g scatters as an isotropic one of sigma_s (1 - g).
 SubsurfaceMedium medium_of(const Subsurface& c) {
     constexpr float kLeastRadius = 1e-8f;  // m
     SubsurfaceMedium medium{Spectrum(0.0f), Spectrum(0.0f), c.anisotropy};
     for (int i = 0; i < 3; ++i) {
         float radius = std::max(c.radius[i], kLeastRadius);
-        if (c.dipole_radius)
-            radius *= std::sqrt(3.0f * (1.0f - dipole_albedo(c.albedo[i], c.ior)));
-        const float reduced = scattering_albedo(c.albedo[i]);
-        const float scattered = reduced / (1.0f - c.anisotropy), all = scattered + 1.0f - reduced;
-        medium.extinction[i] = all / std::max(radius, kLeastRadius);
-        medium.single_scattering[i] = scattered / all;
+        radius *= c.dipole_radius ? std::sqrt(3.0f * (1.0f - dipole_albedo(c.albedo[i], c.ior)))
+                                  : 0.25f * kInvPi;  // Cycles' scale
+        medium.single_scattering[i] = scattering_albedo(c.albedo[i], c.anisotropy);
+        medium.extinction[i] = 1.0f / (std::max(radius, kLeastRadius) * (1.0f - c.anisotropy));
     }
     return medium;
 }

@@ -22,7 +22,7 @@ struct Subsurface {
     float anisotropy;  // mean cosine of a scattering, 0 .. 0.9
     float alpha, ior;  // of facets where light enters
     SubsurfaceEntry entry;
-    bool dipole_radius;  // `radius` is that of a dipole's falloff, else a mean free path
+    bool dipole_radius;  // `radius` is that of a dipole's falloff, else 4 pi mean free paths
 };
 
 // Coefficients of the medium, one for each channel.

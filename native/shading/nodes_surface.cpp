@@ -246,10 +246,10 @@ BelowSurface below_of(NodeContext& node, ClosureModes& modes, const std::string&
                       ExprId radius, ExprId anisotropy, ExprId alpha, ExprId ior) {
     if (node.e.is_constant(share, 0.0f) || node.e.is_constant(radius, 0.0f)) return {};
     if (method == "BURLEY") node.warn("Christensen and Burley's method is not supported, a random walk stands in");
-    modes.entry = method == "RANDOM_WALK_FIXED_RADIUS" || method == "BURLEY" ? SubsurfaceEntry::diffuse
-                  : method == "RANDOM_WALK_SKIN"                            ? SubsurfaceEntry::facets
-                                                                            : SubsurfaceEntry::both;
-    modes.dipole_radius = method == "RANDOM_WALK" || method == "BURLEY";
+    modes.entry = method == "RANDOM_WALK"        ? SubsurfaceEntry::both
+                  : method == "RANDOM_WALK_SKIN" ? SubsurfaceEntry::facets
+                                                 : SubsurfaceEntry::diffuse;
+    modes.dipole_radius = method == "RANDOM_WALK_SKIN" || method == "RANDOM_WALK_DIPOLE";
     return {share, radius, node.e.combine(anisotropy, alpha, ior)};
 }
 
@@ -260,11 +260,9 @@ void subsurface(NodeContext& node, ExprId weight) {
     ExprBuilder& e = node.e;
     const std::string& method = node.option(0);
     ClosureModes modes;
-    const bool skin = method == "RANDOM_WALK_SKIN";
-    const ExprId one = e.constant(1.0f);
     const BelowSurface below =
-        below_of(node, modes, method, one, e.scale(node.input(kRadius), node.input(kScale)),
-                 node.input(kAnisotropy), skin ? node.input(kRoughness) : one, node.input(kIor));
+        below_of(node, modes, method, e.constant(1.0f), e.scale(node.input(kRadius), node.input(kScale)),
+                 node.input(kAnisotropy), node.input(kRoughness), node.input(kIor));
     ClosureTerm diffuse = term(node, ClosureOp::rough_diffuse, "",
                                {weight, node.normal(kNormal), node.input(kColor), e.constant(0.0f)},
                                modes);
@@ -376,7 +374,7 @@ void principled(NodeContext& node, ExprId weight) {
     const BelowSurface below = below_of(
         node, base_modes, method, e.clamp01(node.input(kSubsurface)),
         e.scale(node.input(kSubsurfaceRadius), node.input(kSubsurfaceScale)),
-        node.input(kSubsurfaceAnisotropy), skin ? rough_alpha : e.constant(1.0f),
+        node.input(kSubsurfaceAnisotropy), rough_alpha,
         skin ? node.input(kSubsurfaceIor) : index);
     ClosureTerm coated =
         term(node, ClosureOp::coated, " (specular)",

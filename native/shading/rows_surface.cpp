@@ -81,7 +81,7 @@ constexpr InputSocket kPrincipledIn[] = {grey_input(0.8f, "Base Color"),
                                          scalar_input("Subsurface IOR", 1.4f),
                                          scalar_input("Subsurface Anisotropy", 0.0f)};
 constexpr const char* kSubsurfaceMethods =
-    "RANDOM_WALK|RANDOM_WALK_SKIN|RANDOM_WALK_FIXED_RADIUS|BURLEY";
+    "RANDOM_WALK|RANDOM_WALK_SKIN|RANDOM_WALK_FIXED_RADIUS|RANDOM_WALK_DIPOLE|BURLEY";
 constexpr NodeOption kSubsurfaceOptions[] = {{"falloff", kSubsurfaceMethods}};
 constexpr InputSocket kSubsurfaceIn[] = {grey_input(0.8f),
                                          scalar_input("Scale", 0.05f),

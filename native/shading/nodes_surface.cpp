@@ -246,8 +246,8 @@ BelowSurface below_of(NodeContext& node, ClosureModes& modes, const std::string&
                       ExprId radius, ExprId anisotropy, ExprId alpha, ExprId ior) {
     if (node.e.is_constant(share, 0.0f) || node.e.is_constant(radius, 0.0f)) return {};
     if (method == "BURLEY") node.warn("Christensen and Burley's method is not supported, a random walk stands in");
-    modes.entry = method == "RANDOM_WALK"        ? SubsurfaceEntry::both
-                  : method == "RANDOM_WALK_SKIN" ? SubsurfaceEntry::facets
+    modes.entry = method == "RANDOM_WALK"        ? SubsurfaceEntry::facets
+                  : method == "RANDOM_WALK_SKIN" ? SubsurfaceEntry::both
                                                  : SubsurfaceEntry::diffuse;
     modes.dipole_radius = method == "RANDOM_WALK_SKIN" || method == "RANDOM_WALK_DIPOLE";
     return {share, radius, node.e.combine(anisotropy, alpha, ior)};
@@ -259,10 +259,12 @@ void subsurface(NodeContext& node, ExprId weight) {
     enum { kColor, kScale, kRadius, kIor, kRoughness, kAnisotropy, kNormal };
     ExprBuilder& e = node.e;
     const std::string& method = node.option(0);
+    const bool skin = method == "RANDOM_WALK_SKIN";
     ClosureModes modes;
     const BelowSurface below =
         below_of(node, modes, method, e.constant(1.0f), e.scale(node.input(kRadius), node.input(kScale)),
-                 node.input(kAnisotropy), node.input(kRoughness), node.input(kIor));
+                 node.input(kAnisotropy), skin ? e.constant(1.0f) : node.input(kRoughness),
+                 node.input(kIor));
     ClosureTerm diffuse = term(node, ClosureOp::rough_diffuse, "",
                                {weight, node.normal(kNormal), node.input(kColor), e.constant(0.0f)},
                                modes);
@@ -374,7 +376,7 @@ void principled(NodeContext& node, ExprId weight) {
     const BelowSurface below = below_of(
         node, base_modes, method, e.clamp01(node.input(kSubsurface)),
         e.scale(node.input(kSubsurfaceRadius), node.input(kSubsurfaceScale)),
-        node.input(kSubsurfaceAnisotropy), rough_alpha,
+        node.input(kSubsurfaceAnisotropy), skin ? e.constant(1.0f) : rough_alpha,
         skin ? node.input(kSubsurfaceIor) : index);
     ClosureTerm coated =
         term(node, ClosureOp::coated, " (specular)",

@@ -278,7 +278,7 @@ def test_unknown_value_node_leaves_the_reader_its_constant():
 def test_settings_that_are_not_modelled_are_named():
     material = new_material()
     shader = add_node(material, "ShaderNodeBsdfPrincipled", surface(material))
-    set_input(shader, "Subsurface Weight", 0.5)
+    shader.subsurface_method = "BURLEY"
     add_node(material, "ShaderNodeDisplacement", output_of(material).inputs["Displacement"])
     _, _, warnings, _ = convert(material)
     assert len(warnings) == 2

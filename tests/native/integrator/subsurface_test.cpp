@@ -33,9 +33,10 @@ const Ray kFromAbove{Vec3(0.1f, 0.2f, 4.0f), Vec3(0, 0, -1), 0.0f, kInfinity};
 // facets goes deeper, which shows where the medium scatters forward.
 TEST(Subsurface, ReflectsItsColour) {
     const Vec3 color(0.9f, 0.5f, 0.2f);
-    for (const std::string method : {"RANDOM_WALK", "RANDOM_WALK_FIXED_RADIUS", "RANDOM_WALK_DIPOLE"})
+    for (const std::string method :
+         {"RANDOM_WALK_SKIN", "RANDOM_WALK_FIXED_RADIUS", "RANDOM_WALK_DIPOLE"})
         for (const float g : {0.0f, 0.6f}) {
-            if (method == "RANDOM_WALK" && g > 0.0f) continue;
+            if (method == "RANDOM_WALK_SKIN" && g > 0.0f) continue;
             const RenderScene world = ball_of(skin(color, method, g));
             const Scene& scene = *world.scene;
             const std::optional<Hit> hit = scene.accel->intersect(kFromAbove, kVisibleCamera);

@@ -19,13 +19,15 @@ bl_info = {
 
 def register():
     from . import engine, properties, ui
+    from .export import epoch
 
-    for module in (properties, engine, ui):
+    for module in (properties, epoch, engine, ui):
         module.register()
 
 
 def unregister():
     from . import engine, properties, ui
+    from .export import epoch
 
-    for module in (ui, engine, properties):
+    for module in (ui, engine, epoch, properties):
         module.unregister()

@@ -33,7 +33,7 @@ class SizedStructure(Structure):
         super().__init__(struct_size=sizeof(type(self)), **fields)
 
 
-API_VERSION = 10
+API_VERSION = 11
 NONE = 0xFFFFFFFF
 
 
@@ -467,6 +467,10 @@ PROTOTYPES = {
     "spc_last_error": (c_char_p, ()),
     "spc_scene_create": (c_int, (POINTER(c_void_p),)),
     "spc_scene_destroy": (None, (c_void_p,)),
+    "spc_scene_edit": (c_int, (c_void_p, POINTER(c_void_p))),
+    "spc_scene_keep_image": (c_int, (c_void_p, c_uint32, POINTER(c_uint32))),
+    "spc_scene_keep_material": (c_int, (c_void_p, c_uint32, POINTER(c_uint32))),
+    "spc_scene_keep_mesh": (c_int, (c_void_p, c_uint32, POINTER(c_uint32))),
     "spc_scene_add_image": (c_int, (c_void_p, POINTER(ImageDesc), POINTER(c_uint32))),
     "spc_scene_add_material": (c_int, (c_void_p, POINTER(MaterialDesc), POINTER(c_uint32))),
     "spc_scene_material_needs": (c_int, (c_void_p, c_uint32, POINTER(MaterialNeeds))),

@@ -19,6 +19,7 @@ class SpeculaRenderEngine(bpy.types.RenderEngine):
     bl_use_shading_nodes_custom = False  # True hides Cycles' nodes
 
     _viewport = None  # once Blender asks for one
+    series = None  # of final renders with Persistent Data, once there is one
 
     # -------------------------------------------------------------------------- final render
 
@@ -87,6 +88,9 @@ class SpeculaRenderEngine(bpy.types.RenderEngine):
         if self._viewport is not None:
             self._viewport.close()
             self._viewport = None
+        if self.series is not None:
+            self.series.close()
+            self.series = None
 
 
 @bpy.app.handlers.persistent

@@ -102,10 +102,15 @@ def load(path: Path) -> ctypes.CDLL:
     return library
 
 
+@functools.cache
+def machine_flags() -> frozenset[str]:
+    """Of this machine's processor."""
+    return frozenset(processor_flags(CPUINFO.read_text()) if CPUINFO.exists() else ())
+
+
 def library() -> ctypes.CDLL:
     """The library for this machine."""
-    flags = processor_flags(CPUINFO.read_text()) if CPUINFO.exists() else set()
-    return load(library_path(flags, library_directories()))
+    return load(library_path(set(machine_flags()), library_directories()))
 
 
 def _check(status: int, what: str = "the core") -> None:
@@ -129,6 +134,7 @@ def node_kinds() -> dict[str, str]:
     return {kind.strip(): sockets.strip() for kind, _, sockets in (s.partition(":") for s in lines)}
 
 
+@functools.cache
 def reads_image_files() -> bool:
     """Whether the core decodes image files. A packaged one does not: Blender does it instead."""
     image = abi.ImageDesc(name=b"probe", encoded_size=len(PROBE_IMAGE))
@@ -179,6 +185,20 @@ class Scene:
     def __init__(self):
         self.handle = c_void_p()
         _check(library().spc_scene_create(byref(self.handle)))
+
+    @classmethod
+    def edited(cls, before: Scene | None) -> Scene:
+        """A scene that can keep parts of `before`, which is committed; None begins a series."""
+        scene = cls.__new__(cls)
+        scene.handle = c_void_p()
+        _check(library().spc_scene_edit(before.handle if before else None, byref(scene.handle)))
+        return scene
+
+    def keep(self, kind: str, index: int) -> int:
+        """Calls spc_scene_keep_<kind> for a part of the scene before; returns its index here."""
+        kept = c_uint32()
+        _check(getattr(library(), f"spc_scene_keep_{kind}")(self.handle, index, byref(kept)))
+        return kept.value
 
     def add(self, kind: str, struct: abi.SizedStructure) -> int:
         """Calls spc_scene_add_<kind>; returns the new index."""

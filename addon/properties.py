@@ -236,12 +236,26 @@ class SpeculaViewLayerSettings(bpy.types.PropertyGroup):
     )
 
 
+class SpeculaShadingSettings(bpy.types.PropertyGroup):
+    render_pass: EnumProperty(
+        name="Render Pass",
+        description="What the rendered viewport shows",
+        items=(
+            ("COMBINED", "Combined", "The picture", 0),
+            ("CAUSTICS", "Caustics", "The light that manifold and light paths have found", 4),
+            ("NORMAL", "Normal", "Shading normals, world space", 3),
+        ),
+        default="COMBINED",
+    )
+
+
 GROUPS = {
     SpeculaSceneSettings: (bpy.types.Scene,),
     SpeculaObjectSettings: (bpy.types.Object,),
     SpeculaMaterialSettings: (bpy.types.Material,),
     SpeculaLightSettings: (bpy.types.Light, bpy.types.World),
     SpeculaViewLayerSettings: (bpy.types.ViewLayer,),
+    SpeculaShadingSettings: (bpy.types.View3DShading,),
 }
 
 

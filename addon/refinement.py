@@ -14,8 +14,9 @@ import time
 import numpy as np
 
 from . import native
-from .abi import Method, Pass, RenderSettings, RenderState
+from .abi import Method, Pass, RenderProgress, RenderSettings, RenderState
 from .export.desc import CameraDesc
+from .progress import progress_text
 from .upload import camera_struct
 
 COARSE_SECONDS = 0.05  # that one sample of the moving picture may take
@@ -32,23 +33,35 @@ class Picture:
 
 
 class Refinement:
-    """Renders of one committed scene from one place at a time; `close` frees it with the scene."""
+    """Renders of one committed scene at a time, from one place; `stop` ends them."""
 
-    def __init__(self, scene: native.Scene):
-        """Owns `scene` from here on."""
-        self._scene = scene
+    def __init__(self):
+        self._scene: native.Scene | None = None
         self._settings: RenderSettings | None = None
         self._exposure = 1.0
+        self._pass = Pass.COMBINED
         self._camera: CameraDesc | None = None
         self._render: _Render | None = None
         self._factor = 1  # pixels along the edge of one that is rendered
         self._fast_factor = 4.0  # with which a sample of the picture takes COARSE_SECONDS
         self._moved = 0.0  # when the camera did last, s
 
-    def look(self, camera: CameraDesc, settings: RenderSettings, exposure: float) -> None:
+    def show(self, scene: native.Scene) -> None:
+        """Takes another scene, which must live until `stop`; `look` begins to render it."""
+        self.stop()
+        self._scene = scene
+
+    def look(
+        self,
+        camera: CameraDesc,
+        settings: RenderSettings,
+        exposure: float,
+        shown: Pass = Pass.COMBINED,
+    ) -> None:
         """Begins anew from there; what was under way is cancelled. `settings.samples` is how far
-        the picture gets, `exposure` a factor on it."""
+        the picture gets, `exposure` a factor on it, `shown` the pass that it is."""
         self._camera, self._settings, self._exposure = camera, settings, exposure
+        self._pass = shown
         self._moved = time.monotonic()
         self._begin(max(1, round(self._fast_factor)))
 
@@ -59,7 +72,9 @@ class Refinement:
         """
         if self._render is None:
             return None
-        picture = self._render.picture()
+        picture = self._render.picture(self._pass)
+        if picture is not None and self._pass != Pass.NORMAL:
+            picture.pixels[:, :, :3] *= self._exposure
         if self._factor > 1 and self._render.ended:
             slower = np.sqrt(max(self._render.seconds, 1e-4) / COARSE_SECONDS)
             self._fast_factor = float(np.clip(self._factor * slower, LEAST_COARSE, MOST_COARSE))
@@ -70,43 +85,43 @@ class Refinement:
     @property
     def is_final(self) -> bool:
         """Whether nothing better will come."""
-        return self._render is None or (self._factor == 1 and self._render.ended)
+        return self._render is not None and self._factor == 1 and self._render.ended
 
     def progress(self) -> str:
-        """Such as "sample 12.3/256"; empty while a coarse picture is shown."""
-        if self._render is None or self._factor > 1:
+        """Such as "sample 12.3/256 | 0:05, 0:21 left"; empty while a coarse picture is shown."""
+        if self._render is None or self._factor > 1 or self._render.progress is None:
             return ""
-        return f"sample {self._render.samples:.1f}/{self._settings.samples}"
+        return progress_text(self._render.progress, self._render.samples, self._settings.samples)
 
-    def close(self) -> None:
-        self._stop()
-        self._scene.close()
-
-    def _begin(self, factor: int) -> None:
-        self._stop()
-        self._factor = factor
-        path_traced = native.changed(self._settings, method=Method.PT)
-        if factor > 1:
-            wanted = [native.changed(path_traced, samples=1)]
-        elif self._settings.method == Method.PT:
-            wanted = [path_traced]
-        else:
-            wanted = [path_traced, self._settings]
-        camera = coarser(self._camera, factor) if factor > 1 else self._camera
-        self._render = _Render(self._scene, camera, self._camera.crop, wanted, self._exposure)
-
-    def _stop(self) -> None:
+    def stop(self) -> None:
+        """Ends what is under way."""
         if self._render is not None:
             self._render.close()
             self._render = None
+
+    def _begin(self, factor: int) -> None:
+        self.stop()
+        self._factor = factor
+        quick = self._settings
+        if self._pass != Pass.CAUSTICS:  # of which path tracing tells nothing
+            quick = native.changed(quick, method=Method.PT)
+        if factor > 1:
+            wanted = [native.changed(quick, samples=1)]
+        elif quick.method == self._settings.method:
+            wanted = [quick]
+        else:
+            wanted = [quick, self._settings]
+        camera = coarser(self._camera, factor) if factor > 1 else self._camera
+        self._render = _Render(self._scene, camera, self._camera.crop, wanted)
 
 
 class _Render:
     """Sessions of one camera: of path tracing alone, or until the method has a sample, too."""
 
-    def __init__(self, scene, camera: CameraDesc, shown: tuple, wanted: list, exposure: float):
-        self._crop, self._shown, self._exposure = camera.crop, shown, exposure
+    def __init__(self, scene, camera: CameraDesc, shown: tuple, wanted: list):
+        self._crop, self._shown = camera.crop, shown
         self.seconds, self.samples, self.ended = 0.0, 0.0, False
+        self.progress: RenderProgress | None = None  # of the method, at the last look
         self._read = (-1, 0.0)  # sessions and samples of the last picture
         self._sessions: list[native.Session] = []
         scene.set("camera", camera_struct(camera))
@@ -117,9 +132,9 @@ class _Render:
             self.close()
             raise
 
-    def picture(self) -> Picture | None:
-        """Empty until each pixel has a sample."""
-        progress = self._sessions[-1].wait(0)
+    def picture(self, wanted: Pass) -> Picture | None:
+        """A pass as it stands; None until each pixel has a sample."""
+        progress = self.progress = self._sessions[-1].wait(0)
         self.seconds = progress.seconds
         self.ended = progress.state != RenderState.RUNNING
         stats = [session.stats() for session in self._sessions]
@@ -134,17 +149,18 @@ class _Render:
         whole = [
             (session, of["samples"])
             for session, of in zip(self._sessions, stats, strict=True)
-            if of["first_sample_seconds"] > 0.0
+            if of["first_sample_seconds"] > 0.0 and of["samples"] > 0  # not all at one moment
         ]
         total = sum(samples for _, samples in whole)
         if not whole or (len(whole), total) == self._read:
             return None
         self._read = (len(whole), total)
         blend = sum(
-            np.float32(samples / total) * session.read(Pass.COMBINED, *self._crop[2:])
+            np.float32(samples / total) * session.read(wanted, *self._crop[2:])
             for session, samples in whole
         )
-        blend[:, :3] *= self._exposure
+        if blend.shape[1] == 3:
+            blend = np.column_stack([blend, np.ones(len(blend), np.float32)])
         return Picture(blend.reshape(self._crop[3], self._crop[2], 4), self._shown)
 
     def close(self) -> None:

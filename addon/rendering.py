@@ -4,23 +4,19 @@
 from __future__ import annotations
 
 import time
+from contextlib import contextmanager
 
 from . import native, passes, statistics
-from .abi import Method, RenderStage, RenderState
+from .abi import Method, RenderState
 from .export.log import ExportLog
 from .export.scene import export_scene
 from .export.settings import export_settings, film_exposure, method_label
+from .progress import progress_text
+from .series import Series
 from .upload import upload
 
 POLL_MILLISECONDS = 100
 SHOW_SECONDS = 1.0  # between partial results
-STAGE_NAMES = {
-    RenderStage.MAPS: "reading normal maps",
-    RenderStage.SHEETS: "tracing light sheets",
-    RenderStage.LIGHT_PATHS: "learning light paths",
-    RenderStage.CAMERA_CHAINS: "finding lights in glass and metal",
-    RenderStage.PROBES: "measuring noise",
-}
 
 
 def render_view_layer(engine, depsgraph) -> statistics.Statistics | None:
@@ -39,17 +35,11 @@ def render_view_layer(engine, depsgraph) -> statistics.Statistics | None:
     )
 
     engine.update_stats("", "Specula: exporting")
-    start = time.perf_counter()
     log = ExportLog()
-    scene_desc = export_scene(depsgraph, log, images_as_pixels=not native.reads_image_files())
-    camera = scene_desc.camera
-    with upload(scene_desc, log) as native_scene:
-        stats.export_seconds = time.perf_counter() - start
+    with _scene_of(engine, depsgraph, settings.threads, log, stats) as (native_scene, camera):
         stats.warnings = log.warnings
-        if engine.test_break():
+        if native_scene is None or engine.test_break():
             return None
-        engine.update_stats("", "Specula: building the scene")
-        native_scene.commit(settings.threads)
         stats.scene_stats = native_scene.stats()
         stats.report = native_scene.report()
         with (
@@ -71,6 +61,31 @@ def render_view_layer(engine, depsgraph) -> statistics.Statistics | None:
     return None if completed.state == RenderState.CANCELLED else stats
 
 
+@contextmanager
+def _scene_of(engine, depsgraph, threads: int, log: ExportLog, stats: statistics.Statistics):
+    """The core's committed scene, None if the user cancelled, and its camera.
+
+    With *Persistent Data* it is of a series that the engine keeps, as Blender keeps the engine.
+    """
+    start = time.perf_counter()
+    if depsgraph.scene_eval.render.use_persistent_data and not engine.is_preview:
+        engine.series = engine.series or Series()
+        scene_and_camera = engine.series.next(depsgraph, log, threads=threads)
+        stats.export_seconds = time.perf_counter() - start
+        yield scene_and_camera
+        return
+    scene_desc = export_scene(depsgraph, log, images_as_pixels=not native.reads_image_files())
+    camera = scene_desc.camera
+    with upload(scene_desc, log) as native_scene:
+        stats.export_seconds = time.perf_counter() - start
+        if engine.test_break():
+            yield None, camera
+            return
+        engine.update_stats("", "Specula: building the scene")
+        native_scene.commit(threads)
+        yield native_scene, camera
+
+
 def _poll(engine, session, settings, film: Film):
     """Shows progress until the render is over; passes on the user's wish to stop."""
     shown = time.monotonic()
@@ -83,34 +98,11 @@ def _poll(engine, session, settings, film: Film):
             session.cancel()
         if time.monotonic() - shown >= SHOW_SECONDS:
             samples = session.stats()["samples"] / film.pixel_count
-            engine.update_stats("", progress_text(progress, samples, settings.samples))
+            engine.update_stats(
+                "", "Specula: " + progress_text(progress, samples, settings.samples)
+            )
             film.show(session)
             shown = time.monotonic()
-
-
-def progress_text(progress, samples: float, wanted: int) -> str:
-    """Such as "Specula: sample 12.3/64 | 0:05, 0:21 left", or the stage before the first sample.
-
-    `samples` is the mean over the pixels: it moves while all pixels wait for the slowest. What is
-    left is told once something tells.
-    """
-    stage = RenderStage(progress.stage)
-    doing = (
-        f"sample {samples:.1f}/{wanted}"
-        if stage == RenderStage.SAMPLES
-        else f"{STAGE_NAMES[stage]}, {progress.stage_fraction:.0%}"
-    )
-    text = f"Specula: {doing} | {_clock(progress.seconds)}"
-    if progress.seconds_left < 0.0:
-        return text
-    return f"{text}, {_clock(progress.seconds_left)} left"
-
-
-def _clock(seconds: float) -> str:
-    """h:mm:ss, or m:ss below an hour."""
-    minutes, second = divmod(round(seconds), 60)
-    hours, minute = divmod(minutes, 60)
-    return f"{hours}:{minute:02}:{second:02}" if hours else f"{minute}:{second:02}"
 
 
 class Film:

@@ -210,6 +210,32 @@ class SPECULA_PT_film(SpeculaPanel, bpy.types.Panel):
                 column.prop(cycles, name)
 
 
+class SPECULA_PT_performance(SpeculaPanel, bpy.types.Panel):
+    bl_label = "Performance"
+    bl_context = "render"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        column, render = self.column(), context.scene.render
+        column.prop(render, "threads_mode")
+        column.prop(render, "threads")
+        column.prop(render, "use_persistent_data", text="Persistent Data")
+
+
+class SPECULA_PT_shading(bpy.types.Panel):
+    bl_label = "Render Pass"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "HEADER"
+    bl_parent_id = "VIEW3D_PT_shading"
+
+    @classmethod
+    def poll(cls, context) -> bool:
+        return context.engine == ENGINE and context.space_data.shading.type == "RENDERED"
+
+    def draw(self, context):
+        self.layout.prop(context.space_data.shading.specula, "render_pass", text="")
+
+
 class SPECULA_PT_statistics(SpeculaPanel, bpy.types.Panel):
     bl_label = "Statistics"
     bl_context = "render"
@@ -369,6 +395,8 @@ PANELS = (
     SPECULA_PT_glints,
     SPECULA_PT_light_paths,
     SPECULA_PT_film,
+    SPECULA_PT_performance,
+    SPECULA_PT_shading,
     SPECULA_PT_statistics,
     SPECULA_PT_passes,
     SPECULA_PT_object_caustics,

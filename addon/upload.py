@@ -1,11 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`desc.SceneDesc` -> `native.Scene`: each description becomes its C struct and one call."""
+"""`desc.SceneDesc` -> `native.Scene`: each description becomes its C struct and one call.
+
+A scene that will be edited is a `Snapshot`: the next one shares what is described by the same
+objects.
+"""
 
 from __future__ import annotations
 
 import ctypes
+import dataclasses
 import os
-from dataclasses import fields
+import pickle
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -36,18 +42,112 @@ def upload(scene_desc: desc.SceneDesc, log: ExportLog | None = None) -> native.S
         meshes, scene_desc.meshes = scene_desc.meshes, []
         for mesh in _drain(meshes):
             scene.add("mesh", _mesh(mesh))
-        for light in scene_desc.lights:
-            scene.add("light", _struct(abi.LightDesc, light))
-        for instance in scene_desc.instances:
-            scene.add("instance", _instance(instance))
-        if scene_desc.camera:
-            scene.set("camera", camera_struct(scene_desc.camera))
-        if scene_desc.environment:
-            scene.set("environment", _struct(abi.EnvironmentDesc, scene_desc.environment))
+        _set_the_rest(scene, scene_desc)
     except BaseException:
         scene.close()
         raise
     return scene
+
+
+def _set_the_rest(scene: native.Scene, scene_desc: desc.SceneDesc) -> None:
+    """What is cheap: all that refers to the parts, and to which nothing refers."""
+    for light in scene_desc.lights:
+        scene.add("light", _struct(abi.LightDesc, light))
+    for instance in scene_desc.instances:
+        scene.add("instance", _instance(instance))
+    if scene_desc.camera:
+        scene.set("camera", camera_struct(scene_desc.camera))
+    if scene_desc.environment:
+        scene.set("environment", _struct(abi.EnvironmentDesc, scene_desc.environment))
+
+
+@dataclass
+class Snapshot:
+    """A committed scene of the core and which of its parts came of which description; free it with
+    `close`."""
+
+    scene: native.Scene
+    content: tuple  # tells it, but for the camera, from others; see `_content`
+    # By the identity of the description, which stays alive with it; no index where another part
+    # stands for it.
+    parts: dict[int, tuple[object, int | None]] = dataclasses.field(default_factory=dict)
+
+    def close(self) -> None:
+        self.scene.close()
+
+
+def snapshot(
+    scene_desc: desc.SceneDesc, log: ExportLog | None, before: Snapshot | None, threads: int = 0
+) -> Snapshot:
+    """A committed scene with everything in `scene_desc`; `before` itself if only the camera may
+    differ, and then nothing of it is set.
+
+    Images and meshes give up their arrays as they are copied: only this scene has them then.
+    Raises native.NativeError; later snapshots must then be made of new descriptions.
+    """
+    content = _content(scene_desc)
+    complete = before is not None and all(index is not None for _, index in before.parts.values())
+    if complete and before.content == content:
+        return before
+    made = Snapshot(native.Scene.edited(before and before.scene), content)
+    try:
+        _add_parts(made, scene_desc, log, before)
+        _set_the_rest(made.scene, scene_desc)
+        made.scene.commit(threads)
+    except BaseException:
+        made.close()
+        raise
+    return made
+
+
+def _content(scene_desc: desc.SceneDesc) -> tuple:
+    parts = (scene_desc.images, scene_desc.materials, scene_desc.meshes)
+    rest = (scene_desc.lights, scene_desc.instances, scene_desc.environment)
+    return tuple(tuple(map(id, part)) for part in parts), pickle.dumps(rest)
+
+
+def _add_parts(
+    made: Snapshot, scene_desc: desc.SceneDesc, log: ExportLog | None, before: Snapshot | None
+) -> None:
+    scene, parts_before = made.scene, before.parts if before else {}
+    same_images = set()  # indices of images that are what they were in the scene before
+
+    def kept(kind: str, part) -> int | None:
+        _, index_before = parts_before.get(id(part), (None, None))
+        index = None if index_before is None else scene.keep(kind, index_before)
+        if kind == "image" and index is not None and index == index_before:
+            same_images.add(index)
+        return index
+
+    def note(part, index: int | None) -> None:
+        made.parts[id(part)] = part, index
+
+    for image in scene_desc.images:
+        index = kept("image", image)
+        note(image, _take_image(scene, image, log) if index is None else index)
+    for material in scene_desc.materials:
+        images = {node.image for node in material.nodes if node.image != desc.NONE}
+        index = kept("material", material) if images <= same_images else None
+        note(material, scene.add("material", material_struct(material)) if index is None else index)
+    for mesh in scene_desc.meshes:
+        index = kept("mesh", mesh)
+        note(mesh, _take_mesh(scene, mesh) if index is None else index)
+
+
+def _take_image(scene: native.Scene, image: desc.ImageDesc, log: ExportLog | None) -> int | None:
+    """Index of an image, which gives up its arrays; None if another one stands for it."""
+    index = _add_image(scene, image, log)
+    if index is not None:
+        image.pixels = image.encoded = None
+    return index
+
+
+def _take_mesh(scene: native.Scene, mesh: desc.MeshDesc) -> int:
+    index = scene.add("mesh", _mesh(mesh))
+    for array in fields(mesh):
+        if isinstance(getattr(mesh, array.name), (np.ndarray, list)):
+            setattr(mesh, array.name, None)
+    return index
 
 
 def camera_struct(camera: desc.CameraDesc) -> abi.CameraDesc:
@@ -55,14 +155,16 @@ def camera_struct(camera: desc.CameraDesc) -> abi.CameraDesc:
     return _struct(abi.CameraDesc, camera)
 
 
-def _add_image(scene: native.Scene, image: desc.ImageDesc, log: ExportLog | None) -> None:
+def _add_image(scene: native.Scene, image: desc.ImageDesc, log: ExportLog | None) -> int | None:
+    """Index of an image; None if its file cannot be read, so that another one stands for it."""
     try:
-        scene.add("image", image_struct(image))
+        return scene.add("image", image_struct(image))
     except native.NativeError as error:
         if log is None or error.status != abi.Status.IO_ERROR:
             raise
         log.warn("images", f"{error}, shown in magenta")
         scene.add("image", image_struct(desc.missing_image()))
+        return None
 
 
 def _drain(items: list):

@@ -13,12 +13,12 @@ import gpu
 from gpu_extras.presets import draw_texture_2d
 
 from . import diagnosis, native
+from .abi import Pass
 from .export.log import ExportLog
-from .export.scene import export_scene
 from .export.settings import film_exposure, viewport_settings
 from .export.view import export_view, is_shown
 from .refinement import Picture, Refinement
-from .upload import upload
+from .series import Series
 
 BACKGROUND = (0.04, 0.04, 0.04, 1.0)  # linear
 TEXT_COLOR = (0.9, 0.9, 0.9, 1.0)
@@ -45,6 +45,7 @@ class Viewport:
 
     def __init__(self, engine):
         self._engine = weakref.ref(engine)
+        self._series = Series()
         self._refinement: Refinement | None = None
         self._problem: str | None = None
         self._shown = None  # `shown` of the scene that is rendered
@@ -62,9 +63,12 @@ class Viewport:
             if changes and changes <= {"CAMERA", "NOTHING"}:
                 self._seen = None if "CAMERA" in changes else self._seen
                 return
-        self._close_refinement()
         with self._problems_noted():
-            self._refinement = exported(context, depsgraph)
+            refinement = self._refinement or Refinement()
+            refinement.stop()
+            scene, _ = self._series.next(depsgraph, ExportLog(), view=context)
+            refinement.show(scene)
+            self._refinement = refinement
         self._shown, self._seen = shown_now, None
         self._tick_soon()
 
@@ -93,10 +97,12 @@ class Viewport:
             return
         settings = viewport_settings(context.scene, context.view_layer)
         exposure = film_exposure(context.scene)
-        seen_now = (seen(context), native.struct_fields(settings), exposure)
+        shown_pass = Pass[context.space_data.shading.specula.render_pass]
+        seen_now = (seen(context), native.struct_fields(settings), exposure, shown_pass)
         if seen_now != self._seen:
             self._seen = seen_now
-            self._refinement.look(export_view(context, depsgraph), settings, exposure)
+            view = export_view(context, depsgraph)
+            self._refinement.look(view, settings, exposure, shown_pass)
             self._tick_soon()
         picture = self._refinement.picture()
         if picture is not None:
@@ -115,8 +121,9 @@ class Viewport:
 
     def _close_refinement(self) -> None:
         if self._refinement is not None:
-            self._refinement.close()
+            self._refinement.stop()
             self._refinement = None
+        self._series.close()
 
     def _tick_soon(self) -> None:
         self._ticks = 0
@@ -134,19 +141,6 @@ class Viewport:
             return None
         self._ticks += 1
         return FAST_TICK if self._ticks < NEW_TICKS else SLOW_TICK
-
-
-def exported(context, depsgraph) -> Refinement:
-    """The scene as the view shows it, ready to be rendered. Raises ExportError or NativeError."""
-    log = ExportLog()
-    scene_desc = export_scene(depsgraph, log, not native.reads_image_files(), view=context)
-    scene = upload(scene_desc, log)
-    try:
-        scene.commit()
-        return Refinement(scene)
-    except BaseException:
-        scene.close()
-        raise
 
 
 def kind_of(update) -> str:

@@ -16,7 +16,7 @@ FIELD = ROOT / "tests" / "instruments" / "field" / "field.py"
 PARITY = ROOT / "tests" / "instruments" / "parity" / "parity.py"
 DEFAULT_BENCH = "error"
 # They need the environment with Matplotlib, FLIP and EXR files.
-WITH_FIGURES = ("error", "figures", "reference", "scaling")
+WITH_FIGURES = ("animation", "error", "figures", "reference", "scaling")
 NATIVE = ("kernels",)  # they build their own programs, and need no Blender
 
 

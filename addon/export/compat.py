@@ -13,6 +13,16 @@ import numpy as np
 from .desc import BumpCorrection
 from .sky import Sky
 
+# ------------------------------------------------------------------------------------------- data
+
+
+def identity(data) -> int:
+    """Tells an ID, evaluated or not, from all others of the session; before 4.1, and what is part
+    of another ID, from those that live at the same time."""
+    original = data.original
+    return getattr(original, "session_uid", 0) or original.as_pointer()
+
+
 # ------------------------------------------------------------------------------- Cycles' settings
 
 

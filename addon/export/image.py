@@ -9,7 +9,16 @@ import re
 import bpy
 import numpy as np
 
-from .desc import AlphaMode, ColorSpace, ExportError, ImageDesc, missing_image
+from . import compat
+from .desc import (
+    NONE,
+    AlphaMode,
+    ColorSpace,
+    ExportError,
+    ImageDesc,
+    MaterialDesc,
+    missing_image,
+)
 from .log import ExportLog
 
 CHUNK = 1 << 20  # floats that become bytes at a time
@@ -35,16 +44,19 @@ ALPHA_MODES = {
 class Images:
     """The images of a scene, each exported once."""
 
-    def __init__(self, log: ExportLog, as_pixels: bool = False, frame: int = 1):
+    def __init__(self, log: ExportLog, as_pixels: bool = False, frame: int = 1, cache=None):
         """`as_pixels`: Blender decodes every image, for a core that reads no files.
 
-        `frame` is the scene's.
+        `frame` is the scene's, `cache` an `ExportCache` or None.
         """
         self.descs: list[ImageDesc] = []
         self._log = log
         self._as_pixels = as_pixels
         self._frame = frame
-        self._indices: dict = {}
+        self._cache = cache
+        self._indices: dict = {}  # image and number -> index
+        self._places: dict[int, int] = {}  # id of a description -> index
+        self._states: dict[int, tuple | None] = {}  # index -> as `state_of`; not of made pixels
 
     def add(self, image, image_user, user: str) -> int:
         """Index of `image`; of a magenta pixel if there is nothing to see.
@@ -55,17 +67,52 @@ class Images:
             self._log.warn(user, "has no image, shown in magenta")
         key = (image, sequence_number(image, image_user, self._frame))
         if key not in self._indices:
-            self._indices[key] = len(self.descs)
+            state = state_of(*key) if image and self._cache else None
+            desc = self._cache.image(state, self._log) if state else None
             try:
-                self.descs.append(self._export(*key) if image else missing_image())
+                desc = desc or self._kept(state, *key) if image else missing_image()
             except MemoryError as error:
                 raise ExportError(f"image {image.name}: out of memory ({error})") from error
+            self._indices[key] = self.place(desc)
+            self._states[self._indices[key]] = state
         return self._indices[key]
 
     def add_pixels(self, name: str, pixels: np.ndarray) -> int:
         """Index of an image of linear `pixels`, (H, W, 3) float32, bottom row first."""
-        self.descs.append(ImageDesc(name, pixels=pixels, color_space=ColorSpace.LINEAR))
-        return len(self.descs) - 1
+        return self.place(ImageDesc(name, pixels=pixels, color_space=ColorSpace.LINEAR))
+
+    def place(self, desc: ImageDesc) -> int:
+        """Index of a description, which is added if it is new."""
+        index = self._places.setdefault(id(desc), len(self.descs))
+        if index == len(self.descs):
+            self.descs.append(desc)
+        return index
+
+    def used_by(self, material: MaterialDesc) -> dict[int, tuple[ImageDesc, tuple | None]]:
+        """The images that a material's nodes refer to, by index, and the state of each: None where
+        it may be another one the next time, () of pixels that the material itself has made."""
+        indices = {node.image for node in material.nodes if node.image != NONE}
+        return {index: (self.descs[index], self._states.get(index, ())) for index in indices}
+
+    def are_as(self, states) -> bool:
+        """Whether images are in the states that `used_by` gave."""
+        images = None
+        for state in states:
+            if state is None or (state and state[1] is not None):  # of a sequence
+                return False
+            if state:
+                images = images or {compat.identity(image): image for image in bpy.data.images}
+                image = images.get(state[0])
+                if image is None or state_of(image, None) != state:
+                    return False
+        return True
+
+    def _kept(self, state: tuple | None, image, number: int | None) -> ImageDesc:
+        with self._log.recording() as warnings:
+            desc = self._export(image, number)
+        if state:
+            self._cache.keep_image(state, desc, warnings)
+        return desc
 
     def _export(self, image, number: int | None) -> ImageDesc:
         path = _path(image, number)
@@ -103,6 +150,32 @@ class Images:
                 f"image {image.name}", f"colour space {name} is not supported, sRGB is used"
             )
         return COLOR_SPACES.get(name, ColorSpace.SRGB)
+
+
+def state_of(image, number: int | None) -> tuple | None:
+    """Tells an image and its content (of the file `number` of a sequence) from others; None where
+    only its pixels would."""
+    path = _path(image, number)
+    is_file = os.path.isfile(path)
+    if image.is_dirty or not (is_file or image.packed_file or image.source == "GENERATED"):
+        return None
+    file = os.stat(path) if is_file else None
+    return (
+        compat.identity(image),
+        number,
+        image.name_full,
+        image.source,
+        path,
+        file and (file.st_mtime_ns, file.st_size),
+        image.packed_file.size if image.packed_file else None,
+        image.colorspace_settings.name,
+        image.alpha_mode,
+        image.generated_type,
+        image.generated_width,
+        image.generated_height,
+        image.use_generated_float,
+        tuple(image.generated_color),
+    )
 
 
 def sequence_number(image, image_user, frame: int) -> int | None:

@@ -8,6 +8,7 @@ import numpy as np
 from ..inquiry import Inquiry
 from ..native import NativeError
 from . import compat, ignored
+from .cache import ExportCache, KeptMaterial, KeptMesh
 from .camera import export_camera
 from .desc import EnvironmentDesc, ExportError, InstanceDesc, MaterialNeeds, SceneDesc
 from .image import Images
@@ -24,29 +25,38 @@ from .world import export_world
 UNSUPPORTED_TYPES = {"CURVES", "POINTCLOUD", "VOLUME", "GPENCIL", "GREASEPENCIL"}
 
 
-def export_scene(depsgraph, log: ExportLog, images_as_pixels: bool = False, view=None) -> SceneDesc:
+def export_scene(
+    depsgraph,
+    log: ExportLog,
+    images_as_pixels: bool = False,
+    view=None,
+    cache: ExportCache | None = None,
+) -> SceneDesc:
     """Everything that `depsgraph` renders. Raises ExportError naming what cannot be rendered.
 
     `images_as_pixels`: see `Images`. `view`: the context of a 3D view, whose camera and visible
-    objects stand in for the scene's.
+    objects stand in for the scene's. `cache`: of the exports before, which have met all updates of
+    `depsgraph` but its present ones.
     """
-    return SceneExport(depsgraph, log, images_as_pixels, view).run()
+    return SceneExport(depsgraph, log, images_as_pixels, view, cache or ExportCache()).run()
 
 
 class SceneExport:
     """The walk under way, and what it has met so far."""
 
-    def __init__(self, depsgraph, log: ExportLog, images_as_pixels: bool, view=None):
+    def __init__(self, depsgraph, log: ExportLog, images_as_pixels: bool, view, cache: ExportCache):
         self.depsgraph = depsgraph
         self.view = view
         self.layer = depsgraph.view_layer_eval
         self.log = log
-        self.images = Images(log, images_as_pixels, depsgraph.scene_eval.frame_current)
+        self.cache = cache
+        self.images = Images(log, images_as_pixels, depsgraph.scene_eval.frame_current, cache)
         self.scene = SceneDesc(images=self.images.descs)
         self._materials: dict = {}  # evaluated material or None -> (index, needs)
-        self._meshes: dict = {}  # (evaluated mesh, slots) -> (index or None, needs)
+        self._meshes: dict = {}  # mesh_key -> (index or None, needs)
 
     def run(self) -> SceneDesc:
+        self.cache.begin(self.depsgraph)
         self.scene.camera = (
             export_view(self.view, self.depsgraph) if self.view else export_camera(self.depsgraph)
         )
@@ -56,6 +66,7 @@ class SceneExport:
                 if is_shown(instance, self.view and self.view.space_data):
                     self._named_instance(instance)
         self._check_scene(self.depsgraph.scene_eval)
+        self.cache.end()
         return self.scene
 
     def _check_scene(self, scene) -> None:
@@ -95,7 +106,7 @@ class SceneExport:
         self._check_object(instance, owner)
         if not self.layer.use_solid:
             return
-        self._mesh_instance(obj, transform, visibility, caustics_role(instance))
+        self._mesh_instance(instance, transform, visibility)
 
     def _check_object(self, instance, owner: str) -> None:
         if instancer(instance).holdout_get(view_layer=self.layer):
@@ -109,14 +120,15 @@ class SceneExport:
         ):
             self.log.warn(owner, "hair is not supported, it is not rendered")
 
-    def _mesh_instance(self, obj, transform: np.ndarray, visibility, role) -> None:
+    def _mesh_instance(self, instance, transform: np.ndarray, visibility) -> None:
+        obj = instance.object
         slots = [slot.material for slot in obj.material_slots] or [None]
         override = self.layer.material_override
         materials = [self._material(override or material) for material in slots]
         needs = MaterialNeeds()
         for _, material_needs in materials:
             needs |= material_needs
-        mesh = self._mesh(obj, needs, len(materials))
+        mesh = self._mesh(instance, needs, len(materials))
         if mesh is None:
             return
         if np.linalg.det(transform[:, :3].astype(np.float64)) == 0.0:
@@ -129,38 +141,51 @@ class SceneExport:
                 transform=transform,
                 materials=[index for index, _ in materials],
                 visibility=visibility,
-                caustics_role=role,
+                caustics_role=caustics_role(instance),
                 terminator_offset=compat.cycles_value(obj, "shadow_terminator_offset", 0.0),
             )
         )
 
-    def _mesh(self, obj, needs: MaterialNeeds, slots: int) -> int | None:
+    def _mesh(self, instance, needs: MaterialNeeds, slots: int) -> int | None:
         """Index of the object's mesh, shared by all who show it; None if it has no faces.
 
         Exported again in its place if a later user reads more of it than all before.
         """
-        key = (obj.data, slots)
+        key = mesh_key(instance.object.data, slots)
         index, exported = self._meshes.get(key, (len(self.scene.meshes), None))
         if exported is not None and (index is None or needs <= exported):
             return index
         needs = needs if exported is None else needs | exported
-        desc = export_mesh(obj, needs, slots)
-        self._meshes[key] = (index if desc else None, needs)
-        if desc is None:
+        kept = self.cache.mesh(key, shapers(instance), needs, self.log)
+        if kept is None:
+            with self.log.recording() as warnings:
+                desc = export_mesh(instance.object, needs, slots)
+            kept = KeptMesh(desc, needs, warnings)
+            self.cache.keep_mesh(key, kept)
+        self._meshes[key] = (index if kept.desc else None, kept.needs)
+        if kept.desc is None:
             return None
-        self.scene.meshes[index : index + 1] = [desc]
+        self.scene.meshes[index : index + 1] = [kept.desc]
         return index
 
     def _material(self, material) -> tuple[int, MaterialNeeds]:
         """Index of a material and what it reads from a mesh; None is an empty slot."""
         if material not in self._materials:
+            kept = self.cache.material(material, self.images, self.log)
+            if kept is None:
+                kept = self._new_material(material)
+                self.cache.keep_material(material, kept)
+            self._materials[material] = (len(self.scene.materials), kept.needs)
+            self.scene.materials.append(kept.desc)
+        return self._materials[material]
+
+    def _new_material(self, material) -> KeptMaterial:
+        with self.log.recording() as warnings:
             desc = (
                 export_material(material, self.images, self.log) if material else default_material()
             )
-            needs = self._core.needs(self._core.add(desc, self.images.descs))
-            self._materials[material] = (len(self.scene.materials), needs)
-            self.scene.materials.append(desc)
-        return self._materials[material]
+        needs = self._core.needs(self._core.add(desc, self.images.descs))
+        return KeptMaterial(desc, self.images.used_by(desc), needs, warnings)
 
     def _world(self, world) -> None:
         if world is None or not self.layer.use_sky:
@@ -171,9 +196,27 @@ class SceneExport:
             visibility=world_visibility(world),
             feeds_caustics=world.specula.caustics,
         )
-        material, sun = export_world(world, self.images, self.log)
-        self.scene.materials.append(material)
-        if sun is not None:
-            sun.visibility = self.scene.environment.visibility
-            sun.feeds_caustics = world.specula.caustics
-            self.scene.lights.append(sun)
+        kept = self.cache.material(world, self.images, self.log)
+        if kept is None:
+            with self.log.recording() as warnings:
+                desc, sun = export_world(world, self.images, self.log)
+            kept = KeptMaterial(desc, self.images.used_by(desc), MaterialNeeds(), warnings, sun)
+            self.cache.keep_material(world, kept)
+        self.scene.materials.append(kept.desc)
+        if kept.sun is not None:
+            kept.sun.visibility = self.scene.environment.visibility
+            kept.sun.feeds_caustics = world.specula.caustics
+            self.scene.lights.append(kept.sun)
+
+
+def mesh_key(mesh, slots: int) -> tuple:
+    """Tells an evaluated mesh, shown with a number of material slots, from others."""
+    sizes = len(mesh.vertices), len(mesh.loops), len(mesh.polygons)
+    return mesh.as_pointer(), slots, *sizes
+
+
+def shapers(instance) -> tuple:
+    """The objects whose geometry decides what mesh a depsgraph instance shows."""
+    if not instance.is_instance:
+        return (instance.object,)
+    return instancer(instance), instance.instance_object

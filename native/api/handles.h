@@ -12,7 +12,8 @@
 // A scene under construction, or frozen: `builder` until commit, `world` after it.
 struct spc_scene {
     std::unique_ptr<spc::SceneBuilder> builder = std::make_unique<spc::SceneBuilder>();
-    std::optional<spc::RenderScene> world;
+    std::shared_ptr<const spc::RenderScene> before{};  // the snapshot before, until commit
+    std::shared_ptr<spc::RenderScene> world{};
     std::string report;
     double commit_seconds = 0.0;
     // What the last answers refer to.
@@ -20,6 +21,8 @@ struct spc_scene {
     std::vector<spc_uv_need> needed_layers{};
     spc::CausticsPart part{};
     std::string glints{}, no_glints{};
+    // Of the sessions so far, if the scene is one of a series.
+    mutable spc::SheetStore sheets{};
     // Sessions that render it; a render may start and end in any thread.
     mutable std::mutex renders_mutex;
     mutable uint32_t renders = 0;
@@ -43,7 +46,9 @@ private:
 
 struct spc_session {
     spc_session(const spc_scene& scene, const spc::RenderSettings& settings)
-        : renders(scene), session(*scene.world, settings) {}
+        : renders(scene),
+          session(*scene.world, settings,
+                  scene.world->scene->has_trees_to_share ? &scene.sheets : nullptr) {}
     RendersScene renders;
     spc::Session session;
     std::string report{};

@@ -304,6 +304,49 @@ spc_status spc_scene_create(spc_scene** scene) {
     });
 }
 
+spc_status spc_scene_edit(const spc_scene* before, spc_scene** scene) {
+    return gate("spc_scene_edit", [&] {
+        spc_scene*& out = checked_output(scene, "scene");
+        std::shared_ptr<const spc::RenderScene> world;
+        if (before != nullptr) {
+            world_of(before);
+            world = before->world;
+        }
+        auto made = std::make_unique<spc_scene>();
+        made->builder = std::make_unique<spc::SceneBuilder>(
+            world ? std::shared_ptr<const spc::Scene>(world, world->scene.get()) : nullptr);
+        made->before = std::move(world);
+        out = made.release();
+    });
+}
+
+namespace {
+
+// One of the builder's ways to keep something of the scene before.
+spc_status keep(const char* function, spc_scene* scene, uint32_t before, uint32_t* index,
+                uint32_t (spc::SceneBuilder::*how)(uint32_t)) {
+    return gate(function, [&] {
+        spc::SceneBuilder& builder = builder_of(scene);
+        uint32_t& out = checked_output(index, "index");
+        out = (builder.*how)(before);
+    });
+}
+
+}  // namespace
+
+spc_status spc_scene_keep_image(spc_scene* scene, uint32_t before, uint32_t* image_index) {
+    return keep("spc_scene_keep_image", scene, before, image_index, &spc::SceneBuilder::keep_image);
+}
+
+spc_status spc_scene_keep_material(spc_scene* scene, uint32_t before, uint32_t* material_index) {
+    return keep("spc_scene_keep_material", scene, before, material_index,
+                &spc::SceneBuilder::keep_material);
+}
+
+spc_status spc_scene_keep_mesh(spc_scene* scene, uint32_t before, uint32_t* mesh_index) {
+    return keep("spc_scene_keep_mesh", scene, before, mesh_index, &spc::SceneBuilder::keep_mesh);
+}
+
 void spc_scene_destroy(spc_scene* scene) { delete scene; }
 
 spc_status spc_scene_add_image(spc_scene* scene, const spc_image_desc* desc, uint32_t* image_index) {
@@ -426,13 +469,14 @@ spc_status spc_scene_commit(spc_scene* scene, uint32_t threads) {
         // From here on only a lack of memory can stop it; then the scene is lost, and says so to
         // every later call.
         const std::unique_ptr<spc::SceneBuilder> taken = std::move(scene->builder);
+        const std::shared_ptr<const spc::RenderScene> before = std::move(scene->before);
         std::unique_ptr<spc::Scene> frozen = spc::with_memory_for(
             "the trees over the scene's geometry", [&] { return taken->freeze(threads); });
-        spc::RenderScene world =
-            spc::with_memory_for("the tables of the scene's lights and casters",
-                                 [&] { return spc::prepare(std::move(frozen), threads); });
+        spc::RenderScene world = spc::with_memory_for(
+            "the tables of the scene's lights and casters",
+            [&] { return spc::prepare(std::move(frozen), threads, before.get()); });
         for (const std::string& line : world.scene->report) scene->report += line + "\n";
-        scene->world = std::move(world);
+        scene->world = std::make_shared<spc::RenderScene>(std::move(world));
         scene->commit_seconds =
             std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     });

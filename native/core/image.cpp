@@ -46,24 +46,26 @@ void finish(Image& image, ColorSpace space, AlphaMode alpha, bool stored_premult
 
     image.srgb_encoded = space == ColorSpace::srgb && !image.bytes.empty();
     if (space == ColorSpace::srgb && !image.floats.empty()) {
-        for (size_t i = 0; i < image.floats.size(); ++i)
-            if (image.channels != 4 || i % 4 != 3)
-                image.floats[i] = srgb_to_linear(image.floats[i]);
+        std::vector<float>& texels = image.floats.writable();
+        for (size_t i = 0; i < texels.size(); ++i)
+            if (image.channels != 4 || i % 4 != 3) texels[i] = srgb_to_linear(texels[i]);
     }
     if (image.channels != 4) return;
-    apply_alpha(image.bytes, uint8_t{255}, alpha == AlphaMode::none, associates && !multiplied);
-    apply_alpha(image.floats, 1.0f, alpha == AlphaMode::none, associates && !multiplied);
+    apply_alpha(image.bytes.writable(), uint8_t{255}, alpha == AlphaMode::none,
+                associates && !multiplied);
+    apply_alpha(image.floats.writable(), 1.0f, alpha == AlphaMode::none, associates && !multiplied);
 }
 
 // What is not a number in a file (renders with defects, suns of infinite radiance) must not poison
 // a path.
 void repair(Image& image) {
-    for (size_t texel = 0; texel < image.floats.size(); texel += image.channels) {
+    std::vector<float>& texels = image.floats.writable();
+    for (size_t texel = 0; texel < texels.size(); texel += image.channels) {
         bool finite = true;
         for (size_t c = 0; c < image.channels; ++c)
-            finite = finite && std::abs(image.floats[texel + c]) <= kLargestNumber;
+            finite = finite && std::abs(texels[texel + c]) <= kLargestNumber;
         if (finite) continue;
-        for (size_t c = 0; c < image.channels; ++c) image.floats[texel + c] = 0.0f;
+        for (size_t c = 0; c < image.channels; ++c) texels[texel + c] = 0.0f;
         ++image.repaired_texels;
     }
 }
@@ -71,7 +73,7 @@ void repair(Image& image) {
 // An image of texels in memory, before finish(); `texels` is Image::bytes or Image::floats.
 template <class Texel>
 Image image_from_texels(const std::string& name, std::span<const Texel> texels, uint32_t width,
-                        uint32_t height, uint32_t channels, std::vector<Texel> Image::*member) {
+                        uint32_t height, uint32_t channels, SharedArray<Texel> Image::*member) {
     check_image_size(name, width, height, channels);
     if (texels.size() != size_t{width} * height * channels)
         fail_image(ErrorKind::invalid_argument, name, "number of texels does not match its size");
@@ -80,7 +82,7 @@ Image image_from_texels(const std::string& name, std::span<const Texel> texels, 
     image.width = width;
     image.height = height;
     image.channels = channels;
-    (image.*member).assign(texels.begin(), texels.end());
+    (image.*member).writable().assign(texels.begin(), texels.end());
     return image;
 }
 

@@ -2,6 +2,7 @@
 // Images as the host hands them over, and their lookup.
 #pragma once
 
+#include "core/shared.h"
 #include "math/dual.h"
 
 #include <span>
@@ -20,16 +21,20 @@ enum class AlphaMode : uint8_t {
 
 // Decoded texels, bottom row first. 8-bit sRGB stays encoded and is linearised after filtering, as
 // Cycles does; everything else is stored ready to use. Colour is premultiplied by alpha (of encoded
-// bytes: as encoded) unless the space is `data` or the mode `packed`.
+// bytes: as encoded) unless the space is `data` or the mode `packed`. Copies share the texels.
 struct Image {
     std::string name;
     uint32_t width = 0, height = 0;
     uint32_t channels = 0;         // 1, 3 or 4 as stored; lookups always give RGBA
-    std::vector<uint8_t> bytes;    // [height][width][channels], or empty
-    std::vector<float> floats;     // the same, or empty
+    SharedArray<uint8_t> bytes;    // [height][width][channels], or empty
+    SharedArray<float> floats;     // the same, or empty
     bool srgb_encoded = false;     // only with bytes
     bool premultiplied = false;    // colour is multiplied by an alpha channel
     uint64_t repaired_texels = 0;  // of a file: were not finite and read as 0
+    // Tells texels from those of another image, as long as either lives.
+    const void* texels() const {
+        return bytes.empty() ? static_cast<const void*>(floats.data()) : bytes.data();
+    }
     size_t memory_bytes() const { return bytes.size() + floats.size() * sizeof(float); }
 };
 

@@ -67,9 +67,9 @@ ImageFile read(const std::string& name, OIIO::ImageInput& input) {
                                       !spec.get_int_attribute("oiio:UnassociatedAlpha", 0) &&
                                       !says_nothing_of_straight_alpha(input);
     if (bytes) {
-        read_texels(input, name, OIIO::TypeDesc::UINT8, image.bytes);
+        read_texels(input, name, OIIO::TypeDesc::UINT8, image.bytes.writable());
     } else {
-        read_texels(input, name, OIIO::TypeDesc::FLOAT, image.floats);
+        read_texels(input, name, OIIO::TypeDesc::FLOAT, image.floats.writable());
     }
     return {std::move(image), stored_premultiplied};
 }

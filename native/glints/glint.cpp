@@ -21,21 +21,21 @@ constexpr float kMostTurn = 0.25f;
 // Added to the density of directions, 1/sr.
 constexpr float kLeastPdf = 0.01f;
 
-// What tells fields apart.
-struct FieldKey {
-    uint32_t image;
-    Relief relief;
-    float strength;  // of normals; heights have theirs at the surface
-    bool operator==(const FieldKey&) const = default;
-};
-
-FieldKey key_of(const SlopeMap& map) {
-    return {map.image, map.relief, map.relief == Relief::normals ? map.strength : 1.0f};
+GlintSet::Key key_of(const SlopeMap& map, const Image& image) {
+    return {image.texels(), map.relief, map.relief == Relief::normals ? map.strength : 1.0f};
 }
 
-std::optional<SlopeField> build_field(const Image& image, const FieldKey& key, uint32_t threads) {
+std::optional<Shared<SlopeField>> build_field(const Image& image, const GlintSet::Key& key,
+                                              uint32_t threads, const GlintSet* before) {
+    if (before != nullptr) {
+        const auto known = std::find(before->keys.begin(), before->keys.end(), key);
+        if (known != before->keys.end())
+            return before->fields[static_cast<size_t>(known - before->keys.begin())];
+    }
     if (key.relief == Relief::heights) return SlopeField::of_heights(image, threads);
-    return SlopeField::of_normals(image, key.strength, threads);
+    std::optional<SlopeField> field = SlopeField::of_normals(image, key.strength, threads);
+    if (!field) return std::nullopt;
+    return std::move(*field);
 }
 
 }  // namespace
@@ -46,12 +46,12 @@ size_t GlintSet::memory_bytes() const {
     return bytes;
 }
 
-GlintSet build_glints(const Scene& scene, uint32_t threads, std::vector<std::string>& report) {
+GlintSet build_glints(const Scene& scene, uint32_t threads, const GlintSet* before,
+                      std::vector<std::string>& report) {
     GlintSet set;
     std::vector<bool> used(scene.materials.size());
     for (const Instance& instance : scene.instances)
         for (const uint32_t material : instance.materials) used[material] = true;
-    std::vector<FieldKey> keys;
     for (uint32_t i = 0; i < scene.materials.size(); ++i) {
         const Material& material = scene.materials[i];
         const SlopeMap& map = material.slopes;
@@ -61,14 +61,15 @@ GlintSet build_glints(const Scene& scene, uint32_t threads, std::vector<std::str
         if (map.image == kNone) continue;
         const Image& image = scene.images[map.image];
         set.of_material.resize(scene.materials.size(), kNone);
-        const FieldKey key = key_of(map);
-        const auto known = std::find(keys.begin(), keys.end(), key);
-        if (known != keys.end()) {
-            set.of_material[i] = static_cast<uint32_t>(known - keys.begin());
-        } else if (std::optional<SlopeField> field = build_field(image, key, threads)) {
+        const GlintSet::Key key = key_of(map, image);
+        const auto known = std::find(set.keys.begin(), set.keys.end(), key);
+        if (known != set.keys.end()) {
+            set.of_material[i] = static_cast<uint32_t>(known - set.keys.begin());
+        } else if (std::optional<Shared<SlopeField>> field =
+                       build_field(image, key, threads, before)) {
             set.of_material[i] = static_cast<uint32_t>(set.fields.size());
             set.fields.push_back(std::move(*field));
-            keys.push_back(key);
+            set.keys.push_back(key);
         } else {
             report.push_back(
                 fmt::format("{}: no glints: normals of image \"{}\" point into the surface",
@@ -91,7 +92,7 @@ std::optional<GlintPoint> GlintPoint::at(const GlintSet& glints, const GlintSett
     if (index == kNone) return std::nullopt;
     const SlopeField& field = glints.fields[index];
     const std::optional<Footprint> footprint =
-        footprint_at(scene, scene.materials[material].slopes, field.width(), field.height(),
+        footprint_at(scene, scene.materials[material]->slopes, field.width(), field.height(),
                      surface, path, distance);
     if (!footprint) return std::nullopt;
     float alpha = kInfinity;

@@ -13,14 +13,23 @@ namespace spc {
 
 // The slope fields of all maps that may glint.
 struct GlintSet {
-    std::vector<SlopeField> fields;
+    // What tells fields apart.
+    struct Key {
+        const void* texels;  // Image::texels()
+        Relief relief;
+        float strength;  // of normals; heights have theirs at the surface
+        bool operator==(const Key&) const = default;
+    };
+    std::vector<Shared<SlopeField>> fields;
+    std::vector<Key> keys;              // of `fields`
     std::vector<uint32_t> of_material;  // index into `fields`, or kNone
 
     size_t memory_bytes() const;
 };
-// Builds them. `report` receives which materials glint, and which cannot although they were asked to.
-// `threads` 0 = all.
-GlintSet build_glints(const Scene& scene, uint32_t threads, std::vector<std::string>& report);
+// Builds those that `before`, if it is not null, does not have; its images must still live. `report`
+// receives which materials glint, and which cannot although they were asked to. `threads` 0 = all.
+GlintSet build_glints(const Scene& scene, uint32_t threads, const GlintSet* before,
+                      std::vector<std::string>& report);
 
 enum class GlintMethod : uint8_t {
     search,        // search of a pyramid of slopes

@@ -47,7 +47,7 @@ SlopeBounds bounds_of_all(const Image& image, uint32_t threads, const BoundsOfRo
 }  // namespace
 
 Vec3 NormalTexels::normal(int x, int y) const {
-    const Vec3 c = color(*image, x, y) * 2.0f - Vec3(1.0f);
+    const Vec3 c = color(image, x, y) * 2.0f - Vec3(1.0f);
     return {c.x * strength, c.y * strength, 1.0f + (c.z - 1.0f) * clamp01(strength)};
 }
 
@@ -56,7 +56,7 @@ NormalPatch NormalTexels::cell(int x, int y) const {
 }
 
 std::vector<Vec2> NormalTexels::slopes(int y) const {
-    std::vector<Vec2> row(image->width);
+    std::vector<Vec2> row(image.width);
     for (size_t x = 0; x < row.size(); ++x) row[x] = slope_of(normal(static_cast<int>(x), y));
     return row;
 }
@@ -76,9 +76,9 @@ void NormalTexels::bounds(int y, std::span<SlopeBounds> row) const {
 
 std::optional<SlopeBounds> NormalTexels::extent(uint32_t threads) const {
     std::atomic<bool> outwards{true};
-    const SlopeBounds all = bounds_of_all(*image, threads, [&](int y) {
+    const SlopeBounds all = bounds_of_all(image, threads, [&](int y) {
         SlopeBounds bounds{slope_of(normal(0, y)), slope_of(normal(0, y))};
-        for (int x = 0; x < static_cast<int>(image->width); ++x) {
+        for (int x = 0; x < static_cast<int>(image.width); ++x) {
             const Vec3 n = normal(x, y);
             if (!(n.z >= kLeastHeight)) outwards = false;
             bounds.extend(slope_of(n));
@@ -90,7 +90,7 @@ std::optional<SlopeBounds> NormalTexels::extent(uint32_t threads) const {
 }
 
 float HeightTexels::height(int x, int y) const {
-    const Vec3 c = color(*image, x, y);
+    const Vec3 c = color(image, x, y);
     return luminance(Spectrum(c.x, c.y, c.z));
 }
 
@@ -103,7 +103,7 @@ HeightPatch HeightTexels::cell(int x, int y) const {
 }
 
 std::vector<float> HeightTexels::heights(int y) const {
-    std::vector<float> row(image->width + 3);
+    std::vector<float> row(image.width + 3);
     for (size_t i = 0; i < row.size(); ++i) row[i] = height(static_cast<int>(i) - 1, y);
     return row;
 }
@@ -112,7 +112,7 @@ std::vector<float> HeightTexels::heights(int y) const {
 std::vector<Vec2> HeightTexels::slopes(int y) const {
     const std::vector<float> below = heights(y - 1), at = heights(y), above = heights(y + 1);
     const auto across = [&](size_t i) { return (above[i] - below[i]) * 0.5f; };
-    std::vector<Vec2> row(image->width);
+    std::vector<Vec2> row(image.width);
     for (size_t x = 0; x < row.size(); ++x) {
         const auto along = [&](const std::vector<float>& h) { return (h[x + 2] - h[x]) * 0.5f; };
         row[x] = Vec2(along(below) + 4.0f * along(at) + along(above),
@@ -137,33 +137,33 @@ void HeightTexels::bounds(int y, std::span<SlopeBounds> row) const {
 
 // The derivatives of a spline are means of its coefficients' differences.
 SlopeBounds HeightTexels::extent(uint32_t threads) const {
-    return bounds_of_all(*image, threads, [&](int y) {
+    return bounds_of_all(image, threads, [&](int y) {
         const std::vector<float> at = heights(y), above = heights(y + 1);
         const auto difference = [&](size_t i) { return Vec2(at[i + 1] - at[i], above[i] - at[i]); };
         SlopeBounds bounds{difference(1), difference(1)};
-        for (size_t i = 1; i <= image->width; ++i) bounds.extend(difference(i));
+        for (size_t i = 1; i <= image.width; ++i) bounds.extend(difference(i));
         return bounds;
     });
 }
 
 std::optional<SlopeField> SlopeField::of_normals(const Image& image, float strength,
                                                  uint32_t threads) {
-    const NormalTexels texels{&image, strength};
+    const NormalTexels texels{image, strength};
     const std::optional<SlopeBounds> extent = texels.extent(threads);
     if (!extent) return std::nullopt;
     return SlopeField(texels, *extent, threads);
 }
 
 SlopeField SlopeField::of_heights(const Image& image, uint32_t threads) {
-    const HeightTexels texels{&image};
+    const HeightTexels texels{image};
     return SlopeField(texels, texels.extent(threads), threads);
 }
 
 template <class Texels>
 SlopeField::SlopeField(const Texels& texels, const SlopeBounds& extent, uint32_t threads)
     : texels_(texels),
-      width_(static_cast<int>(texels.image->width)),
-      height_(static_cast<int>(texels.image->height)),
+      width_(static_cast<int>(texels.image.width)),
+      height_(static_cast<int>(texels.image.height)),
       pyramid_(
           width_, height_, extent,
           [&](int y, std::span<SlopeBounds> row) { texels.bounds(y, row); }, threads) {

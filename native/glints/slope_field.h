@@ -15,7 +15,7 @@ struct SlopeMoments {
 
 // Sources of a field's slopes: the texels of an image that repeats.
 struct NormalTexels {
-    const Image* image;
+    Image image;
     float strength;
 
     Vec3 normal(int x, int y) const;        // as map_normal() reads it, not normalised
@@ -26,7 +26,7 @@ struct NormalTexels {
     std::optional<SlopeBounds> extent(uint32_t threads) const;
 };
 struct HeightTexels {
-    const Image* image;
+    Image image;
 
     float height(int x, int y) const;
     HeightPatch cell(int x, int y) const;
@@ -48,8 +48,7 @@ private:
 // heights of a Bump node are.
 class SlopeField {
 public:
-    // The image must outlive the field. `threads` 0 = all. Empty where a normal of the map points
-    // into the surface, or nearly so.
+    // `threads` 0 = all. Empty where a normal of the map points into the surface, or nearly so.
     static std::optional<SlopeField> of_normals(const Image& image, float strength,
                                                 uint32_t threads);
     static SlopeField of_heights(const Image& image, uint32_t threads);

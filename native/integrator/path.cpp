@@ -155,12 +155,13 @@ RoughVisit PathTracer::rough_visit(const Surface& surface) const {
             surface.wo};
 }
 
-RenderScene prepare(std::unique_ptr<Scene> scene, uint32_t threads) {
+RenderScene prepare(std::unique_ptr<Scene> scene, uint32_t threads, const RenderScene* before) {
     RenderScene world;
-    world.lights = build_lights(*scene, threads);
+    world.lights = build_lights(*scene, threads, before != nullptr ? &before->lights : nullptr);
     world.casters = build_casters(*scene);
     world.rough_chain_casters = build_rough_chain_casters(*scene, scene->report);
-    world.glints = build_glints(*scene, threads, scene->report);
+    world.glints =
+        build_glints(*scene, threads, before != nullptr ? &before->glints : nullptr, scene->report);
     world.scene = std::move(scene);
     return world;
 }

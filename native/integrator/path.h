@@ -15,8 +15,10 @@ struct RenderScene {
     CasterSet casters, rough_chain_casters;
     GlintSet glints;
 };
+// `before`: what was built for the snapshot before, or null; it is shared where it would be the same.
 // `threads` 0 = all.
-RenderScene prepare(std::unique_ptr<Scene> scene, uint32_t threads = 0);
+RenderScene prepare(std::unique_ptr<Scene> scene, uint32_t threads = 0,
+                    const RenderScene* before = nullptr);
 
 struct IntegratorSettings {
     BounceLimits limits;

@@ -69,7 +69,7 @@ std::optional<DirectSample> sample_part_from(const LightSet& lights, const Scene
 
 }  // namespace
 
-LightSet build_lights(const Scene& scene, uint32_t threads) {
+LightSet build_lights(const Scene& scene, uint32_t threads, const LightSet* before) {
     LightSet lights;
     std::vector<LightBounds> light_bounds;
     std::vector<double> caustic_power;
@@ -114,7 +114,7 @@ LightSet build_lights(const Scene& scene, uint32_t threads) {
         lights.visibility.push_back(instance.visibility | kVisibleShadow);
         caustic_power.push_back(built->flux);
     }
-    build_world(scene, lights, threads);
+    build_world(scene, lights, threads, before);
     if (lights.has_world) {
         lights.visibility.push_back(scene.environment.visibility | kVisibleShadow);
         const bool seen = (scene.environment.visibility & kVisibleScattered) != 0;

@@ -50,6 +50,7 @@ struct LightSet {
     std::vector<EmissiveInstance> emissive;
     std::vector<uint32_t> emissive_of_instance;  // index into `emissive`, or kNone
     bool has_world = false;
+    const Material* world_material = nullptr;  // what the rest is made of: the world's, or null
     // The world's radiance above its mean in latitude-longitude, solid angle accounted for.
     BilinearMap world_map;
     BilinearMap::Cells world_cells;  // all cells; empty if closure sampling finds the light as well
@@ -70,8 +71,9 @@ struct LightSet {
     }
     uint32_t count() const { return of_world() + (has_world ? 1u : 0u); }
 };
-// `threads` 0 = all.
-LightSet build_lights(const Scene& scene, uint32_t threads = 0);
+// `before`: of another scene, which still lives, or null; a world of the same material is taken over from
+// it. `threads` 0 = all.
+LightSet build_lights(const Scene& scene, uint32_t threads = 0, const LightSet* before = nullptr);
 
 // Bits of Visibility: the rays that see a light. kVisibleShadow: objects cast shadows of it; only
 // lamps can lack it.

@@ -81,7 +81,7 @@ EmitterPoint point_on(const EmissiveInstance& emitter, const Scene& scene, uint3
 
 std::optional<BuiltEmitter> build_emitter(const Scene& scene, uint32_t instance,
                                           uint32_t most_parts) {
-    const size_t count = scene.meshes[scene.instances[instance].mesh].triangles.size();
+    const size_t count = scene.meshes[scene.instances[instance].mesh]->triangles.size();
     std::vector<float> flux(count, 0.0f);
     std::vector<ShiningTriangle> shining;
     BuiltEmitter built;

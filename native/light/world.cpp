@@ -131,6 +131,16 @@ float map_pdf(const BilinearMap& map, const BilinearMap::Cells& cells, const Vec
     return to_omega(map.pdf(cells, position), sin_theta);
 }
 
+void take_world(const LightSet& from, LightSet& lights) {
+    lights.has_world = from.has_world;
+    lights.world_material = from.world_material;
+    lights.world_map = from.world_map;
+    lights.world_cells = from.world_cells;
+    lights.world_peaks = from.world_peaks;
+    lights.world_constant = from.world_constant;
+    lights.world_is_constant = from.world_is_constant;
+}
+
 double integral_of(const BilinearMap::Cells& cells) {
     constexpr double pi = std::numbers::pi;
     return 2.0 * pi * pi * cells.mean;
@@ -138,9 +148,14 @@ double integral_of(const BilinearMap::Cells& cells) {
 
 }  // namespace
 
-void build_world(const Scene& scene, LightSet& lights, uint32_t threads) {
+void build_world(const Scene& scene, LightSet& lights, uint32_t threads, const LightSet* before) {
     if (scene.environment.material == kNone) return;
     const Material& material = scene.materials[scene.environment.material];
+    if (before != nullptr && before->world_material == &material) {
+        take_world(*before, lights);
+        return;
+    }
+    lights.world_material = &material;
     if (material.constant_background) {
         lights.world_is_constant = true;
         lights.world_constant = evaluate_background(material, scene.images, Vec3(0.0f, 0.0f, 1.0f));

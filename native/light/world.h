@@ -9,8 +9,8 @@
 
 namespace spc {
 
-// Sets the world_* members of `lights` and has_world. `threads` 0 = all.
-void build_world(const Scene& scene, LightSet& lights, uint32_t threads);
+// Sets the world_* members of `lights` and has_world; `before` as for build_lights().
+void build_world(const Scene& scene, LightSet& lights, uint32_t threads, const LightSet* before);
 // Integral of the luminance above its mean over all directions, and over the peaks, W/m^2; none of
 // a constant world.
 double world_excess(const LightSet& lights);

@@ -508,8 +508,9 @@ BeamSet trace_beams(const SheetWorld& world, const LightPoint& y, uint32_t emiss
                     std::span<const LightPoint> around) {
     MarkedBeams all;
     std::map<ChainKind, uint32_t> kinds;
-    for (const TracedCell& emission_cell : trace_cells(world, y, around, emission_cells))
-        append(emission_cell.beams, kinds, all);
+    const std::vector<TracedCell> traced = trace_cells(world, y, around, emission_cells);
+    if (world.budget.is_cancelled()) return {};  // nobody waits for what takes as long again
+    for (const TracedCell& emission_cell : traced) append(emission_cell.beams, kinds, all);
     join_borders(all);
     set_margins(all);
     return std::move(all.set);

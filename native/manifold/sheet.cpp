@@ -89,7 +89,7 @@ LightSheet::LightSheet(const SheetWorld& world, const LightPoint& y, uint32_t em
                        float reach, std::span<const LightPoint> around)
     : y_(y), all_(trace_beams(world, y, emission_cells, around)) {
     if (!y.delta) build_folds(reach);  // rays do not come to points
-    build_layers(reach, world.threads);
+    if (!world.budget.is_cancelled()) build_layers(reach, world.threads);
 }
 
 float LightSheet::Entry::density() const {

@@ -65,7 +65,7 @@ void RenderStats::add(const RenderStats& other) {
     path.seed_work += other.path.seed_work;
 }
 
-Session::Session(const RenderScene& world, const RenderSettings& settings)
+Session::Session(const RenderScene& world, const RenderSettings& settings, SheetStore* store)
     : world_(world),
       settings_(settings),
       path_tracing_(without_searches(settings.integrator)),
@@ -74,6 +74,7 @@ Session::Session(const RenderScene& world, const RenderSettings& settings)
       round_count_(count_rounds(settings.samples)),
       tile_rounds_(film_.tile_count()),
       evidence_(film_.tile_count()),
+      sheet_store_(store),
       start_(Clock::now()) {
     settings_.integrator.manifold.cancelled = &cut_short_;
     settings_.threads = worker_count(settings.threads);

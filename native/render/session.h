@@ -9,6 +9,7 @@
 #include "film/filter.h"
 #include "integrator/camera_chains.h"
 #include "integrator/light_path.h"
+#include "render/sheet_store.h"
 
 #include <atomic>
 #include <chrono>
@@ -83,8 +84,9 @@ Activation activation_for(const TileEvidence& evidence, std::span<const PixelSum
 
 class Session {
 public:
-    // Starts the workers. `world` must outlive the session.
-    Session(const RenderScene& world, const RenderSettings& settings);
+    // Starts the workers. `world` must outlive the session, and so must `store`, of sheets of that
+    // world, if it is not null.
+    Session(const RenderScene& world, const RenderSettings& settings, SheetStore* store = nullptr);
     ~Session();
     Session(const Session&) = delete;
     Session& operator=(const Session&) = delete;
@@ -178,7 +180,8 @@ private:
     CasterSet searched_;  // used if some casters are left to other techniques
     std::unique_ptr<const LightPilot> light_pilot_;
     std::unique_ptr<const CameraChains> camera_chains_;
-    SheetPool sheet_pool_;
+    SheetStore* const sheet_store_;
+    std::shared_ptr<const SheetPool> sheet_pool_;
     LightSheets sheets_;  // refers to the pool
     // Mean variance of a sample over the picture, and the ratio of its work to that of an estimate of glints.
     // Measured only if a decision needs them.

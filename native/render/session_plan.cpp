@@ -180,20 +180,31 @@ void Session::prepare_sheets() {
     if (manifold.finder != ChainFinder::sheets) return;
     RenderStats stats;
     const auto build = [&] {
-        sheet_pool_ = build_sheets(
-            *world_.scene, world_.lights, settings_.integrator.casters_of(world_), manifold,
-            settings_.seed, static_cast<uint32_t>(emission_cells), settings_.threads, budget);
-        for (const auto& sheet : sheet_pool_) stats.path.manifold.rays += sheet->rays();
+        const CasterSet& casters = settings_.integrator.casters_of(world_);
+        SheetStore::Key key{
+            settings_.seed, static_cast<uint32_t>(emission_cells), manifold.longest_chain, {}};
+        for (const Caster& caster : casters.casters) key.casters.push_back(caster.instance);
+        if (sheet_store_ != nullptr) sheet_pool_ = sheet_store_->find(key);
+        if (sheet_pool_) return;
+        sheet_pool_ = std::make_shared<const SheetPool>(
+            build_sheets(*world_.scene, world_.lights, casters, manifold, settings_.seed,
+                         key.emission_cells, settings_.threads, budget));
+        for (const auto& sheet : *sheet_pool_) stats.path.manifold.rays += sheet->rays();
+        if (sheet_store_ != nullptr && !budget.must_end())
+            sheet_store_->put(std::move(key), sheet_pool_);
     };
     build();
     if (settings_.chooses) {
         const CasterSet* before = settings_.integrator.searched;
         exclude(
-            chains_by_sheets(settings_.integrator.casters_of(world_), sheet_pool_, settings_.seed),
+            chains_by_sheets(settings_.integrator.casters_of(world_), *sheet_pool_, settings_.seed),
             "by light sheets");
-        if (settings_.integrator.searched != before) build();
+        if (settings_.integrator.searched != before) {
+            sheet_pool_.reset();
+            build();
+        }
     }
-    sheets_.all = sheet_pool_;
+    sheets_.all = *sheet_pool_;
     const std::lock_guard lock(mutex_);
     stats_.add(stats);
 }

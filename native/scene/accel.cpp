@@ -14,6 +14,7 @@
 #endif
 
 #include <atomic>
+#include <unordered_map>
 
 #include <fmt/format.h>
 
@@ -105,14 +106,82 @@ void light_intersect(const RTCIntersectFunctionNArguments* args) {
 
 void light_occluded(const RTCOccludedFunctionNArguments*) {}  // lamps cast no shadows
 
+// Embree's device, which outlives all that it has made.
+struct Device {
+    RTCDevice handle;
+
+    explicit Device(uint32_t threads) {
+        const std::string config = threads == 0 ? std::string() : fmt::format("threads={}", threads);
+        handle = rtcNewDevice(config.c_str());
+        if (handle != nullptr) return;
+        const RTCError code = rtcGetDeviceError(nullptr);
+        if (code == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
+        throw std::runtime_error(
+            fmt::format("Embree could not start (error {})", static_cast<int>(code)));
+    }
+    ~Device() { rtcReleaseDevice(handle); }
+    Device(const Device&) = delete;
+    Device& operator=(const Device&) = delete;
+
+    RTCScene new_scene() const {
+        RTCScene s = rtcNewScene(handle);
+        rtcSetSceneFlags(s, RTC_SCENE_FLAG_ROBUST);
+        rtcSetSceneBuildQuality(s, RTC_BUILD_QUALITY_MEDIUM);
+        return s;
+    }
+
+    // Of vertices that neither move nor end before the geometry.
+    RTCGeometry triangles(const Vec3* positions, const Mesh& mesh, uint32_t mask) const {
+        RTCGeometry geometry = rtcNewGeometry(handle, RTC_GEOMETRY_TYPE_TRIANGLE);
+        rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_MEDIUM);
+        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                   positions, 0, sizeof(Vec3), mesh.positions.size());
+        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                   mesh.triangles.data(), 0, sizeof(mesh.triangles[0]),
+                                   mesh.triangles.size());
+        rtcSetGeometryMask(geometry, mask);
+        rtcCommitGeometry(geometry);
+        return geometry;
+    }
+};
+
+// A tree over one mesh, in its own space or, if `world_positions` are not empty, in the world's. It has
+// its share in what it refers to.
+struct MeshTree {
+    std::shared_ptr<const Device> device;
+    Shared<Mesh> mesh;
+    SharedArray<Vec3> world_positions;
+    RTCScene scene;
+
+    MeshTree(std::shared_ptr<const Device> device_, const Shared<Mesh>& mesh_,
+             const SharedArray<Vec3>& world_positions_)
+        : device(std::move(device_)),
+          mesh(mesh_),
+          world_positions(world_positions_),
+          scene(device->new_scene()) {
+        RTCGeometry geometry = device->triangles(vertices(), mesh, kVisibleAll);
+        rtcAttachGeometryByID(scene, geometry, 0);
+        rtcReleaseGeometry(geometry);
+        rtcCommitScene(scene);
+    }
+    ~MeshTree() { rtcReleaseScene(scene); }
+    MeshTree(const MeshTree&) = delete;
+    MeshTree& operator=(const MeshTree&) = delete;
+
+    const Vec3* vertices() const {
+        return world_positions.empty() ? mesh->positions.data() : world_positions.data();
+    }
+};
+
 }  // namespace
 
 struct Accel::Impl {
-    RTCDevice device = nullptr;
+    std::shared_ptr<const Device> device;
     RTCScene scene = nullptr;
-    std::vector<RTCScene> mesh_scenes;  // object space, for meshes with several instances, else null
-    std::vector<RTCGeometry> baked;     // per instance, for meshes of one instance, else null
-    std::vector<RTCScene> caster_scenes;  // per instance, null unless prepared
+    std::unordered_map<const Vec3*, std::shared_ptr<const MeshTree>> trees;  // by their vertices
+    std::vector<const MeshTree*> tree_of;  // per instance, null for those in the scene's own tree
+    std::vector<RTCGeometry> baked;        // per instance, in the scene's own tree, else null
+    std::vector<RTCScene> caster_scenes;   // per instance, null unless prepared
     std::vector<const Instance*> instances;
     uint32_t instance_count = 0;
     std::atomic<uint64_t> lost_rays{0};
@@ -122,10 +191,7 @@ struct Accel::Impl {
             if (geometry != nullptr) rtcReleaseGeometry(geometry);
         for (RTCScene s : caster_scenes)
             if (s != nullptr) rtcReleaseScene(s);
-        for (RTCScene s : mesh_scenes)
-            if (s != nullptr) rtcReleaseScene(s);
         if (scene != nullptr) rtcReleaseScene(scene);
-        if (device != nullptr) rtcReleaseDevice(device);
     }
 
     bool casts(const Ray& ray) {
@@ -136,55 +202,40 @@ struct Accel::Impl {
 
     // Embree reports errors through the device: out of memory is the one that input can cause.
     void check(const char* step) const {
-        const RTCError code = rtcGetDeviceError(device);
+        const RTCError code = rtcGetDeviceError(device->handle);
         if (code == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
         if (code != RTC_ERROR_NONE)
             throw std::runtime_error(
                 fmt::format("Embree error {} in {}", static_cast<int>(code), step));
     }
 
-    RTCGeometry triangle_geometry(const std::vector<Vec3>& positions, const Mesh& mesh) const {
-        RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-        rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_MEDIUM);
-        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                   positions.data(), 0, sizeof(Vec3), positions.size());
-        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                   mesh.triangles.data(), 0, sizeof(mesh.triangles[0]),
-                                   mesh.triangles.size());
-        return geometry;
+    // The tree over the mesh of an instance, in the space that it is baked into.
+    const MeshTree& tree_for(const Scene& source, const Instance& instance, const Impl* before) {
+        const Shared<Mesh>& mesh = source.meshes[instance.mesh];
+        const Vec3* vertices = instance.world_positions.empty() ? mesh->positions.data()
+                                                                : instance.world_positions.data();
+        std::shared_ptr<const MeshTree>& tree = trees[vertices];
+        if (!tree && before != nullptr) {
+            const auto known = before->trees.find(vertices);
+            if (known != before->trees.end()) tree = known->second;
+        }
+        if (!tree) tree = std::make_shared<const MeshTree>(device, mesh, instance.world_positions);
+        return *tree;
     }
 
-    RTCScene new_scene() const {
-        RTCScene s = rtcNewScene(device);
-        rtcSetSceneFlags(s, RTC_SCENE_FLAG_ROBUST);
-        rtcSetSceneBuildQuality(s, RTC_BUILD_QUALITY_MEDIUM);
-        return s;
-    }
-
-    void add_instance(const Scene& source, uint32_t index) {
+    void add_instance(const Scene& source, uint32_t index, const Impl* before) {
         const Instance& instance = source.instances[index];
-        const Mesh& mesh = source.meshes[instance.mesh];
-        if (!instance.world_positions.empty()) {
-            RTCGeometry geometry = triangle_geometry(instance.world_positions, mesh);
-            rtcSetGeometryMask(geometry, instance.visibility);
-            rtcCommitGeometry(geometry);
-            rtcAttachGeometryByID(scene, geometry, index);
-            baked[index] = geometry;
+        const bool is_baked = !instance.world_positions.empty();
+        if (is_baked && !source.has_trees_to_share) {
+            baked[index] = device->triangles(instance.world_positions.data(),
+                                             source.meshes[instance.mesh], instance.visibility);
+            rtcAttachGeometryByID(scene, baked[index], index);
             return;
         }
-        RTCScene& shared = mesh_scenes[instance.mesh];
-        if (shared == nullptr) {
-            shared = new_scene();
-            RTCGeometry geometry = triangle_geometry(mesh.positions, mesh);
-            rtcSetGeometryMask(geometry, kVisibleAll);
-            rtcCommitGeometry(geometry);
-            rtcAttachGeometryByID(shared, geometry, 0);
-            rtcReleaseGeometry(geometry);
-            rtcCommitScene(shared);
-        }
-        RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
-        rtcSetGeometryInstancedScene(geometry, shared);
-        const Transform& m = instance.object_to_world;
+        tree_of[index] = &tree_for(source, instance, before);
+        RTCGeometry geometry = rtcNewGeometry(device->handle, RTC_GEOMETRY_TYPE_INSTANCE);
+        rtcSetGeometryInstancedScene(geometry, tree_of[index]->scene);
+        const Transform m = is_baked ? Transform() : instance.object_to_world;
         const float rows[12] = {m.row[0].x, m.row[0].y, m.row[0].z, m.translation.x,
                                 m.row[1].x, m.row[1].y, m.row[1].z, m.translation.y,
                                 m.row[2].x, m.row[2].y, m.row[2].z, m.translation.z};
@@ -196,7 +247,7 @@ struct Accel::Impl {
     }
 
     void add_light(const LightDesc& light, uint32_t id) {
-        RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
+        RTCGeometry geometry = rtcNewGeometry(device->handle, RTC_GEOMETRY_TYPE_USER);
         rtcSetGeometryUserPrimitiveCount(geometry, 1);
         rtcSetGeometryUserData(geometry, const_cast<LightDesc*>(&light));
         rtcSetGeometryBoundsFunction(geometry, light_bounds, nullptr);
@@ -209,22 +260,18 @@ struct Accel::Impl {
     }
 };
 
-Accel::Accel(const Scene& scene, uint32_t threads) : impl_(std::make_unique<Impl>()) {
-    const std::string config = threads == 0 ? std::string() : fmt::format("threads={}", threads);
-    impl_->device = rtcNewDevice(config.c_str());
-    if (impl_->device == nullptr) {
-        const RTCError code = rtcGetDeviceError(nullptr);
-        if (code == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
-        throw std::runtime_error(
-            fmt::format("Embree could not start (error {})", static_cast<int>(code)));
-    }
+Accel::Accel(const Scene& scene, uint32_t threads, const Accel* before)
+    : impl_(std::make_unique<Impl>()) {
+    const Impl* impl_before = before != nullptr ? before->impl_.get() : nullptr;
+    impl_->device =
+        impl_before != nullptr ? impl_before->device : std::make_shared<const Device>(threads);
     impl_->instance_count = static_cast<uint32_t>(scene.instances.size());
-    impl_->mesh_scenes.resize(scene.meshes.size(), nullptr);
+    impl_->tree_of.resize(scene.instances.size(), nullptr);
     impl_->baked.resize(scene.instances.size(), nullptr);
     impl_->caster_scenes.resize(scene.instances.size(), nullptr);
     for (const Instance& instance : scene.instances) impl_->instances.push_back(&instance);
-    impl_->scene = impl_->new_scene();
-    for (uint32_t i = 0; i < impl_->instance_count; ++i) impl_->add_instance(scene, i);
+    impl_->scene = impl_->device->new_scene();
+    for (uint32_t i = 0; i < impl_->instance_count; ++i) impl_->add_instance(scene, i, impl_before);
     for (uint32_t i = 0; i < scene.lights.size(); ++i)
         if (scene.lights[i].has_surface())
             impl_->add_light(scene.lights[i], impl_->instance_count + i);
@@ -255,8 +302,8 @@ bool Accel::occluded(const Ray& ray, uint32_t kind) const {
 }
 
 void Accel::prepare_alone(const Scene& scene, uint32_t index) {
-    if (impl_->baked[index] == nullptr) return;  // its mesh's own tree serves
-    RTCScene alone = impl_->new_scene();
+    if (impl_->baked[index] == nullptr) return;  // its own tree serves
+    RTCScene alone = impl_->device->new_scene();
     rtcAttachGeometryByID(alone, impl_->baked[index], 0);
     rtcCommitScene(alone);
     impl_->caster_scenes[index] = alone;
@@ -267,11 +314,14 @@ std::optional<Hit> Accel::intersect_alone(uint32_t index, const Ray& ray) const 
     if (!impl_->casts(ray)) return std::nullopt;
     RTCScene alone = impl_->caster_scenes[index];
     Ray local = ray;
-    if (alone == nullptr) {  // instanced: the direction keeps its length, so t is the world's
+    if (alone == nullptr) {
         const Instance& instance = *impl_->instances[index];
-        alone = impl_->mesh_scenes[instance.mesh];
-        local.origin = instance.world_to_object.point(ray.origin);
-        local.direction = instance.world_to_object.vector(ray.direction);
+        alone = impl_->tree_of[index]->scene;
+        if (instance.world_positions.empty()) {
+            // The direction keeps its length, so t is the world's.
+            local.origin = instance.world_to_object.point(ray.origin);
+            local.direction = instance.world_to_object.vector(ray.direction);
+        }
     }
     RTCRayHit ray_hit = to_embree_hit(local, ~0u);
     intersect1(alone, ray_hit);

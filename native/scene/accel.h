@@ -23,9 +23,10 @@ struct Hit {
 
 class Accel {
 public:
-    // Builds trees over the meshes, instances and lamps of a scene whose world positions are set. They
-    // refer to the scene's vertex buffers, which must not move. `threads` 0 = all.
-    Accel(const Scene& scene, uint32_t threads);
+    // Builds trees over the meshes, instances and lamps of a scene whose world positions are set; the
+    // scene's lists must not move. Trees over vertices of which `before`, if it is not null, has one are
+    // shared with it. `threads` 0 = all; with trees to share, those of the first scene.
+    Accel(const Scene& scene, uint32_t threads, const Accel* before = nullptr);
     ~Accel();
     Accel(const Accel&) = delete;
     Accel& operator=(const Accel&) = delete;

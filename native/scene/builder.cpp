@@ -139,6 +139,11 @@ void check_aperture(const Camera& camera) {
 
 SceneBuilder::SceneBuilder() : scene_(std::make_unique<Scene>()) {}
 
+SceneBuilder::SceneBuilder(std::shared_ptr<const Scene> before)
+    : before_(std::move(before)), scene_(std::make_unique<Scene>()) {
+    scene_->has_trees_to_share = true;
+}
+
 const Material& SceneBuilder::material(uint32_t index) const {
     if (index >= scene_->materials.size())
         invalid(fmt::format("material index {} is out of range ({} materials)", index,
@@ -197,6 +202,47 @@ uint32_t SceneBuilder::add_mesh(Mesh mesh) {
     return static_cast<uint32_t>(scene_->meshes.size() - 1);
 }
 
+const Scene& SceneBuilder::before() const {
+    if (!before_)
+        throw Error(ErrorKind::wrong_state, "there is no scene before of which to keep anything");
+    return *before_;
+}
+
+namespace {
+
+template <class T>
+uint32_t keep(const std::vector<T>& before, uint32_t index, std::vector<T>& now, const char* what) {
+    if (index >= before.size())
+        invalid(fmt::format("{} index {} is out of range ({} in the scene before)", what, index,
+                            before.size()));
+    now.push_back(before[index]);
+    return static_cast<uint32_t>(now.size() - 1);
+}
+
+}  // namespace
+
+uint32_t SceneBuilder::keep_image(uint32_t index) {
+    return keep(before().images, index, scene_->images, "image");
+}
+
+uint32_t SceneBuilder::keep_mesh(uint32_t index) {
+    return keep(before().meshes, index, scene_->meshes, "mesh");
+}
+
+uint32_t SceneBuilder::keep_material(uint32_t index) {
+    const uint32_t kept = keep(before().materials, index, scene_->materials, "material");
+    const Material& material = scene_->materials[kept];
+    for (const uint32_t image : material.images) {
+        if (image < scene_->images.size() &&
+            scene_->images[image].texels() == before().images[image].texels())
+            continue;
+        const std::string name = named("material", material.name);
+        scene_->materials.pop_back();
+        invalid(fmt::format("{}: image {} is another one than before", name, image));
+    }
+    return kept;
+}
+
 uint32_t SceneBuilder::invisible_material() {
     if (invisible_material_ == kNone) {
         Graph graph;
@@ -213,7 +259,7 @@ uint32_t SceneBuilder::add_instance(Instance instance) {
     const std::string name = named("object", instance.name);
     if (instance.mesh >= scene_->meshes.size())
         invalid(fmt::format("{}: mesh index {} of {}", name, instance.mesh, scene_->meshes.size()));
-    const uint32_t slots = scene_->meshes[instance.mesh].slot_count;
+    const uint32_t slots = scene_->meshes[instance.mesh]->slot_count;
     if (instance.materials.size() != slots)
         invalid(fmt::format("{}: {} materials for {} slots of its mesh", name,
                             instance.materials.size(), slots));
@@ -323,9 +369,10 @@ std::unique_ptr<Scene> SceneBuilder::freeze(uint32_t threads) {
     assign_caustics_roles(*scene_);
     check_light_tracing(*scene_);
     center_on_casters(*scene_);
-    bake_single_users(*scene_);
+    bake_single_users(*scene_, before_.get());
     bound_scene(*scene_);
-    scene_->accel = std::make_unique<Accel>(*scene_, threads);
+    scene_->accel =
+        std::make_unique<Accel>(*scene_, threads, before_ ? before_->accel.get() : nullptr);
     for (uint32_t i = 0; i < scene_->instances.size(); ++i)
         if (scene_->instances[i].turns_light() || scene_->instances[i].has_subsurface)
             scene_->accel->prepare_alone(*scene_, i);

@@ -2,6 +2,7 @@
 // The parts of a scene as plain data: what the builder collects and the frozen Scene keeps.
 #pragma once
 
+#include "core/shared.h"
 #include "math/bounds.h"
 #include "shading/program.h"
 
@@ -58,7 +59,8 @@ struct Instance {
     // Set when the scene is frozen.
     std::vector<std::vector<uint32_t>>
         uv_layers;  // [slot][layer of the material] -> layer of the mesh, or kNone
-    std::vector<Vec3> world_positions;  // of every vertex if the mesh has this instance alone, else empty
+    // Of every vertex if the mesh has this instance alone, else empty.
+    SharedArray<Vec3> world_positions;
     bool caster = false, receiver = false;
     bool rough_caster = false;  // throws blurred caustics; see docs/glossary.md
     bool emits = false;

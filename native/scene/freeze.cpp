@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include <unordered_map>
+
 namespace spc {
 
 // Far from the origin single precision has no digits left for the shape of casters, on which all
@@ -27,16 +29,37 @@ void center_on_casters(Scene& scene) {
     scene.camera.to_world.translation -= center;
 }
 
-void bake_single_users(Scene& scene) {
+namespace {
+
+bool same_place(const Transform& a, const Transform& b) {
+    return a.row == b.row && a.translation == b.translation;
+}
+
+SharedArray<Vec3> baked(const Mesh& mesh, const Transform& to_world) {
+    std::vector<Vec3> world;
+    world.reserve(mesh.positions.size() + 1);  // Embree reads 16 bytes at the last vertex
+    for (const Vec3& p : mesh.positions) world.push_back(to_world.point(p));
+    return SharedArray(std::move(world));
+}
+
+}  // namespace
+
+void bake_single_users(Scene& scene, const Scene* before) {
+    std::unordered_map<const Mesh*, const Instance*> baked_before;
+    if (before != nullptr)
+        for (const Instance& instance : before->instances)
+            if (!instance.world_positions.empty())
+                baked_before[before->meshes[instance.mesh].get()] = &instance;
     std::vector<uint32_t> users(scene.meshes.size(), 0);
     for (const Instance& instance : scene.instances) ++users[instance.mesh];
     for (Instance& instance : scene.instances) {
         if (users[instance.mesh] != 1) continue;
-        const std::vector<Vec3>& positions = scene.meshes[instance.mesh].positions;
-        instance.world_positions.reserve(positions.size() +
-                                         1);  // Embree reads 16 bytes at the last vertex
-        for (const Vec3& p : positions)
-            instance.world_positions.push_back(instance.object_to_world.point(p));
+        const Shared<Mesh>& mesh = scene.meshes[instance.mesh];
+        const auto known = baked_before.find(mesh.get());
+        const bool stays = known != baked_before.end() &&
+                           same_place(known->second->object_to_world, instance.object_to_world);
+        instance.world_positions =
+            stays ? known->second->world_positions : baked(mesh, instance.object_to_world);
     }
 }
 
@@ -62,6 +85,13 @@ void derive_tangents(const Mesh& mesh, UvLayer& layer) {
     }
 }
 
+Mesh with_derived_tangents(const Mesh& mesh, uint32_t layer) {
+    Mesh derived = mesh;
+    derived.positions.reserve(mesh.positions.size() + 1);  // as in SceneBuilder::add_mesh()
+    derive_tangents(derived, derived.uv_layers[layer]);
+    return derived;
+}
+
 uint32_t find_layer(const Mesh& mesh, const std::string& name) {
     if (mesh.uv_layers.empty()) return kNone;
     if (name.empty()) return mesh.active_uv_layer;
@@ -74,7 +104,7 @@ uint32_t find_layer(const Mesh& mesh, const std::string& name) {
 
 void resolve_uv_layers(Scene& scene) {
     for (Instance& instance : scene.instances) {
-        Mesh& mesh = scene.meshes[instance.mesh];
+        Shared<Mesh>& mesh = scene.meshes[instance.mesh];
         instance.uv_layers.resize(instance.materials.size());
         for (size_t slot = 0; slot < instance.materials.size(); ++slot) {
             const Material& material = scene.materials[instance.materials[slot]];
@@ -85,8 +115,8 @@ void resolve_uv_layers(Scene& scene) {
                     scene.report.push_back(
                         fmt::format("{}: no UV layer \"{}\" for material {}: coordinates are 0",
                                     instance.name, name, material.name));
-                else if (tangents && mesh.uv_layers[layer].tangents.empty())
-                    derive_tangents(mesh, mesh.uv_layers[layer]);
+                else if (tangents && mesh->uv_layers[layer].tangents.empty())
+                    mesh = with_derived_tangents(mesh, layer);
             }
         }
     }
@@ -116,7 +146,7 @@ void find_media(Scene& scene) {
     for (uint32_t i = 0; i < scene.instances.size(); ++i) {
         Instance& instance = scene.instances[i];
         const auto absorbs = [&](uint32_t material) {
-            return !is_black(scene.materials[material].absorption);
+            return !is_black(scene.materials[material]->absorption);
         };
         if (std::none_of(instance.materials.begin(), instance.materials.end(), absorbs)) continue;
         instance.absorbs = (instance.visibility & kVisibleAll) == kVisibleAll;
@@ -132,7 +162,7 @@ void assign_caustics_roles(Scene& scene) {
     for (Instance& instance : scene.instances) {
         std::vector<const Material*> materials;
         for (const uint32_t index : instance.materials)
-            materials.push_back(&scene.materials[index]);
+            materials.push_back(scene.materials[index].get());
         const CausticsPart part = caustics_part(materials, instance.role, instance.visibility);
         instance.caster = part.caster;
         instance.rough_caster = part.rough_caster;

@@ -16,7 +16,7 @@ bool may_be_inside(const Bounds& absorbing, const Vec3& p) {
 void Media::cross(const Scene& scene, const SurfaceHit& hit, const Vec3& direction) {
     if (!scene.instances[hit.instance].absorbs) return;
     const uint32_t material = scene.material_index(hit.instance, hit.triangle);
-    const Spectrum& sigma = scene.materials[material].absorption;
+    const Spectrum& sigma = scene.materials[material]->absorption;
     if (is_black(sigma)) return;
     const bool enters = dot(front_normal(scene, hit.instance, hit.triangle), direction) < 0.0f;
     uint32_t i = 0;

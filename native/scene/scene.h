@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The frozen scene: geometry, materials and lamps as data, with Embree's trees over them. Immutable
-// while it is rendered, and shared by all threads; indices refer, vectors own.
+// while it is rendered, and shared by all threads; indices refer, vectors own. It is a snapshot: the next
+// one shares with it what has not changed.
 #pragma once
 
 #include "scene/accel.h"
@@ -11,9 +12,9 @@
 namespace spc {
 
 struct Scene {
-    std::vector<Image> images;
-    std::vector<Material> materials;
-    std::vector<Mesh> meshes;
+    std::vector<Image> images;  // whose texels are shared
+    std::vector<Shared<Material>> materials;
+    std::vector<Shared<Mesh>> meshes;
     std::vector<Instance> instances;
     std::vector<LightDesc> lights;
     Vec3 origin{0.0f};  // of all world coordinates here, in the host's: see center_on_casters()
@@ -25,6 +26,9 @@ struct Scene {
         true;                         // diffuse, glossy and transmission rays see the same objects
     float bounds_radius = 0.0f;       // half the diagonal of the box around all geometry and lamps
     std::vector<std::string> report;  // for the log
+    // Whether each instance has a tree of its own, which the next snapshot shares if it has not changed;
+    // else single users of a mesh are in one tree, which is faster to trace and slower to make.
+    bool has_trees_to_share = false;
     std::unique_ptr<Accel> accel;
 
     // Looks from elsewhere; `checked` is in the host's coordinates. Nothing else depends on the camera.
@@ -37,24 +41,24 @@ struct Scene {
     }
     uint32_t material_index(uint32_t instance, uint32_t triangle) const {
         const Instance& inst = instances[instance];
-        return inst.materials[meshes[inst.mesh].slot_of(triangle)];
+        return inst.materials[meshes[inst.mesh]->slot_of(triangle)];
     }
     // Of an instance's vertices, world.
     Bounds bounds_of(uint32_t instance) const {
         const Instance& inst = instances[instance];
         Bounds bounds;
-        for (const Vec3& p : meshes[inst.mesh].positions)
+        for (const Vec3& p : meshes[inst.mesh]->positions)
             bounds.extend(inst.object_to_world.point(p));
         return bounds;
     }
     // World positions of a triangle's corners.
     std::array<Vec3, 3> triangle_world(uint32_t instance, uint32_t triangle) const {
         const Instance& inst = instances[instance];
-        const std::array<uint32_t, 3>& index = meshes[inst.mesh].triangles[triangle];
+        const std::array<uint32_t, 3>& index = meshes[inst.mesh]->triangles[triangle];
         if (!inst.world_positions.empty())
             return {inst.world_positions[index[0]], inst.world_positions[index[1]],
                     inst.world_positions[index[2]]};
-        const std::vector<Vec3>& p = meshes[inst.mesh].positions;
+        const std::vector<Vec3>& p = meshes[inst.mesh]->positions;
         return {inst.object_to_world.point(p[index[0]]), inst.object_to_world.point(p[index[1]]),
                 inst.object_to_world.point(p[index[2]])};
     }

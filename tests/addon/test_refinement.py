@@ -17,11 +17,12 @@ SECONDS = 30
 
 @pytest.fixture
 def refinement():
-    scene = upload(glowing_triangle())
-    scene.commit(2)
-    made = Refinement(scene)
-    yield made
-    made.close()
+    with upload(glowing_triangle()) as scene:
+        scene.commit(2)
+        made = Refinement()
+        made.show(scene)
+        yield made
+        made.stop()
 
 
 def pictures(refinement: Refinement) -> list:
@@ -74,6 +75,17 @@ def test_looking_elsewhere_begins_anew(refinement):
     final = pictures(refinement)[-1].pixels
     assert final.shape == (16, 32, 4)
     assert final[8, 16] == pytest.approx((1.0, 0.5, 0.25, 1.0))  # the exposure doubles
+
+
+def test_it_shows_other_passes(refinement):
+    view = camera(32, 16)
+    settings = native.render_settings(method=abi.Method.AUTO, samples=2)
+    refinement.look(view, settings, 2.0, abi.Pass.NORMAL)
+    final = pictures(refinement)[-1].pixels
+    assert final[8, 16] == pytest.approx((0.0, 0.0, 1.0, 1.0))
+    refinement.look(view, settings, 2.0, abi.Pass.CAUSTICS)
+    final = pictures(refinement)[-1].pixels
+    assert np.array_equal(final[8, 16], (0.0, 0.0, 0.0, 1.0))
 
 
 def test_slow_pictures_are_coarser_the_next_time_however_late_they_come(refinement, monkeypatch):

@@ -278,11 +278,12 @@ def test_unknown_value_node_leaves_the_reader_its_constant():
 def test_settings_that_are_not_modelled_are_named():
     material = new_material()
     shader = add_node(material, "ShaderNodeBsdfPrincipled", surface(material))
-    shader.subsurface_method = "BURLEY"
+    uv_map = add_node(material, "ShaderNodeUVMap", shader.inputs["Base Color"])
+    uv_map.from_instancer = True
     add_node(material, "ShaderNodeDisplacement", output_of(material).inputs["Displacement"])
     _, _, warnings, _ = convert(material)
     assert len(warnings) == 2
-    assert any("Subsurface" in warning for warning in warnings)
+    assert any("from instancer" in warning for warning in warnings)
     assert any("Displacement" in warning for warning in warnings)
 
 

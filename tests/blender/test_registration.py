@@ -81,6 +81,10 @@ class Context:
         self.scene = bpy.context.scene
         self.view_layer = bpy.context.view_layer
         self.light = self.object = self.world = self.material = None
+        screens = bpy.data.screens
+        areas = [area for screen in screens for area in screen.areas if area.type == "VIEW_3D"]
+        self.space_data = areas[0].spaces[0]
+        self.space_data.shading.type = "RENDERED"
         self.__dict__.update(members)
 
 

@@ -13,6 +13,7 @@ import pytest
 from scenes import add_camera, add_light, add_mesh, add_node, link, new_material, new_world, surface
 
 from specula import native, rendering, statistics
+from specula.progress import progress_text
 
 EMITTED = (0.5, 0.25, 0.125)
 
@@ -268,14 +269,13 @@ def test_progress_tells_samples_time_and_what_is_left(glowing_quad, monkeypatch)
     texts = []
     monkeypatch.setattr(rendering, "SHOW_SECONDS", 0.05)
     monkeypatch.setattr(rendering, "POLL_MILLISECONDS", 20)
-    progress_text = rendering.progress_text
     monkeypatch.setattr(
         rendering, "progress_text", lambda *args: texts.append(progress_text(*args)) or texts[-1]
     )
     glowing_quad.specula.samples = 1 << 20
     glowing_quad.specula.time_limit = 0.5
     bpy.ops.render.render()
-    pattern = re.compile(r"Specula: sample ([\d.]+)/1048576 \| 0:0\d, 0:0\d left")
+    pattern = re.compile(r"sample ([\d.]+)/1048576 \| 0:0\d, 0:0\d left")
     samples = [float(pattern.fullmatch(text)[1]) for text in texts]
     assert samples == sorted(samples)
     assert 0 < samples[0] < samples[-1] < 1 << 20
@@ -283,15 +283,11 @@ def test_progress_tells_samples_time_and_what_is_left(glowing_quad, monkeypatch)
 
 def test_progress_text():
     progress = SimpleNamespace(stage=5, stage_fraction=0.25, seconds=1200.4, seconds_left=3601.2)
-    assert rendering.progress_text(progress, 16.04, 64) == (
-        "Specula: sample 16.0/64 | 20:00, 1:00:01 left"
-    )
+    assert progress_text(progress, 16.04, 64) == "sample 16.0/64 | 20:00, 1:00:01 left"
     progress = SimpleNamespace(stage=5, stage_fraction=0.0, seconds=0.3, seconds_left=-1.0)
-    assert rendering.progress_text(progress, 0.0, 64) == "Specula: sample 0.0/64 | 0:00"
+    assert progress_text(progress, 0.0, 64) == "sample 0.0/64 | 0:00"
     progress = SimpleNamespace(stage=1, stage_fraction=0.4, seconds=2.3, seconds_left=7.7)
-    assert rendering.progress_text(progress, 0.0, 64) == (
-        "Specula: tracing light sheets, 40% | 0:02, 0:08 left"
-    )
+    assert progress_text(progress, 0.0, 64) == ("tracing light sheets, 40% | 0:02, 0:08 left")
 
 
 def test_a_time_limit_is_a_success(glowing_quad, tmp_path):

@@ -68,6 +68,10 @@ def edits():
     shader = ball.active_material.node_tree.nodes["Shader"]
     yield "node", lambda: setattr(shader.inputs[0], "default_value", (0.9, 0.1, 0.1, 1.0))
     yield "light", lambda: setattr(bpy.data.lights["Lamp"], "energy", 40.0)
+    yield "mesh", lambda: raise_vertex(ball.data)
+    yield "frame", lambda: bpy.context.scene.frame_set(2)
+    yield "world", lambda: setattr(bpy.data.worlds["World"], "color", (0.4, 0.5, 0.8))
+    yield "slot", lambda: ball.data.materials.__setitem__(0, bpy.data.materials["Other"])
     yield "hide", lambda: hide(floor, True)
     yield "unhide", lambda: hide(floor, False)
     yield "add", lambda: bpy.ops.mesh.primitive_cube_add(size=0.8, location=(-0.9, 0.2, 0.4))
@@ -78,6 +82,11 @@ def edits():
     bpy.data.objects["Floor"].location.z += 1.0
     bpy.ops.ed.undo_push()
     yield "undo", bpy.ops.ed.undo
+
+
+def raise_vertex(mesh):
+    mesh.vertices[0].co = (-2.0, -2.0, 0.5)
+    mesh.update()
 
 
 def hide(obj, hidden):
@@ -145,7 +154,17 @@ def make_scene(path: str) -> None:
     lamp = add_light(energy=120.0)
     lamp.data.name = "Lamp"
     lamp.location = (1, 1, 3)
+    for frame, x in ((1, 1.0), (2, -1.5)):
+        lamp.location.x = x
+        lamp.keyframe_insert("location", frame=frame)
+    other = new_material("Other")
+    shader = add_node(other, "ShaderNodeBsdfDiffuse", surface(other))
+    shader.inputs[0].default_value = (0.1, 0.2, 0.9, 1.0)
+    other.use_fake_user = True
     scene = bpy.context.scene
+    scene.world = bpy.data.worlds.new("World")
+    scene.world.color = (0.0, 0.0, 0.0)
+    scene.frame_set(1)
     scene.render.engine = "SPECULA"
     scene.render.resolution_x, scene.render.resolution_y = SIZE
     scene.specula.samples = scene.specula.viewport_samples = 16
@@ -192,7 +211,7 @@ def test_the_viewport_shows_what_f12_renders_after_every_edit(tmp_path):
     assert result.returncode == 0, output
     assert "Traceback" not in output
     lines = [json.loads(line[6:]) for line in output.splitlines() if line.startswith("frame ")]
-    assert len(lines) == 11
+    assert len(lines) == 15
     before = None
     for name, *frame in lines:
         view = blocks(f"{tmp_path}/{name}_view.png", frame)

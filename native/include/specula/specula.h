@@ -29,6 +29,7 @@
  *
  * Order of calls: create, add images, then materials, meshes, lights and instances (an index can
  * only refer to what was added before), set camera and environment, commit, start renders.
+ * spc_scene_edit() begins a scene that differs little from another.
  */
 #ifndef SPECULA_SPECULA_H
 #define SPECULA_SPECULA_H
@@ -47,7 +48,7 @@ extern "C" {
 #endif
 
 /* This number is raised whenever a struct or the meaning of a call changes. */
-#define SPC_API_VERSION 10u
+#define SPC_API_VERSION 11u
 
 /* This value stands for "no index" where an index is optional. */
 #define SPC_NONE 0xffffffffu
@@ -82,6 +83,22 @@ SPC_API const char* spc_last_error(void);
 SPC_API spc_status spc_scene_create(spc_scene** scene);
 /* Frees a scene. All of its sessions must have been destroyed before. */
 SPC_API void spc_scene_destroy(spc_scene* scene);
+
+/* A new scene that shares with `before`, which is committed, what it keeps of it by the calls below and what
+ * follows from that: trees over geometry, tables of the world and of glints. Its pictures are those of a scene
+ * into which all has been added anew, to the bit but for surfaces that coincide. Each instance has a tree of
+ * its own, which takes a little longer to render and makes the next scene cheap. `before` may be NULL, for
+ * the first of a series, and be destroyed at any time. Embree's threads are those of the first commit.
+ * The scene keeps its light sheets while its camera moves. */
+SPC_API spc_status spc_scene_edit(const spc_scene* before, spc_scene** scene);
+
+/* Adds what the scene before has at an index, as the calls that add do, but shares it. A material needs the
+ * images that it reads kept before it, with their indices. Errors: SPC_WRONG_STATE (there is none before),
+ * SPC_INVALID_ARGUMENT. */
+SPC_API spc_status spc_scene_keep_image(spc_scene* scene, uint32_t before, uint32_t* image_index);
+SPC_API spc_status spc_scene_keep_material(spc_scene* scene, uint32_t before,
+                                           uint32_t* material_index);
+SPC_API spc_status spc_scene_keep_mesh(spc_scene* scene, uint32_t before, uint32_t* mesh_index);
 
 /* ---- images */
 

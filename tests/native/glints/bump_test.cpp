@@ -80,7 +80,7 @@ struct Place {
 std::optional<Place> random_place(const Scene& scene, test::Uniforms& uniforms) {
     Vec2 at = uniforms.two();
     if (at.x + at.y > 1.0f) at = Vec2(1.0f) - at;
-    const size_t triangles = scene.meshes[scene.instances[0].mesh].triangles.size();
+    const size_t triangles = scene.meshes[scene.instances[0].mesh]->triangles.size();
     const auto triangle = static_cast<uint32_t>(uniforms() * float(triangles));
     const SurfaceHit hit{0, triangle, at.x, at.y};
     const Vec3 front = front_normal(scene, 0, triangle), wo = front * (uniforms() < 0.5f ? -1 : 1);

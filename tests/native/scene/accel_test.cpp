@@ -88,7 +88,7 @@ Nearest search(const Scene& scene, const Ray& ray, uint32_t kind, bool lamps, ui
     Nearest nearest;
     for (uint32_t i = 0; i < scene.instances.size(); ++i) {
         if (only == kNone ? (scene.instances[i].visibility & kind) == 0 : i != only) continue;
-        for (uint32_t t = 0; t < scene.meshes[scene.instances[i].mesh].triangles.size(); ++t)
+        for (uint32_t t = 0; t < scene.meshes[scene.instances[i].mesh]->triangles.size(); ++t)
             if (const std::optional<double> at = hit_triangle(scene.triangle_world(i, t), ray);
                 at && *at < nearest.t)
                 nearest = {*at, i, t, kNone};

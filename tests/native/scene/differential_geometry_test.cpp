@@ -144,7 +144,7 @@ Vec3 by_inverse_transpose(const Transform& t, const Vec3& n) {
 }
 
 SurfaceHit random_hit(test::Uniforms& uniforms, const Scene& scene) {
-    const auto triangles = float(scene.meshes[scene.instances[0].mesh].triangles.size());
+    const auto triangles = float(scene.meshes[scene.instances[0].mesh]->triangles.size());
     const auto triangle = uint32_t(uniforms() * triangles);
     const float a = 0.02f + 0.9f * uniforms(), b = 0.02f + 0.9f * uniforms();
     return a + b < 0.97f ? SurfaceHit{0, triangle, a, b}

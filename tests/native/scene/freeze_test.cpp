@@ -125,7 +125,7 @@ TEST(Freeze, MeshOfNothingButNeedlesDrawsNothing) {
         maker.add(needles, graph);
         maker.add(test::square(1.0f), test::diffuse(0.5f), test::translation(Vec3(0, 0, -1)));
         const RenderScene world = maker.finish();
-        EXPECT_EQ(world.scene->meshes[0].dropped_triangles, 2u);
+        EXPECT_EQ(world.scene->meshes[0]->dropped_triangles, 2u);
         const std::optional<Hit> hit =
             world.scene->accel->intersect({{0.1f, 0.1f, 5}, {0, 0, -1}}, kVisibleCamera);
         ASSERT_TRUE(hit);
@@ -219,7 +219,7 @@ TEST(Freeze, ReportsTexelsThatWereRepaired) {
     Image broken;
     broken.name = "broken";
     broken.width = broken.height = broken.channels = 1;
-    broken.floats = {0.0f};
+    broken.floats.writable() = {0.0f};
     Image whole = broken;
     whole.name = "whole";
     broken.repaired_texels = 3;

@@ -120,7 +120,7 @@ Image tile_of(Relief relief) {
     Image tile = test::plane_heights(kSide, kSide, kWave, 0.2, 5);
     const auto [low, high] = std::minmax_element(tile.floats.begin(), tile.floats.end());
     const float least = *low, most = *high;
-    for (float& height : tile.floats) height = (height - least) / (most - least);
+    for (float& height : tile.floats.writable()) height = (height - least) / (most - least);
     return tile;
 }
 

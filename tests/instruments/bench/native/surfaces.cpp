@@ -16,7 +16,7 @@ struct Looks {
 // Random points of instance 0, each seen by a ray from one of `receiver`.
 Looks look(RenderScene world, const std::function<Vec3(Pcg&)>& receiver) {
     const Scene& scene = *world.scene;
-    const size_t triangles = scene.meshes[scene.instances[0].mesh].triangles.size();
+    const size_t triangles = scene.meshes[scene.instances[0].mesh]->triangles.size();
     Looks looks;
     Pcg pcg(3);
     while (looks.hits.size() < kBatch) {

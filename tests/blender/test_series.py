@@ -1,0 +1,201 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Scenes that are edited, exported by what has changed, and rendered as if built from nothing."""
+
+import os
+
+import bpy
+import numpy as np
+import pytest
+from _edits import Edits, make_scene
+from scenes import add_mesh, add_node, new_material, surface
+
+from specula import abi, native
+from specula.export.log import ExportLog
+from specula.export.scene import export_scene
+from specula.export.settings import export_settings
+from specula.series import Series
+from specula.upload import upload
+
+EDITS = 320
+SIZE = (24, 18)
+FLAT = 24 << 20  # bytes that the last two thirds of all edits may add
+
+
+class Follower:
+    """Takes every update of the scene, as a viewport does."""
+
+    def __init__(self):
+        self.series = Series()
+        self.native_scene = None
+        self.log = ExportLog()
+        self._handlers = bpy.app.handlers.depsgraph_update_post, bpy.app.handlers.frame_change_post
+
+    def __enter__(self):
+        for handlers in self._handlers:
+            handlers.append(self.hear)
+        return self
+
+    def __exit__(self, *_):
+        for handlers in self._handlers:
+            handlers.remove(self.hear)
+        self.series.close()
+
+    def hear(self, scene, depsgraph):
+        self.log = ExportLog()
+        self.native_scene, _ = self.series.next(depsgraph, self.log)
+
+    def picture(self, settings) -> np.ndarray:
+        return rendered(self.native_scene, settings)
+
+
+def rendered(scene: native.Scene, settings) -> np.ndarray:
+    with native.Session(scene, settings) as session:
+        while session.wait(1000).state == abi.RenderState.RUNNING:
+            pass
+        return session.read(abi.Pass.COMBINED, *SIZE)
+
+
+def from_nothing(settings) -> tuple[np.ndarray, list[str]]:
+    log = ExportLog()
+    with upload(export_scene(bpy.context.evaluated_depsgraph_get(), log), log) as scene:
+        scene.commit()
+        return rendered(scene, settings), log.warnings
+
+
+def final(tmp_path) -> np.ndarray:
+    """What F12 renders, bottom row first."""
+    render = bpy.context.scene.render
+    render.filepath = str(tmp_path / "final.exr")
+    bpy.ops.render.render(write_still=True)
+    image = bpy.data.images.load(render.filepath, check_existing=False)
+    pixels = np.array(image.pixels[:], np.float32).reshape(-1, 4)
+    bpy.data.images.remove(image)
+    return pixels
+
+
+def resident_bytes() -> int:
+    with open("/proc/self/statm") as statm:
+        return int(statm.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+
+@pytest.fixture
+def edited_scene():
+    scene = bpy.context.scene
+    scene.render.resolution_x, scene.render.resolution_y = SIZE
+    scene.render.image_settings.file_format = "OPEN_EXR"
+    scene.render.image_settings.color_depth = "32"
+    scene.render.use_persistent_data = True
+    scene.specula.method = "PT"
+    make_scene()
+    return scene
+
+
+def test_every_edit_renders_as_if_built_from_nothing(edited_scene, tmp_path):
+    edits = Edits(seed=1)
+    settings = export_settings(edited_scene, False, bpy.context.view_layer)
+    made, memory, changed, before = {}, 0, 0, None
+    with Follower() as follower:
+        for number in range(EDITS):
+            name = edits.one()
+            bpy.context.view_layer.update()
+            made[name] = made.get(name, 0) + 1
+            picture = follower.picture(settings)
+            expected, warnings = from_nothing(settings)
+            assert np.array_equal(picture, expected), f"edit {number}: {name}"
+            assert follower.log.warnings == warnings, f"edit {number}: {name}"
+            changed += before is None or not np.array_equal(picture, before)
+            before = picture
+            if number % 10 == 9:
+                assert np.array_equal(picture, final(tmp_path)), f"edit {number}: {name}"
+            if number == EDITS // 3:
+                memory = resident_bytes()
+        assert resident_bytes() - memory < FLAT
+    assert len(made) > 20
+    assert changed > EDITS // 2, "edits do not show"
+
+
+@pytest.fixture
+def calls(monkeypatch):
+    """Kinds and names of the parts that an edited scene was given anew."""
+    given = []
+    add, edited = native.Scene.add, native.Scene.edited
+
+    def recorded(self, kind, struct):
+        if hasattr(self, "is_edited"):
+            given.append(f"{kind} {struct.name.decode()}")
+        return add(self, kind, struct)
+
+    def noted(before):
+        scene = edited(before)
+        scene.is_edited = True
+        return scene
+
+    monkeypatch.setattr(native.Scene, "add", recorded)
+    monkeypatch.setattr(native.Scene, "edited", noted)
+    return given
+
+
+def parts(calls: list[str]) -> set[str]:
+    """Those of what later scenes may share."""
+    return {call for call in calls if call.split()[0] in ("mesh", "image", "material")}
+
+
+def test_only_what_has_changed_is_given_to_the_core(edited_scene, calls):
+    material = new_material("Own")
+    shader = add_node(material, "ShaderNodeBsdfDiffuse", surface(material))
+    obj = add_mesh("Quad", material=material)
+    bpy.context.view_layer.update()
+    with Follower() as follower:
+        obj.location.x = 0.2
+        bpy.context.view_layer.update()
+        assert "mesh Quad" in calls
+        calls.clear()
+        obj.location.x = 0.3
+        bpy.context.view_layer.update()
+        assert parts(calls) == set()
+        calls.clear()
+        shader.inputs[0].default_value = (1, 0, 0, 1)
+        bpy.context.view_layer.update()
+        assert parts(calls) == {"material Own"}
+        calls.clear()
+        obj.data.vertices[0].co.x += 0.1
+        obj.data.update()
+        bpy.context.view_layer.update()
+        assert parts(calls) == {"mesh Quad"}
+        calls.clear()
+        before = follower.native_scene
+        bpy.context.scene.camera.location.x += 0.1
+        bpy.context.view_layer.update()
+        assert follower.native_scene is before
+        assert calls == []
+
+
+def test_a_failure_does_not_outlive_its_cause(edited_scene, monkeypatch):
+    settings = export_settings(edited_scene, False, bpy.context.view_layer)
+    series = Series()
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    series.next(depsgraph, ExportLog())
+    commit = native.Scene.commit
+
+    def fails(self, threads=0):
+        raise native.NativeError("no memory left")
+
+    monkeypatch.setattr(native.Scene, "commit", fails)
+    bpy.context.scene.objects["Floor"].location.x += 1.0
+    bpy.context.view_layer.update()
+    with pytest.raises(native.NativeError):
+        series.next(depsgraph, ExportLog())
+    monkeypatch.setattr(native.Scene, "commit", commit)
+    scene, _ = series.next(depsgraph, ExportLog())
+    assert np.array_equal(rendered(scene, settings), from_nothing(settings)[0])
+    series.close()
+
+
+def test_persistent_data_renders_an_animation_as_single_frames(edited_scene, tmp_path):
+    render = bpy.context.scene.render
+    for frame in (1, 4, 5, 9):
+        bpy.context.scene.frame_set(frame)
+        render.use_persistent_data = True
+        kept = final(tmp_path)
+        render.use_persistent_data = False
+        assert np.array_equal(kept, final(tmp_path)), frame

@@ -95,10 +95,9 @@ struct Transparent {  // a delta
                                            .straight = true};
 };
 
-using ClosureKind =
-    std::variant<Lambert, MicrofacetReflection, MicrofacetDielectric, Transparent, Translucent,
-                 OrenNayar, Sheen, Velvet, SchlickSheen, DiffuseToon, GlossyToon, AshikhminShirley,
-                 Subsurface>;
+using ClosureKind = std::variant<Lambert, MicrofacetReflection, MicrofacetDielectric, Transparent,
+                                 Translucent, OrenNayar, Sheen, Velvet, SchlickSheen, DiffuseToon,
+                                 GlossyToon, AshikhminShirley, Subsurface>;
 inline const ClosureTraits& traits(const ClosureKind& kind) {
     return *std::visit([](const auto& c) { return &c.kTraits; }, kind);
 }
@@ -201,12 +200,12 @@ struct ClosureSample {
     float pdf_omega;    // as eval() gives it, over the whole list, 1/sr; 0 for a delta
     float probability;  // of a delta's lobe; 0 for a smooth sample
     bool delta;
-    bool on_caster_normal;  // of the closure that was sampled
-    bool refracted;         // crossed the surface with a change of direction
-    bool facets;            // the closure has facets that turned wi; else it goes anywhere
-    float alpha;            // of the closure that was sampled; 0 where it has none
-    float eta;              // likewise, on the far side over that of wo; 1 where it has none
-    bool glints;            // of closures with glints, where they are apart
+    bool on_caster_normal;    // of the closure that was sampled
+    bool refracted;           // crossed the surface with a change of direction
+    bool facets;              // the closure has facets that turned wi; else it goes anywhere
+    float alpha;              // of the closure that was sampled; 0 where it has none
+    float eta;                // likewise, on the far side over that of wo; 1 where it has none
+    bool glints;              // of closures with glints, where they are apart
     const Subsurface* below;  // light goes on there, in the list that was sampled; null: it does not
     BounceKind kind;
 };

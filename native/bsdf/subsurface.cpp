@@ -20,22 +20,25 @@ float polynomial(float x, const std::array<float, 8>& coefficients) {
 // a diffuse surface, by a fit for anisotropies from 0 to 0.9 [Wrenninge17], with Cycles' numbers.
 float scattering_albedo(float albedo, float g) {
     constexpr float kMost = 0.999999f;  // light gets out in the end
-    const float a = polynomial(g, {1.8260523782f, -1.28451056436f, -1.79904629312f, 9.19393289202f,
-                                   -22.8215585862f, 32.0234874259f, -23.6264803333f, 7.21067002658f});
-    const float b = 4.98511194385f +
-                    0.127355959438f *
-                        std::exp(polynomial(g, {0.0f, 31.1491581433f, -201.847017512f, 841.576016723f,
-                                                -2018.09288505f, 2731.71560286f, -1935.41424244f,
-                                                559.009054474f}));
-    const float c = polynomial(g, {1.09686102424f, -0.394704063468f, 1.05258115941f, -8.83963712726f,
-                                   28.8643230661f, -46.8802913581f, 38.5402837518f, -12.7181042538f});
-    const float d = polynomial(g, {0.496310210422f, 0.360146581622f, -2.15139309747f, 17.8896899217f,
-                                   -55.2984010333f, 82.065982243f, -58.5106008578f, 15.8478295021f});
-    const float e = 4.23190299701f +
-                    0.00310603949088f *
-                        std::exp(polynomial(g, {0.0f, 76.7316253952f, -594.356773233f, 2448.8834203f,
-                                                -5576.68528998f, 7116.60171912f, -4763.54467887f,
-                                                1303.5318055f}));
+    const float a =
+        polynomial(g, {1.8260523782f, -1.28451056436f, -1.79904629312f, 9.19393289202f,
+                       -22.8215585862f, 32.0234874259f, -23.6264803333f, 7.21067002658f});
+    const float b =
+        4.98511194385f +
+        0.127355959438f * std::exp(polynomial(g, {0.0f, 31.1491581433f, -201.847017512f,
+                                                  841.576016723f, -2018.09288505f, 2731.71560286f,
+                                                  -1935.41424244f, 559.009054474f}));
+    const float c =
+        polynomial(g, {1.09686102424f, -0.394704063468f, 1.05258115941f, -8.83963712726f,
+                       28.8643230661f, -46.8802913581f, 38.5402837518f, -12.7181042538f});
+    const float d =
+        polynomial(g, {0.496310210422f, 0.360146581622f, -2.15139309747f, 17.8896899217f,
+                       -55.2984010333f, 82.065982243f, -58.5106008578f, 15.8478295021f});
+    const float e =
+        4.23190299701f +
+        0.00310603949088f * std::exp(polynomial(g, {0.0f, 76.7316253952f, -594.356773233f,
+                                                    2448.8834203f, -5576.68528998f, 7116.60171912f,
+                                                    -4763.54467887f, 1303.5318055f}));
     const float f = polynomial(g, {2.40602999408f, -2.51814844609f, 9.18494908356f, -79.2191708682f,
                                    259.082868209f, -403.613804597f, 302.85712436f, -87.4370473567f});
     const float dark = a * std::pow(std::atan(b * albedo), c),
@@ -51,8 +54,7 @@ float dipole_albedo(float albedo, float ior) {
     float low = 0.0f, high = 1.0f;
     for (int i = 0; i < 24; ++i) {
         const float a = 0.5f * (low + high), root = std::sqrt(3.0f * (1.0f - a));
-        const float reflected =
-            0.5f * a * (1.0f + std::exp(-boundary * root)) * std::exp(-root);
+        const float reflected = 0.5f * a * (1.0f + std::exp(-boundary * root)) * std::exp(-root);
         (reflected < albedo ? low : high) = a;
     }
     return 0.5f * (low + high);
@@ -76,8 +78,8 @@ SubsurfaceMedium medium_of(const Subsurface& c) {
 std::optional<Vec3> enter(const Subsurface& c, const Vec3& ng, const Vec3& wo, float u_entry,
                           const Vec2& u) {
     const Frame frame = Frame::around(c.n);
-    const bool through_facet = c.entry == SubsurfaceEntry::facets ||
-                               (c.entry == SubsurfaceEntry::both && u_entry >= 0.5f);
+    const bool through_facet =
+        c.entry == SubsurfaceEntry::facets || (c.entry == SubsurfaceEntry::both && u_entry >= 0.5f);
     Vec3 w = frame.to_world(cosine_hemisphere(u)) * -1.0f;
     if (through_facet) {
         const Vec3 o = frame.to_local(wo);

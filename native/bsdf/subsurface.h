@@ -13,9 +13,8 @@ enum class SubsurfaceEntry : uint8_t { diffuse, facets, both };
 // leaves as from a diffuse surface. The closure's weight holds what the surface reflects in all;
 // eval() knows nothing of it: an integrator goes below, see integrator/subsurface.h.
 struct Subsurface {
-    static constexpr ClosureTraits kTraits{.reflected = BounceKind::diffuse,
-                                           .transmitted = BounceKind::diffuse,
-                                           .enters = true};
+    static constexpr ClosureTraits kTraits{
+        .reflected = BounceKind::diffuse, .transmitted = BounceKind::diffuse, .enters = true};
     Vec3 n;
     Spectrum albedo;   // what a diffuse surface would reflect
     Spectrum radius;   // m, how far light comes
@@ -27,7 +26,7 @@ struct Subsurface {
 
 // Coefficients of the medium, one for each channel.
 struct SubsurfaceMedium {
-    Spectrum extinction;        // 1/m
+    Spectrum extinction;         // 1/m
     Spectrum single_scattering;  // albedo of one scattering
     float anisotropy;
 };

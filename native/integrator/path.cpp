@@ -47,8 +47,8 @@ PathTracer::Onward PathTracer::shade(const Hit& hit, Surface& surface, const Sam
         out.radiance += caustic;
         out.caustics += caustic;
     }
-    return {sample(surface.closures, surface.ng, surface.wo, here[Domain::closure].three()), receives,
-            camera_subpath};
+    return {sample(surface.closures, surface.ng, surface.wo, here[Domain::closure].three()),
+            receives, camera_subpath};
 }
 
 // Light paths do not walk below surfaces: the path begins anew, as one that path tracing alone finds
@@ -208,8 +208,7 @@ PathSample path_radiance(const RenderScene& world, const IntegratorSettings& set
             if (!path.go_below(surface, *on.next, here)) break;
             on = path.shade(*hit, surface, here, pixel, out);
         }
-        if (!on.next ||
-            !path.scatter(*hit, surface, *on.next, on.receives, on.camera_subpath, here))
+        if (!on.next || !path.scatter(*hit, surface, *on.next, on.receives, on.camera_subpath, here))
             break;
     }
     return out;

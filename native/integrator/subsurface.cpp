@@ -50,13 +50,13 @@ std::optional<SubsurfaceExit> walk_below(const Scene& scene, const Surface& surf
     if (!entered) return std::nullopt;
     Vec3 direction = *entered;
     Ray ray{offset_origin({surface.p, surface.ng, surface.p_error}, direction), direction};
-    Spectrum weight(1.0f / std::max(closure.albedo.x, 1e-6f), 1.0f / std::max(closure.albedo.y, 1e-6f),
+    Spectrum weight(1.0f / std::max(closure.albedo.x, 1e-6f),
+                    1.0f / std::max(closure.albedo.y, 1e-6f),
                     1.0f / std::max(closure.albedo.z, 1e-6f));
     Spectrum carried = weight * closure.albedo;  // for the choices alone
     for (int i = 0; i < kMostScatterings; ++i) {
         const ChannelChoice choice = choose_channel(carried, medium.single_scattering, pcg.one());
-        const float t =
-            -std::log(1.0f - pcg.one()) / medium.extinction[choice.channel];
+        const float t = -std::log(1.0f - pcg.one()) / medium.extinction[choice.channel];
         ray.t_far = t;
         ++rays;
         const std::optional<Hit> hit = scene.accel->intersect_alone(surface.hit.instance, ray);

@@ -65,7 +65,7 @@ struct Instance {
     bool rough_caster = false;  // throws blurred caustics; see docs/glossary.md
     bool emits = false;
     bool has_subsurface = false;  // light may walk below its surface
-    bool absorbs = false;  // a material has an absorbing medium behind it
+    bool absorbs = false;         // a material has an absorbing medium behind it
     bool turns_light() const { return caster || rough_caster; }
 };
 

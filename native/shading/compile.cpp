@@ -93,7 +93,8 @@ void Compiler::add_term(ClosureTerm term) {
                    term.operand(row.diffuse_roughness)};
         term.op = ClosureOp::rough_diffuse;
     }
-    if (term.op == ClosureOp::rough_diffuse && !term.below.exists() && expr.is_constant(term.in.back(), 0.0f)) {
+    if (term.op == ClosureOp::rough_diffuse && !term.below.exists() &&
+        expr.is_constant(term.in.back(), 0.0f)) {
         term.in.pop_back();
         term.op = ClosureOp::lambert;
     }

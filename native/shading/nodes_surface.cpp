@@ -242,10 +242,11 @@ void transparent(NodeContext& node, ExprId weight) {
 namespace {
 
 // Of a node's inputs. With method BURLEY a random walk stands in for it.
-BelowSurface below_of(NodeContext& node, ClosureModes& modes, const std::string& method, ExprId share,
-                      ExprId radius, ExprId anisotropy, ExprId alpha, ExprId ior) {
+BelowSurface below_of(NodeContext& node, ClosureModes& modes, const std::string& method,
+                      ExprId share, ExprId radius, ExprId anisotropy, ExprId alpha, ExprId ior) {
     if (node.e.is_constant(share, 0.0f) || node.e.is_constant(radius, 0.0f)) return {};
-    if (method == "BURLEY") node.warn("Christensen and Burley's method is not supported, a random walk stands in");
+    if (method == "BURLEY")
+        node.warn("Christensen and Burley's method is not supported, a random walk stands in");
     modes.entry = method == "RANDOM_WALK"        ? SubsurfaceEntry::facets
                   : method == "RANDOM_WALK_SKIN" ? SubsurfaceEntry::both
                                                  : SubsurfaceEntry::diffuse;
@@ -261,13 +262,12 @@ void subsurface(NodeContext& node, ExprId weight) {
     const std::string& method = node.option(0);
     const bool skin = method == "RANDOM_WALK_SKIN";
     ClosureModes modes;
-    const BelowSurface below =
-        below_of(node, modes, method, e.constant(1.0f), e.scale(node.input(kRadius), node.input(kScale)),
-                 node.input(kAnisotropy), skin ? e.constant(1.0f) : node.input(kRoughness),
-                 node.input(kIor));
-    ClosureTerm diffuse = term(node, ClosureOp::rough_diffuse, "",
-                               {weight, node.normal(kNormal), node.input(kColor), e.constant(0.0f)},
-                               modes);
+    const BelowSurface below = below_of(
+        node, modes, method, e.constant(1.0f), e.scale(node.input(kRadius), node.input(kScale)),
+        node.input(kAnisotropy), skin ? e.constant(1.0f) : node.input(kRoughness), node.input(kIor));
+    ClosureTerm diffuse =
+        term(node, ClosureOp::rough_diffuse, "",
+             {weight, node.normal(kNormal), node.input(kColor), e.constant(0.0f)}, modes);
     diffuse.below = below;
     node.c.add_term(diffuse);
 }
@@ -373,15 +373,14 @@ void principled(NodeContext& node, ExprId weight) {
     ClosureModes base_modes = modes;
     const std::string& method = node.option(2);
     const bool skin = method == "RANDOM_WALK_SKIN";
-    const BelowSurface below = below_of(
-        node, base_modes, method, e.clamp01(node.input(kSubsurface)),
-        e.scale(node.input(kSubsurfaceRadius), node.input(kSubsurfaceScale)),
-        node.input(kSubsurfaceAnisotropy), skin ? e.constant(1.0f) : rough_alpha,
-        skin ? node.input(kSubsurfaceIor) : index);
-    ClosureTerm coated =
-        term(node, ClosureOp::coated, " (specular)",
-             {weight, normal, rough_alpha, index, f0, base, node.input(kDiffuseRoughness)},
-             base_modes);
+    const BelowSurface below =
+        below_of(node, base_modes, method, e.clamp01(node.input(kSubsurface)),
+                 e.scale(node.input(kSubsurfaceRadius), node.input(kSubsurfaceScale)),
+                 node.input(kSubsurfaceAnisotropy), skin ? e.constant(1.0f) : rough_alpha,
+                 skin ? node.input(kSubsurfaceIor) : index);
+    ClosureTerm coated = term(
+        node, ClosureOp::coated, " (specular)",
+        {weight, normal, rough_alpha, index, f0, base, node.input(kDiffuseRoughness)}, base_modes);
     coated.coat = over;
     coated.below = below;
     coated.grain = grain;

@@ -105,8 +105,8 @@ constexpr InputSocket kPrincipledHairIn[] = {
 constexpr NodeOption kPrincipledHairModels[] = {{"parametrization", "COLOR|MELANIN|ABSORPTION"}};
 constexpr InputSocket kPortalIn[] = {grey_input(1.0f)};
 constexpr NodeOption kPrincipledModels[] = {{"distribution", "GGX|MULTI_GGX"},
-                                              {"sheen", "MICROFIBER|SCHLICK"},
-                                              {"subsurface_method", kSubsurfaceMethods}};
+                                            {"sheen", "MICROFIBER|SCHLICK"},
+                                            {"subsurface_method", kSubsurfaceMethods}};
 
 constexpr NodeKind kRows[] = {
     {.name = "output",

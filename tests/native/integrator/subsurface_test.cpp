@@ -69,7 +69,8 @@ TEST(Subsurface, ReflectsItsColour) {
 TEST(Subsurface, WhiteLosesNothing) {
     SceneMaker maker;
     maker.add(sphere(64, 1.0), skin(Vec3(1.0f), "RANDOM_WALK_FIXED_RADIUS"));
-    maker.builder.set_environment({maker.builder.add_material(background(1, 1, 1)), kVisibleAll, true});
+    maker.builder.set_environment(
+        {maker.builder.add_material(background(1, 1, 1)), kVisibleAll, true});
     const RenderScene world = maker.finish();
     const RadianceEstimate found = estimate(world, unlimited(), 4000, kFromAbove);
     EXPECT_GT(found.radiance.mean(), 0.9);

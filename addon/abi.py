@@ -33,7 +33,7 @@ class SizedStructure(Structure):
         super().__init__(struct_size=sizeof(type(self)), **fields)
 
 
-API_VERSION = 11
+API_VERSION = 12
 NONE = 0xFFFFFFFF
 
 
@@ -152,6 +152,8 @@ class MaterialDesc(SizedStructure):
         ("link_count", c_uint32),
         ("glints", c_uint32),
         ("bump_correction", c_uint32),
+        ("pass_index", c_uint32),
+        ("crypto", c_float),
     ]
 
 
@@ -223,6 +225,9 @@ class InstanceDesc(SizedStructure):
         ("visibility", c_uint32),
         ("caustics_role", c_uint32),
         ("terminator_offset", c_float),
+        ("pass_index", c_uint32),
+        ("crypto_object", c_float),
+        ("crypto_asset", c_float),
     ]
 
 
@@ -358,6 +363,12 @@ class PixelFilter(IntEnum):
     BLACKMAN_HARRIS = 2
 
 
+class Crypto(IntEnum):
+    OBJECT = 0
+    MATERIAL = 1
+    ASSET = 2
+
+
 class RenderSettings(SizedStructure):
     _fields_ = [
         ("struct_size", c_size_t),
@@ -369,6 +380,7 @@ class RenderSettings(SizedStructure):
         ("glint_method", c_uint32),
         ("first_sample", c_uint32),
         ("samples", c_uint32),
+        ("total_samples", c_uint32),
         ("time_limit", c_float),
         ("seed", c_uint32),
         ("threads", c_uint32),
@@ -383,6 +395,15 @@ class RenderSettings(SizedStructure):
         ("filter_width", c_float),
         ("transparent_film", c_uint32),
         ("chain_family", c_char_p),
+        ("passes", c_uint64),
+        ("mist_start", c_float),
+        ("mist_depth", c_float),
+        ("mist_exponent", c_float),
+        ("for_denoiser", c_uint32),
+        ("crypto_kinds", c_uint32),
+        ("crypto_ranks", c_uint32),
+        ("noise_threshold", c_float),
+        ("min_samples", c_uint32),
     ]
 
 
@@ -458,6 +479,34 @@ class Pass(IntEnum):
     VARIANCE = 5
     WALK_SUCCESS = 6
     WALK_TRIALS = 7
+    UV = 8
+    MIST = 9
+    OBJECT_INDEX = 10
+    MATERIAL_INDEX = 11
+    EMISSION = 12
+    ENVIRONMENT = 13
+    DIFFUSE_DIRECT = 14
+    GLOSSY_DIRECT = 15
+    TRANSMISSION_DIRECT = 16
+    DIFFUSE_INDIRECT = 17
+    GLOSSY_INDIRECT = 18
+    TRANSMISSION_INDIRECT = 19
+    DIFFUSE_COLOR = 20
+    GLOSSY_COLOR = 21
+    TRANSMISSION_COLOR = 22
+    DENOISING_ALBEDO = 23
+    DENOISING_NORMAL = 24
+    DENOISING_DEPTH = 25
+    SAMPLE_COUNT = 26
+
+
+class Sums(SizedStructure):
+    _fields_ = [
+        ("struct_size", c_size_t),
+        ("data", c_void_p),
+        ("size", c_size_t),
+        ("samples", c_uint32),
+    ]
 
 
 # name: (result, arguments)
@@ -494,6 +543,16 @@ PROTOTYPES = {
     "spc_render_get_stats": (c_int, (c_void_p, POINTER(RenderStats))),
     "spc_render_report": (c_char_p, (c_void_p,)),
     "spc_pass_channels": (c_uint32, (c_uint32,)),
+    "spc_passes": (c_char_p, ()),
     "spc_film_read": (c_int, (c_void_p, c_uint32, POINTER(c_float), c_size_t)),
+    "spc_film_read_crypto": (c_int, (c_void_p, c_uint32, c_uint32, POINTER(c_float), c_size_t)),
+    "spc_film_export": (c_int, (c_void_p, POINTER(Sums))),
+    "spc_sums_add": (c_int, (c_void_p, c_void_p, c_size_t, c_uint32)),
+    "spc_sums_extent": (c_int, (c_void_p, c_size_t, c_uint32 * 2)),
+    "spc_sums_read": (c_int, (c_void_p, c_size_t, c_uint32, POINTER(c_float), c_size_t)),
+    "spc_sums_read_crypto": (
+        c_int,
+        (c_void_p, c_size_t, c_uint32, c_uint32, POINTER(c_float), c_size_t),
+    ),
     "spc_session_destroy": (None, (c_void_p,)),
 }

@@ -43,7 +43,7 @@ class SpeculaRenderEngine(bpy.types.RenderEngine):
         print(stats.block(), flush=True)
         prefix = statistics.STAMP_PREFIX + (f"{stats.view_layer}." if several_layers else "")
         result = self.get_result()
-        for key, value in stats.stamp(prefix).items():
+        for key, value in (stats.stamp(prefix) | stats.metadata).items():
             result.stamp_data_add_field(key, value)
         statistics.last[stats.scene, stats.view_layer] = stats
         if not bpy.app.background:

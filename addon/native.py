@@ -135,6 +135,12 @@ def node_kinds() -> dict[str, str]:
 
 
 @functools.cache
+def passes() -> list[tuple[str, str]]:
+    """Of each `abi.Pass`: its channels, a letter each, and its name in Blender 5."""
+    lines = library().spc_passes().decode().splitlines()
+    return [tuple(line.split(" ", 1)) for line in lines]
+
+
 def reads_image_files() -> bool:
     """Whether the core decodes image files. A packaged one does not: Blender does it instead."""
     image = abi.ImageDesc(name=b"probe", encoded_size=len(PROBE_IMAGE))
@@ -177,6 +183,43 @@ def render_settings(**values) -> abi.RenderSettings:
     settings = abi.RenderSettings()
     library().spc_render_settings_init(byref(settings))
     return changed(settings, **values)
+
+
+def _bytes(sums: bytearray):
+    return (ctypes.c_char * len(sums)).from_buffer(sums)
+
+
+def add_sums(sums: bytearray, other: bytearray, earlier: bool) -> None:
+    """Adds those of other samples of the same picture; `earlier`: of samples before these."""
+    add = library().spc_sums_add
+    if len(sums) != len(other):
+        raise NativeError("the sums are those of another picture")
+    _check(add(_bytes(sums), _bytes(other), len(sums), earlier), "adding films")
+
+
+def sums_extent(sums: bytearray) -> tuple[int, int]:
+    """Width and height."""
+    extent = (c_uint32 * 2)()
+    _check(library().spc_sums_extent(_bytes(sums), len(sums), extent))
+    return tuple(extent)
+
+
+def read_sums(sums: bytearray, source, width: int, height: int):
+    """As `Session.read`."""
+    return _read_pass("sums", (_bytes(sums), len(sums)), source, width, height)
+
+
+def _read_pass(owner: str, of: tuple, source, width: int, height: int):
+    import numpy as np
+
+    is_crypto = not isinstance(source, int)
+    name = f"spc_{owner}_read_crypto" if is_crypto else f"spc_{owner}_read"
+    channels = 4 if is_crypto else library().spc_pass_channels(source)
+    pixels = np.zeros((height * width, channels), np.float32)
+    pointer = pixels.ctypes.data_as(ctypes.POINTER(c_float))
+    which = source if is_crypto else (source,)
+    _check(getattr(library(), name)(*of, *which, pointer, pixels.size))
+    return pixels
 
 
 class Scene:
@@ -265,6 +308,7 @@ class Session:
     def __init__(self, scene: Scene, settings: abi.RenderSettings):
         """Starts rendering; returns at once."""
         self.handle = c_void_p()
+        self.samples = settings.samples
         start = library().spc_render_start
         _check(start(scene.handle, byref(settings), byref(self.handle)), "starting the render")
 
@@ -281,15 +325,18 @@ class Session:
         """Asks the workers to stop; `wait` tells when they have."""
         _check(library().spc_render_cancel(self.handle))
 
-    def read(self, render_pass: int, width: int, height: int):
-        """A pass as it stands: (height * width, channels) float32, bottom row first."""
-        import numpy as np
+    def read(self, source, width: int, height: int):
+        """A pass as it stands: (height * width, channels) float32, bottom row first.
 
-        channels = library().spc_pass_channels(render_pass)
-        pixels = np.zeros((height * width, channels), np.float32)
-        pointer = pixels.ctypes.data_as(ctypes.POINTER(c_float))
-        _check(library().spc_film_read(self.handle, render_pass, pointer, pixels.size))
-        return pixels
+        `source` is a pass, or the kind and the level of Cryptomatte.
+        """
+        return _read_pass("film", (self.handle,), source, width, height)
+
+    def export(self) -> tuple[bytearray, int]:
+        """The film's sums so far, and of how many samples of each pixel they are."""
+        sums = abi.Sums()
+        _check(library().spc_film_export(self.handle, byref(sums)), "keeping the film")
+        return bytearray(ctypes.string_at(sums.data, sums.size)), sums.samples
 
     def stats(self) -> dict[str, int | float | list[int]]:
         """spc_render_stats of what is done so far."""

@@ -156,8 +156,8 @@ class SpeculaSceneSettings(bpy.types.PropertyGroup):
     )
     samples: IntProperty(
         name="Samples",
-        description="Samples for each pixel. Cycles' adaptive sampling, clamping, glossy filter "
-        f"and denoising are not used. {FROM_CYCLES} 0",
+        description="Samples for each pixel, at most where Cycles' adaptive sampling is on. "
+        f"Cycles' clamping and glossy filter are not used. {FROM_CYCLES} 0",
         default=0,
         min=0,
         max=1 << 24,

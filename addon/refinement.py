@@ -60,6 +60,7 @@ class Refinement:
     ) -> None:
         """Begins anew from there; what was under way is cancelled. `settings.samples` is how far
         the picture gets, `exposure` a factor on it, `shown` the pass that it is."""
+        settings = native.changed(settings, passes=1 << shown)
         self._camera, self._settings, self._exposure = camera, settings, exposure
         self._pass = shown
         self._moved = time.monotonic()

@@ -5,12 +5,16 @@ from __future__ import annotations
 
 import time
 from contextlib import contextmanager
+from dataclasses import dataclass, replace
 
-from . import native, passes, statistics
+from . import cryptomatte, divided, native, passes, statistics
 from .abi import Method, RenderState
+from .export.desc import CameraDesc
 from .export.log import ExportLog
 from .export.scene import export_scene
 from .export.settings import export_settings, film_exposure, method_label
+from .final_denoising import denoising_of
+from .parts import PartError
 from .progress import progress_text
 from .series import Series
 from .upload import upload
@@ -25,7 +29,12 @@ def render_view_layer(engine, depsgraph) -> statistics.Statistics | None:
     Raises ExportError or NativeError, whose message names the object.
     """
     scene, view_layer = depsgraph.scene_eval, depsgraph.view_layer_eval
-    settings = export_settings(scene, engine.is_preview, view_layer)
+    log = ExportLog()
+    order = None if engine.is_preview else divided.order()
+    # Parts are as they were rendered; what is left to denoise is their sum.
+    is_final = not (engine.is_preview or order)
+    denoise = denoising_of(scene, view_layer, log) if is_final else None
+    settings = export_settings(scene, engine.is_preview, view_layer, denoises=denoise is not None)
     stats = statistics.Statistics(
         scene.name,
         view_layer.name,
@@ -35,19 +44,25 @@ def render_view_layer(engine, depsgraph) -> statistics.Statistics | None:
     )
 
     engine.update_stats("", "Specula: exporting")
-    log = ExportLog()
-    with _scene_of(engine, depsgraph, settings.threads, log, stats) as (native_scene, camera):
+    passes.warn_of_missing(view_layer, log)
+    with _scene_of(engine, depsgraph, settings, log, stats, order) as prepared:
+        native_scene, camera, part = prepared.scene, prepared.camera, prepared.part
+        if part and settings.samples == 0:
+            with Film(engine, scene, view_layer, camera.crop) as film:
+                film.write(part.before)
+            return None
         stats.warnings = log.warnings
         if native_scene is None or engine.test_break():
             return None
         stats.scene_stats = native_scene.stats()
         stats.report = native_scene.report()
         with (
-            Film(engine, view_layer, camera.crop, film_exposure(scene)) as film,
+            Film(engine, scene, view_layer, camera.crop, denoise) as film,
             native.Session(native_scene, settings) as session,
         ):
-            completed = _poll(engine, session, settings, film)
-            film.write(session)
+            completed = _poll(engine, session, settings, film, part, log)
+            ended = completed.state == RenderState.DONE
+            film.write(part.keep(session) if part and ended else session)
             stats.samples_done = completed.samples_done
             stats.pixels = film.pixel_count
             stats.render_seconds = completed.seconds
@@ -61,33 +76,67 @@ def render_view_layer(engine, depsgraph) -> statistics.Statistics | None:
     return None if completed.state == RenderState.CANCELLED else stats
 
 
-@contextmanager
-def _scene_of(engine, depsgraph, threads: int, log: ExportLog, stats: statistics.Statistics):
-    """The core's committed scene, None if the user cancelled, and its camera.
+@dataclass
+class Prepared:
+    """What a render of a view layer begins with."""
 
-    With *Persistent Data* it is of a series that the engine keeps, as Blender keeps the engine.
+    scene: native.Scene | None  # committed; None if the user cancelled, or if nothing is left to do
+    camera: CameraDesc
+    part: divided.DividedRender | None = None
+
+
+@contextmanager
+def _scene_of(engine, depsgraph, settings, log: ExportLog, stats: statistics.Statistics, order):
+    """Yields Prepared. `order`: of a part, to whose samples `settings` are changed, or None.
+
+    With *Persistent Data* the scene is of a series that the engine keeps, as Blender keeps the
+    engine.
     """
     start = time.perf_counter()
-    if depsgraph.scene_eval.render.use_persistent_data and not engine.is_preview:
+    scene, view_layer = depsgraph.scene_eval, depsgraph.view_layer_eval
+    if scene.render.use_persistent_data and not (engine.is_preview or order):
         engine.series = engine.series or Series()
-        scene_and_camera = engine.series.next(depsgraph, log, threads=threads)
+        made = engine.series.next(depsgraph, log, threads=settings.threads)
+        stats.metadata = cryptomatte.metadata(view_layer.name, engine.series.crypto_names)
         stats.export_seconds = time.perf_counter() - start
-        yield scene_and_camera
+        yield Prepared(*made)
         return
     scene_desc = export_scene(depsgraph, log, images_as_pixels=not native.reads_image_files())
     camera = scene_desc.camera
+    stats.metadata = cryptomatte.metadata(view_layer.name, scene_desc.crypto_names)
+    part = _begin_part(order, scene, view_layer, scene_desc, settings, log) if order else None
+    if part and settings.samples == 0:
+        yield Prepared(None, camera, part)
+        return
     with upload(scene_desc, log) as native_scene:
         stats.export_seconds = time.perf_counter() - start
         if engine.test_break():
-            yield None, camera
+            yield Prepared(None, camera)
             return
         engine.update_stats("", "Specula: building the scene")
-        native_scene.commit(threads)
-        yield native_scene, camera
+        native_scene.commit(settings.threads)
+        yield Prepared(native_scene, camera, part)
 
 
-def _poll(engine, session, settings, film: Film):
-    """Shows progress until the render is over; passes on the user's wish to stop."""
+def _begin_part(order, scene, view_layer, scene_desc, settings, log) -> divided.DividedRender:
+    """Changes `settings` to the samples that are still to be taken. Raises PartError."""
+    if settings.time_limit > 0.0:
+        log.warn("scene", "a part of a render has no time limit, it takes all of its samples")
+        settings.time_limit = 0.0
+    rows = passes.enabled(scene, view_layer)
+    header = divided.header_of(scene_desc, settings, rows, view_layer, film_exposure(scene))
+    path = order.path_of(scene.frame_current, view_layer.name)
+    part = divided.DividedRender(order, path, header)
+    part.limit(settings)
+    return part
+
+
+def _poll(engine, session, settings, film: Film, part, log):
+    """Shows progress until the render is over; passes on the user's wish to stop.
+
+    Keeps a part's sums from time to time; where that fails, the file is as before, and `log` is
+    told.
+    """
     shown = time.monotonic()
     while True:
         progress = session.wait(POLL_MILLISECONDS)
@@ -96,6 +145,11 @@ def _poll(engine, session, settings, film: Film):
             return progress
         if engine.test_break():
             session.cancel()
+        if part and part.is_due():
+            try:
+                part.keep(session)
+            except (PartError, native.NativeError) as error:
+                log.warn("part", f"not kept for now: {error}")
         if time.monotonic() - shown >= SHOW_SECONDS:
             samples = session.stats()["samples"] / film.pixel_count
             engine.update_stats(
@@ -111,13 +165,14 @@ class Film:
     Handed over at the end of its with-block, or given up if that fails.
     """
 
-    def __init__(self, engine, view_layer, crop: tuple[int, int, int, int], exposure: float):
+    def __init__(self, engine, scene, view_layer, crop: tuple[int, int, int, int], denoise=None):
         self._engine = engine
         self._layer_name = view_layer.name
         self._size = crop[2:]
         self.pixel_count = crop[2] * crop[3]
-        self._passes = passes.enabled(view_layer)
-        self._exposure = exposure
+        self._passes = passes.enabled(scene, view_layer)
+        self._exposure = film_exposure(scene)
+        self._denoise = denoise
 
     def __enter__(self) -> Film:
         # With a render border (0, 0) is the border's corner.
@@ -133,8 +188,12 @@ class Film:
         self._engine.update_result(self._result)
 
     def write(self, session) -> None:
-        """Writes every pass as it stands."""
-        self._write(session, self._passes)
+        """Writes every pass as it stands, Combined denoised if the scene asks for that."""
+        combined, *others = self._passes
+        if self._denoise:
+            self._engine.update_stats("", "Specula: denoising")
+            combined = replace(combined, read=self._denoise)
+        self._write(session, [combined, *others])
 
     def _write(self, session, rows: list[passes.RenderPass]) -> None:
         passes.write(session, self._result.layers[0], rows, self._size, self._exposure)

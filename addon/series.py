@@ -17,6 +17,7 @@ class Series:
     def __init__(self):
         self._cache = ExportCache()
         self._last: Snapshot | None = None
+        self.crypto_names: dict = {}  # of the last state, as SceneDesc has them
 
     def next(
         self, depsgraph, log: ExportLog, view=None, threads: int = 0
@@ -34,6 +35,7 @@ class Series:
                 depsgraph, log, not native.reads_image_files(), view, self._cache
             )
             camera = scene_desc.camera
+            self.crypto_names = scene_desc.crypto_names
             self._last = snapshot(scene_desc, log, before, threads)
             if self._last is before:
                 before.scene.set("camera", camera_struct(camera))

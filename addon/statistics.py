@@ -25,6 +25,7 @@ class Statistics:
     render_stats: dict = field(default_factory=dict)  # spc_render_stats
     report: list[str] = field(default_factory=list)  # of casters and fallbacks
     warnings: list[str] = field(default_factory=list)
+    metadata: dict[str, str] = field(default_factory=dict)  # further ones of the image
 
     @property
     def first_sample_seconds(self) -> float | None:

@@ -39,7 +39,6 @@ EXCLUDED_PANELS = {
     "RENDER_PT_stereoscopy",
     "VIEWLAYER_PT_filter",
     "VIEWLAYER_PT_layer_passes",  # replaced by SPECULA_PT_passes
-    "WORLD_PT_mist",
 }
 
 # EEVEE's panels that only show slots, node trees and previews.
@@ -257,18 +256,73 @@ class SPECULA_PT_statistics(SpeculaPanel, bpy.types.Panel):
                 draw_row(box, *line.split(": ", 1), icon="ERROR")
 
 
-class SPECULA_PT_passes(SpeculaPanel, bpy.types.Panel):
-    bl_label = "Passes"
+class PassesPanel(SpeculaPanel):
+    """A part of the passes: columns of switches, each with its label or "" for Blender's own."""
+
     bl_context = "view_layer"
+    SWITCHES: tuple[tuple[tuple[str, str], ...], ...] = ()
 
     def draw(self, context):
         column = self.column()
-        layer = context.view_layer
-        column.prop(layer, "use_pass_z", text="Depth")
-        column.prop(layer, "use_pass_position")
-        column.prop(layer, "use_pass_normal")
-        column.prop(layer.specula, "use_pass_caustics")
-        column.prop(layer.specula, "use_pass_walks")
+        for heading in self.SWITCHES:
+            part = column.column(align=True)
+            for switch, label in heading:
+                owner, _, name = switch.rpartition(".")
+                layer = context.view_layer
+                data = getattr(layer, owner, None) if owner else layer
+                if data is not None:
+                    part.prop(data, name, **({"text": label} if label else {}))
+
+
+class SPECULA_PT_passes(PassesPanel, bpy.types.Panel):
+    bl_label = "Passes"
+    SWITCHES = ((("specula.use_pass_caustics", ""), ("specula.use_pass_walks", "")),)
+
+
+class SPECULA_PT_passes_data(PassesPanel, bpy.types.Panel):
+    bl_parent_id = "SPECULA_PT_passes"
+    bl_label = "Data"
+    SWITCHES = (
+        (
+            ("use_pass_z", "Depth"),
+            ("use_pass_mist", ""),
+            ("use_pass_position", ""),
+            ("use_pass_normal", ""),
+            ("use_pass_uv", ""),
+        ),
+        (("use_pass_object_index", ""), ("use_pass_material_index", "")),
+        (
+            ("cycles.denoising_store_passes", "Denoising Data"),
+            ("cycles.pass_debug_sample_count", ""),
+        ),
+    )
+
+
+class SPECULA_PT_passes_light(PassesPanel, bpy.types.Panel):
+    bl_parent_id = "SPECULA_PT_passes"
+    bl_label = "Light"
+    SWITCHES = (
+        *(
+            tuple(
+                (f"use_pass_{kind}_{part}", f"{kind.capitalize()} {part.capitalize()}")
+                for part in ("direct", "indirect", "color")
+            )
+            for kind in ("diffuse", "glossy", "transmission")
+        ),
+        (("use_pass_emit", "Emission"), ("use_pass_environment", "")),
+    )
+
+
+class SPECULA_PT_passes_cryptomatte(PassesPanel, bpy.types.Panel):
+    bl_label = "Cryptomatte"
+    bl_parent_id = "SPECULA_PT_passes"
+    SWITCHES = (
+        tuple(
+            (f"use_pass_cryptomatte_{kind}", kind.capitalize())
+            for kind in ("object", "material", "asset")
+        ),
+        (("pass_cryptomatte_depth", "Levels"),),
+    )
 
 
 class SPECULA_PT_object_caustics(SpeculaPanel, bpy.types.Panel):
@@ -399,6 +453,9 @@ PANELS = (
     SPECULA_PT_shading,
     SPECULA_PT_statistics,
     SPECULA_PT_passes,
+    SPECULA_PT_passes_data,
+    SPECULA_PT_passes_light,
+    SPECULA_PT_passes_cryptomatte,
     SPECULA_PT_object_caustics,
     SPECULA_PT_material_caustics,
     SPECULA_PT_material_glints,

@@ -254,6 +254,8 @@ def material_struct(material: desc.MaterialDesc) -> abi.MaterialDesc:
         link_count=len(links),
         glints=material.glints,
         bump_correction=material.bump_correction,
+        pass_index=material.pass_index,
+        crypto=material.crypto,
     )
     arrays = []
     for index, node in enumerate(material.nodes):

@@ -7,6 +7,7 @@ Written for 3.4 and 5.0; what holds between them is told by which attribute exis
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 
@@ -51,6 +52,43 @@ def cycles_value(owner, name: str, default):
     if hasattr(settings, "bl_rna"):
         return getattr(settings, name, default)
     return settings.get(name, default)
+
+
+def library_folders() -> tuple[Path, ...]:
+    """Where this Blender keeps the libraries that it comes with."""
+    import bpy  # not above: tables that use this module are also read without Blender
+
+    program = bpy.app.binary_path or bpy.__file__  # as a module there is no program
+    return (Path(program).parent / "lib", Path(bpy.__file__).parent / "lib")
+
+
+# ------------------------------------------------------------------------------------------ passes
+
+# Names of passes before Blender 5.0.
+_SHORT_NAMES = {
+    "Object Index": "IndexOB",
+    "Material Index": "IndexMA",
+    "Emission": "Emit",
+    "Environment": "Env",
+}
+_SHORT_WORDS = {
+    "Diffuse": "Diff",
+    "Glossy": "Gloss",
+    "Transmission": "Trans",
+    "Direct": "Dir",
+    "Indirect": "Ind",
+    "Color": "Col",
+}
+
+
+def pass_name(name: str) -> str:
+    """What this Blender calls the pass that 5.0 calls `name`."""
+    import bpy  # not above: tables that use this module are also read without Blender
+
+    words = name.split()
+    if bpy.app.version >= (5, 0) or not (name in _SHORT_NAMES or words[0] in _SHORT_WORDS):
+        return name
+    return _SHORT_NAMES.get(name) or "".join(_SHORT_WORDS[word] for word in words)
 
 
 # ------------------------------------------------------------------------------------------ meshes

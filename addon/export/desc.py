@@ -19,6 +19,7 @@ from ..abi import (
     BumpCorrection,
     CausticsRole,
     ColorSpace,
+    Crypto,
     Glints,
     LightType,
     Projection,
@@ -79,6 +80,8 @@ class MaterialDesc:
     links: list[LinkDesc] = field(default_factory=list)
     glints: Glints = Glints.AUTO
     bump_correction: BumpCorrection = BumpCorrection.NONE
+    pass_index: int = 0
+    crypto: float = 0.0  # identifier for Cryptomatte; 0: none
 
 
 @dataclass(frozen=True)
@@ -125,6 +128,9 @@ class InstanceDesc:
     visibility: Visibility = Visibility.ALL
     caustics_role: CausticsRole = CausticsRole.AUTO
     terminator_offset: float = 0.0  # 0 .. 1: how far the edge of light moves into the light
+    pass_index: int = 0
+    crypto_object: float = 0.0  # identifiers for Cryptomatte; 0: none
+    crypto_asset: float = 0.0
 
 
 @dataclass
@@ -186,3 +192,5 @@ class SceneDesc:
     lights: list[LightDesc] = field(default_factory=list)
     camera: CameraDesc | None = None
     environment: EnvironmentDesc | None = None
+    # Names that Cryptomatte may show, by spc_crypto; empty if nobody asks.
+    crypto_names: dict[Crypto, set[str]] = field(default_factory=dict)

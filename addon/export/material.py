@@ -37,13 +37,16 @@ def export_material(material, images: Images, log: ExportLog) -> MaterialDesc:
     """The node graph of `material`'s surface and volume."""
     if not compat.uses_nodes(material):
         color = (*material.diffuse_color[:3], 1.0)
-        return plain_material(material.name, "bsdf_diffuse", "BSDF", color)
+        desc = plain_material(material.name, "bsdf_diffuse", "BSDF", color)
+        desc.pass_index = material.pass_index
+        return desc
     converter = Converter(f"material {material.name}", images, log)
     desc = converter.convert(material.name, material.node_tree)
     converter.draw_suns()
     _make_emission(desc)
     desc.glints = Glints[material.specula.glints]
     desc.bump_correction = compat.bump_correction(material)
+    desc.pass_index = material.pass_index
     return desc
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from .. import cryptomatte
+from ..abi import Crypto
 from ..inquiry import Inquiry
 from ..native import NativeError
 from . import compat, ignored
@@ -52,6 +54,7 @@ class SceneExport:
         self.cache = cache
         self.images = Images(log, images_as_pixels, depsgraph.scene_eval.frame_current, cache)
         self.scene = SceneDesc(images=self.images.descs)
+        self.scene.crypto_names = {kind: set() for kind in cryptomatte.kinds(self.layer)}
         self._materials: dict = {}  # evaluated material or None -> (index, needs)
         self._meshes: dict = {}  # mesh_key -> (index or None, needs)
 
@@ -125,7 +128,7 @@ class SceneExport:
         slots = [slot.material for slot in obj.material_slots] or [None]
         override = self.layer.material_override
         materials = [self._material(override or material) for material in slots]
-        needs = MaterialNeeds()
+        needs = MaterialNeeds(uv_maps=frozenset({""} if self.layer.use_pass_uv else ()))
         for _, material_needs in materials:
             needs |= material_needs
         mesh = self._mesh(instance, needs, len(materials))
@@ -143,6 +146,9 @@ class SceneExport:
                 visibility=visibility,
                 caustics_role=caustics_role(instance),
                 terminator_offset=compat.cycles_value(obj, "shadow_terminator_offset", 0.0),
+                pass_index=instancer(instance).pass_index,
+                crypto_object=self._crypto(Crypto.OBJECT, obj.name),
+                crypto_asset=self._crypto(Crypto.ASSET, cryptomatte.asset_name(obj)),
             )
         )
 
@@ -177,6 +183,7 @@ class SceneExport:
                 self.cache.keep_material(material, kept)
             self._materials[material] = (len(self.scene.materials), kept.needs)
             self.scene.materials.append(kept.desc)
+            self._crypto(Crypto.MATERIAL, kept.desc.name)
         return self._materials[material]
 
     def _new_material(self, material) -> KeptMaterial:
@@ -184,8 +191,16 @@ class SceneExport:
             desc = (
                 export_material(material, self.images, self.log) if material else default_material()
             )
+        desc.crypto = cryptomatte.identifier(desc.name)
         needs = self._core.needs(self._core.add(desc, self.images.descs))
         return KeptMaterial(desc, self.images.used_by(desc), needs, warnings)
+
+    def _crypto(self, kind: Crypto, name: str) -> float:
+        """The name's identifier, if the view layer asks for the kind."""
+        if kind not in self.scene.crypto_names:
+            return 0.0
+        self.scene.crypto_names[kind].add(name)
+        return cryptomatte.identifier(name)
 
     def _world(self, world) -> None:
         if world is None or not self.layer.use_sky:

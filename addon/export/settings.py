@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from .. import native
+from .. import cryptomatte, native, passes
 from ..abi import Method, RenderSettings
 from . import compat
 
@@ -28,10 +28,13 @@ CYCLES = {
 }
 
 
-def export_settings(scene, is_preview: bool = False, view_layer=None) -> RenderSettings:
+def export_settings(
+    scene, is_preview: bool = False, view_layer=None, denoises: bool = False
+) -> RenderSettings:
     """Settings for a final render of `scene`, or for a preview with few samples.
 
-    `view_layer` may have its own number of samples.
+    `view_layer` may have its own number of samples, and says which passes it wants. With `denoises`
+    the picture is rendered as denoisers expect it, with the passes that guide them.
     """
     defaults = native.render_settings(
         threads=scene.render.threads if scene.render.threads_mode == "FIXED" else 0,
@@ -48,6 +51,14 @@ def export_settings(scene, is_preview: bool = False, view_layer=None) -> RenderS
         settings.seed += scene.frame_current
     if view_layer:
         settings.samples = _layer_samples(scene, view_layer, settings.samples)
+        wanted = set(passes.sources(view_layer)) | (set(passes.GUIDES) if denoises else set())
+        settings.passes = passes.mask(wanted)
+        settings.crypto_kinds = passes.mask(cryptomatte.kinds(view_layer))
+        settings.crypto_ranks = cryptomatte.ranks(view_layer)
+    settings.for_denoiser = denoises
+    if not is_preview and compat.cycles_value(scene, "use_adaptive_sampling", False):
+        _export_adaptive(scene, settings)
+    _export_mist(scene, view_layer, settings)
     if is_preview:
         settings.samples = min(settings.samples, PREVIEW_SAMPLES)
         settings.method = Method.PT  # others prepare for longer than so few samples take
@@ -60,6 +71,8 @@ def viewport_settings(scene, view_layer) -> RenderSettings:
     samples = scene.specula.viewport_samples or compat.cycles_value(scene, "preview_samples", 1024)
     settings.samples = samples or MOST_VIEWPORT_SAMPLES
     settings.time_limit = 0.0
+    settings.passes = settings.crypto_kinds = 0
+    settings.noise_threshold = 0.0
     return settings
 
 
@@ -89,6 +102,24 @@ def inherited_text(scene, name: str) -> str:
     if name == "time_limit":
         value = f"{value:g} s" if value else "none"
     return f"{_unset(scene, name):g}: as Cycles, {value}"
+
+
+def _export_adaptive(scene, settings: RenderSettings) -> None:
+    threshold = compat.cycles_value(scene, "adaptive_threshold", 0.01)
+    # 0: as Cycles chooses it.
+    settings.noise_threshold = threshold or max(0.001, 1.0 / settings.samples)
+    settings.min_samples = compat.cycles_value(scene, "adaptive_min_samples", 0)
+
+
+def _export_mist(scene, view_layer, settings: RenderSettings) -> None:
+    world = compat.world_of(scene, view_layer) if view_layer else scene.world
+    if world is None:
+        return
+    mist = world.mist_settings
+    settings.mist_start, settings.mist_depth = mist.start, mist.depth
+    settings.mist_exponent = {"QUADRATIC": 2.0, "LINEAR": 1.0, "INVERSE_QUADRATIC": 0.5}[
+        mist.falloff
+    ]
 
 
 def film_exposure(scene) -> float:

@@ -52,4 +52,5 @@ struct spc_session {
     RendersScene renders;
     spc::Session session;
     std::string report{};
+    std::vector<std::byte> sums{};  // that the host has asked for last
 };

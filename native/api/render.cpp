@@ -85,6 +85,15 @@ void exchange(const Way& way, Host& host, Core& core) {
         way.number("filter_width", host.filter_width, core.filter_width, kNarrowestFilter,
                    kWidestFilter);
     way.flag(host.transparent_film, integrator.transparent_film);
+    way.number("total_samples", host.total_samples, core.total_samples, 0, kMost);
+    way.number("mist_start", host.mist_start, core.mist.start, 0.0f, kLongest);
+    way.number("mist_depth", host.mist_depth, core.mist.depth, 0.0f, kLongest);
+    way.number("mist_exponent", host.mist_exponent, core.mist.exponent, 0.0f, kLongest);
+    way.flag(host.for_denoiser, core.for_denoiser);
+    way.number("noise_threshold", host.noise_threshold, core.noise_threshold, 0.0f, 1.0f);
+    way.number("min_samples", host.min_samples, core.min_samples, 0, kMost);
+    way.number("crypto_kinds", host.crypto_kinds, core.crypto.kinds, 0, (1u << kCryptoKinds) - 1);
+    way.number("crypto_ranks", host.crypto_ranks, core.crypto.ranks, 0, kMostCryptoRanks);
 }
 
 ChainFinder finder_of(uint32_t method) {
@@ -131,12 +140,48 @@ RenderSettings to_settings(const spc_render_settings& s) {
     exchange(Take{}, s, settings);
     require(s.samples <= 0xffffffffu - s.first_sample, "first_sample + samples is out of range");
     choose_method(s, settings);
+    settings.passes = spc::PassSet(s.passes);
+    require(s.passes >> SPC_PASS_COUNT == 0, "passes holds a bit of no pass");
+    if (s.total_samples > 0) {
+        require(s.first_sample + s.samples <= s.total_samples,
+                "total_samples is less than first_sample + samples");
+        require(s.time_limit == 0.0f, "a part of a render has no time limit");
+    }
     return settings;
 }
 
 Session& session_of(spc_session* session) {
     require(session != nullptr, "session is null");
     return session->session;
+}
+
+std::unique_ptr<Film> film_of(const void* sums, size_t size) {
+    require(sums != nullptr, "sums is null");
+    return with_memory_for("the sums of a film", [&] {
+        return Film::from_bytes({static_cast<const std::byte*>(sums), size});
+    });
+}
+
+void read_crypto(const Film& film, uint32_t kind, uint32_t level, float* buffer, size_t count) {
+    const auto wanted = checked_enum<CryptoKind>(kind, SPC_CRYPTO_ASSET, "Cryptomatte", "kind");
+    require(buffer != nullptr, "buffer is null");
+    require(film.crypto().has(wanted) && level < film.crypto().ranks,
+            fmt::format("level {} of kind {} was not asked for", level, kind));
+    const size_t expected = size_t{4} * film.width() * film.height();
+    require(count == expected,
+            fmt::format("the buffer holds {} floats, the pass has {}", count, expected));
+    film.read_crypto(wanted, level, {buffer, count});
+}
+
+void read_pass(const Film& film, uint32_t pass, float* buffer, size_t count) {
+    require(pass < SPC_PASS_COUNT, fmt::format("unknown pass {}", pass));
+    require(buffer != nullptr, "buffer is null");
+    require(film.can_read(static_cast<Pass>(pass)), fmt::format("pass {} was not asked for", pass));
+    const size_t expected =
+        static_cast<size_t>(spc_pass_channels(pass)) * film.width() * film.height();
+    require(count == expected,
+            fmt::format("the buffer holds {} floats, the pass has {}", count, expected));
+    film.read(static_cast<Pass>(pass), {buffer, count});
 }
 
 }  // namespace
@@ -257,17 +302,67 @@ uint32_t spc_pass_channels(uint32_t pass) {
     return pass < SPC_PASS_COUNT ? spc::pass_channels(static_cast<spc::Pass>(pass)) : 0;
 }
 
+const char* spc_passes(void) {
+    static const std::string text = [] {
+        std::string lines;
+        for (uint32_t i = 0; i < SPC_PASS_COUNT; ++i) {
+            const spc::PassDesc& pass = spc::describe(static_cast<spc::Pass>(i));
+            lines += fmt::format("{} {}\n", pass.channels, pass.name);
+        }
+        return lines;
+    }();
+    return text.c_str();
+}
+
 spc_status spc_film_read(spc_session* session, uint32_t pass, float* buffer, size_t count) {
-    return gate("spc_film_read", [&] {
-        const spc::Film& film = session_of(session).film();
-        require(pass < SPC_PASS_COUNT, fmt::format("unknown pass {}", pass));
-        require(buffer != nullptr, "buffer is null");
-        const size_t expected =
-            static_cast<size_t>(spc_pass_channels(pass)) * film.width() * film.height();
-        require(count == expected,
-                fmt::format("the buffer holds {} floats, the pass has {}", count, expected));
-        film.read(static_cast<spc::Pass>(pass), {buffer, count});
+    return gate("spc_film_read",
+                [&] { read_pass(session_of(session).film(), pass, buffer, count); });
+}
+
+spc_status spc_film_read_crypto(spc_session* session, uint32_t kind, uint32_t level, float* buffer,
+                                size_t count) {
+    return gate("spc_film_read_crypto",
+                [&] { read_crypto(session_of(session).film(), kind, level, buffer, count); });
+}
+
+spc_status spc_sums_read_crypto(const void* sums, size_t size, uint32_t kind, uint32_t level,
+                                float* buffer, size_t count) {
+    return gate("spc_sums_read_crypto",
+                [&] { read_crypto(*film_of(sums, size), kind, level, buffer, count); });
+}
+
+spc_status spc_film_export(spc_session* session, spc_sums* sums) {
+    return gate("spc_film_export", [&] {
+        spc::Session& s = session_of(session);
+        checked(sums, "sums");
+        spc::Session::Export all =
+            spc::with_memory_for("the sums of the film", [&] { return s.export_film(); });
+        session->sums = std::move(all.sums);
+        *sums = {sizeof(*sums), session->sums.data(), session->sums.size(), all.samples};
     });
+}
+
+spc_status spc_sums_add(void* sums, const void* other, size_t size, uint32_t earlier) {
+    return gate("spc_sums_add", [&] {
+        const auto film = film_of(sums, size);
+        film->add(*film_of(other, size), earlier != 0);
+        const std::vector<std::byte> bytes = film->to_bytes();
+        require(bytes.size() == size, "the sums are those of another picture");
+        std::ranges::copy(bytes, static_cast<std::byte*>(sums));
+    });
+}
+
+spc_status spc_sums_extent(const void* sums, size_t size, uint32_t extent[2]) {
+    return gate("spc_sums_extent", [&] {
+        require(extent != nullptr, "extent is null");
+        const auto film = film_of(sums, size);
+        extent[0] = film->width();
+        extent[1] = film->height();
+    });
+}
+
+spc_status spc_sums_read(const void* sums, size_t size, uint32_t pass, float* buffer, size_t count) {
+    return gate("spc_sums_read", [&] { read_pass(*film_of(sums, size), pass, buffer, count); });
 }
 
 void spc_session_destroy(spc_session* session) { delete session; }

@@ -83,6 +83,8 @@ Image to_image(const spc_image_desc& desc) {
 Graph to_graph(const spc_material_desc& desc) {
     Graph graph;
     graph.name = name_or(desc.name, "material");
+    graph.pass_index = desc.pass_index;
+    graph.crypto = desc.crypto;
     const std::string owner = named("material", graph.name);
     graph.glints = checked_enum<GlintsMode>(desc.glints, SPC_GLINTS_OFF, owner, "choice of glints");
     graph.bump_correction = checked_enum<BumpCorrection>(
@@ -191,6 +193,9 @@ Instance to_instance(const spc_instance_desc& desc) {
     instance.materials = copied<uint32_t>(desc.materials, desc.material_count, owner, "materials");
     check_visibility(desc.visibility, owner);
     instance.visibility = desc.visibility;
+    instance.pass_index = desc.pass_index;
+    instance.crypto_object = desc.crypto_object;
+    instance.crypto_asset = desc.crypto_asset;
     instance.role =
         checked_enum<CausticsRole>(desc.caustics_role, SPC_CAUSTICS_BOTH, owner, "caustics role");
     require(desc.terminator_offset >= 0.0f && desc.terminator_offset <= 1.0f,
@@ -309,7 +314,8 @@ spc_status spc_scene_edit(const spc_scene* before, spc_scene** scene) {
         spc_scene*& out = checked_output(scene, "scene");
         std::shared_ptr<const spc::RenderScene> world;
         if (before != nullptr) {
-            world_of(before);
+            require(world_of(before).scene->has_trees_to_share,
+                    "the scene before was not made to be edited");
             world = before->world;
         }
         auto made = std::make_unique<spc_scene>();

@@ -35,6 +35,7 @@ enum class Domain : uint32_t {
     missed_chains,
     folds,
     even_light,
+    splat,
     subsurface
 };
 
@@ -159,6 +160,21 @@ inline Sampler sampler_beside_pixels(uint32_t seed, uint64_t purpose, uint64_t i
     constexpr uint64_t kSequence = 1u << 20;
     return {static_cast<uint32_t>(mix_bits(seed ^ purpose)),
             static_cast<uint32_t>(index / kSequence), static_cast<uint32_t>(index % kSequence)};
+}
+
+// One of the estimates that belong to a sample of the whole picture. Their numbers are the same
+// whatever other samples a render takes, and however many estimates each has.
+struct SplatIndex {
+    uint32_t sample;
+    uint64_t number;  // within the sample
+};
+// Blocks of numbers share a sequence, so that estimates of one sample and of consecutive ones are
+// stratified together.
+inline Sampler sampler_beside_pixels(uint32_t seed, uint64_t purpose, const SplatIndex& index) {
+    constexpr uint32_t kBlock = 1u << 8;
+    return {static_cast<uint32_t>(mix_bits(seed ^ purpose)),
+            static_cast<uint32_t>(index.number / kBlock),
+            index.sample * kBlock + static_cast<uint32_t>(index.number % kBlock)};
 }
 
 // PCG32 [ONeill14], for draws without a fixed number: Bernoulli trials.

@@ -2,92 +2,49 @@
 #include "film/film.h"
 
 #include "core/error.h"
+#include "film/exact_sum.h"
 
-#include <utility>
+#include <bit>
 
 namespace spc {
 
-void accumulate(PixelSums& pixel, const FilmSample& sample) {
-    for (int c = 0; c < 3; ++c) {
-        const auto i = static_cast<size_t>(c);
-        const double value = static_cast<double>(sample.radiance[c]);
-        pixel.radiance[i] += value;
-        pixel.radiance_squared[i] += value * value;
-        pixel.caustics[i] += sample.caustics[c];
-        pixel.normal[i] += sample.normal[c];
-        if (pixel.count == 0) pixel.position[i] = sample.position[c];
-    }
-    if (pixel.count == 0) pixel.depth = sample.depth;  // means of distances lie where no surface is
-    pixel.alpha += sample.alpha;
-    pixel.walks.add(sample.walks);
-    ++pixel.count;
-}
-
-uint32_t pass_channels(Pass pass) {
-    switch (pass) {
-        case Pass::combined: return 4;
-        case Pass::depth:
-        case Pass::walk_success:
-        case Pass::walk_trials: return 1;
-        case Pass::position:
-        case Pass::normal:
-        case Pass::caustics:
-        case Pass::variance: return 3;
-        case Pass::count: break;
-    }
-    return 0;
-}
-
-namespace {
-
-float ratio(uint64_t part, uint64_t whole) {
-    return whole > 0 ? static_cast<float>(static_cast<double>(part) / static_cast<double>(whole))
-                     : 0.0f;
-}
-
-// The weights of a narrow filter may lift variances beyond single precision, with room for a sum.
-float to_float(double value) { return static_cast<float>(std::min(value, 1e37)); }
-
-void write_pixel(Pass pass, const PixelSums& pixel, float* out) {
-    const double n = pixel.count;
-    const auto mean = [n](double sum) { return static_cast<float>(sum / n); };
-    switch (pass) {
-        case Pass::combined:
-            for (size_t c = 0; c < 3; ++c) out[c] = mean(pixel.radiance[c]);
-            out[3] = mean(static_cast<double>(pixel.alpha));
-            break;
-        case Pass::depth: out[0] = pixel.depth; break;
-        case Pass::position: std::copy(pixel.position.begin(), pixel.position.end(), out); break;
-        case Pass::normal:
-            for (size_t c = 0; c < 3; ++c) out[c] = mean(static_cast<double>(pixel.normal[c]));
-            break;
-        case Pass::caustics:
-            for (size_t c = 0; c < 3; ++c) out[c] = mean(static_cast<double>(pixel.caustics[c]));
-            break;
-        case Pass::variance:
-            for (size_t c = 0; c < 3; ++c) {
-                const double m = pixel.radiance[c] / n;
-                const double spread = std::max(pixel.radiance_squared[c] / n - m * m, 0.0);
-                out[c] = pixel.count > 1 ? static_cast<float>(spread / (n - 1.0)) : 0.0f;
-            }
-            break;
-        case Pass::walk_success: out[0] = ratio(pixel.walks.converged, pixel.walks.walks); break;
-        case Pass::walk_trials:
-            out[0] = ratio(pixel.walks.trials, pixel.walks.trial_estimates);
-            break;
-        case Pass::count: break;
-    }
-}
-
-}  // namespace
-
-Film::Film(uint32_t width, uint32_t height)
+Film::Film(uint32_t width, uint32_t height, PassSet passes, SplatSpread spread,
+           CryptoRequest crypto, bool keeps_halves)
     : width_(width),
       height_(height),
       tiles_across_(static_cast<uint32_t>((uint64_t{width} + kTileSize - 1) / kTileSize)),
-      pixels_(static_cast<size_t>(width) * height),
+      passes_(passes.with_colors()),
+      spread_(spread),
+      crypto_(crypto),
       mutexes_(static_cast<size_t>(tiles_across_) *
-               ((uint64_t{height} + kTileSize - 1) / kTileSize)) {}
+               ((uint64_t{height} + kTileSize - 1) / kTileSize)) {
+    for (uint32_t pass = 0; pass < kPasses; ++pass) add_plane(static_cast<Pass>(pass));
+    const size_t pixels = static_cast<size_t>(width) * height;
+    pixels_.resize(pixels);
+    high_.resize(pixels * high_stride_);
+    low_.resize(pixels * low_stride_);
+    coverage_.resize(pixels * crypto_stride());
+    if (keeps_halves) halves_.resize(pixels);
+}
+
+size_t Film::crypto_stride() const {
+    return static_cast<size_t>(std::popcount(crypto_.kinds)) * crypto_.slots();
+}
+
+void Film::add_plane(Pass pass) {
+    const Accumulation how = describe(pass).accumulation;
+    if (!passes_.has(pass) || how == Accumulation::picture) return;
+    const uint32_t channels = how == Accumulation::ratio ? 2 : pass_channels(pass);
+    planes_.push_back({pass, channels, high_stride_, low_stride_});
+    if (how != Accumulation::first) high_stride_ += channels;
+    low_stride_ += channels;
+}
+
+const Film::Plane* Film::plane_of(Pass pass) const {
+    for (const Plane& plane : planes_)
+        if (plane.pass == pass) return &plane;
+    return nullptr;
+}
 
 Film::TileBounds Film::bounds(uint32_t tile) const {
     const uint32_t x0 = tile % tiles_across_ * kTileSize, y0 = tile / tiles_across_ * kTileSize;
@@ -95,73 +52,216 @@ Film::TileBounds Film::bounds(uint32_t tile) const {
 }
 
 // The tiles below fill whole rows; those to the left are as high as this one.
-std::span<const PixelSums> Film::tile_pixels(uint32_t tile) const {
+size_t Film::first_pixel(uint32_t tile) const {
     const TileBounds b = bounds(tile);
-    const size_t begin = static_cast<size_t>(b.y0) * width_ + static_cast<size_t>(b.x0) * b.height;
-    return std::span(pixels_).subspan(begin, static_cast<size_t>(b.width) * b.height);
-}
-std::span<PixelSums> Film::tile_pixels(uint32_t tile) {
-    const std::span<const PixelSums> pixels = std::as_const(*this).tile_pixels(tile);
-    return {const_cast<PixelSums*>(pixels.data()), pixels.size()};
+    return static_cast<size_t>(b.y0) * width_ + static_cast<size_t>(b.x0) * b.height;
 }
 
-std::vector<PixelSums> Film::copy_tile(uint32_t tile) const {
-    const std::span<const PixelSums> pixels = tile_pixels(tile);
+Film::TileSums Film::copy_tile(uint32_t tile) const {
+    const TileBounds b = bounds(tile);
+    const size_t begin = first_pixel(tile), count = static_cast<size_t>(b.width) * b.height;
+    const auto part = [&](const auto& all, size_t stride) {
+        const auto first = all.begin() + static_cast<ptrdiff_t>(begin * stride);
+        return std::vector(first, first + static_cast<ptrdiff_t>(count * stride));
+    };
     const std::lock_guard lock(mutexes_[tile]);
-    return {pixels.begin(), pixels.end()};
+    return {part(pixels_, 1), part(high_, high_stride_), part(low_, low_stride_),
+            part(coverage_, crypto_stride()), part(halves_, halves_.empty() ? 0 : 1)};
 }
 
-void Film::store_tile(uint32_t tile, std::span<const PixelSums> pixels) {
-    const std::span<PixelSums> out = tile_pixels(tile);
-    SPC_ASSERT(pixels.size() == out.size());
+void Film::store_tile(uint32_t tile, const TileSums& sums) {
+    SPC_ASSERT(sums.pixels.size() == size_t{bounds(tile).width} * bounds(tile).height);
+    const auto begin = static_cast<ptrdiff_t>(first_pixel(tile));
     const std::lock_guard lock(mutexes_[tile]);
-    std::copy(pixels.begin(), pixels.end(), out.begin());
+    std::copy(sums.pixels.begin(), sums.pixels.end(), pixels_.begin() + begin);
+    std::copy(sums.high.begin(), sums.high.end(), high_.begin() + begin * high_stride_);
+    std::copy(sums.low.begin(), sums.low.end(), low_.begin() + begin * low_stride_);
+    std::copy(sums.coverage.begin(), sums.coverage.end(),
+              coverage_.begin() + begin * static_cast<ptrdiff_t>(crypto_stride()));
+    if (!halves_.empty())
+        std::copy(sums.halves.begin(), sums.halves.end(), halves_.begin() + begin);
+}
+
+std::optional<double> sample_variance(std::span<const PixelSums> pixels) {
+    double sum = 0.0;
+    for (const PixelSums& pixel : pixels) {
+        const double n = pixel.count;
+        if (n < 2.0) return std::nullopt;
+        for (size_t c = 0; c < 3; ++c) {
+            const double mean = pixel.radiance[c] / n;
+            sum += (pixel.radiance_squared[c] / n - mean * mean) * (n / (n - 1.0));
+        }
+    }
+    return sum / (3.0 * static_cast<double>(pixels.size()));
+}
+
+float relative_error(const PixelSums& all, const HalfSums& half) {
+    constexpr double kBlack = 1e-4;
+    const double n = all.count, n_half = (all.count + 1) / 2;
+    double difference = 0.0, sum = 0.0;
+    for (size_t c = 0; c < 3; ++c) {
+        const double mean = all.radiance[c] / n;
+        difference += std::abs(mean - half.radiance[c] / n_half);
+        sum += std::abs(mean);
+    }
+    return static_cast<float>(difference / (kBlack + (sum < 1.0 ? std::sqrt(sum) : sum)));
+}
+
+void Film::accumulate(TileSums& tile, size_t index, const FilmSample& sample) const {
+    PixelSums& pixel = tile.pixels[index];
+    for (int c = 0; c < 3; ++c) {
+        const auto i = static_cast<size_t>(c);
+        const double value = static_cast<double>(sample.radiance[c]);
+        add_exactly(pixel.radiance[i], pixel.radiance_low[i], value);
+        add_exactly(pixel.radiance_squared[i], pixel.radiance_squared_low[i], value * value);
+    }
+    add_exactly(pixel.alpha, pixel.alpha_low, static_cast<double>(sample.alpha));
+    if (has_planes()) {
+        double* high = tile.high.data() + index * high_stride_;
+        float* low = tile.low.data() + index * low_stride_;
+        for (const Plane& plane : planes_) {
+            const Vec3& value = (*sample.values)[plane.pass];
+            const bool first = describe(plane.pass).accumulation == Accumulation::first;
+            for (uint32_t c = 0; c < plane.channels; ++c) {
+                const float v = value[static_cast<int>(c)];
+                if (!first)
+                    add_exactly(high[plane.high + c], low[plane.low + c], static_cast<double>(v));
+                else if (pixel.count == 0)
+                    low[plane.low + c] = v;
+            }
+        }
+    }
+    if (!tile.halves.empty() && pixel.count % 2 == 0)
+        for (int c = 0; c < 3; ++c)
+            tile.halves[index].radiance[static_cast<size_t>(c)] +=
+                static_cast<double>(sample.radiance[c]);
+    if (crypto_.any()) {
+        const size_t first = index * crypto_stride();
+        each_crypto_kind([&](size_t kind, size_t at) {
+            const auto slots = std::span(tile.coverage).subspan(first + at, crypto_.slots());
+            for (const Coverage::Part& part : sample.values->coverage.parts())
+                add_coverage(slots, part.ids[kind], part.weight);
+        });
+    }
+    ++pixel.count;
+}
+
+namespace {
+
+// Pixels that a point of the film may belong to along one axis, with the share that each takes.
+class Neighbours {
+public:
+    // Replaces those of another point.
+    void find(float at, const PixelFilter& filter) {
+        first_ = static_cast<int64_t>(std::ceil(at - filter.radius() - 0.5f));
+        const auto last = static_cast<int64_t>(std::floor(at + filter.radius() - 0.5f));
+        shares_.clear();
+        for (int64_t x = first_; x <= last; ++x)
+            shares_.push_back(filter.weight(at - static_cast<float>(x) - 0.5f));
+    }
+    template <class Visit>
+    void each(uint32_t size, const Visit& visit) const {
+        for (size_t i = 0; i < shares_.size(); ++i) {
+            const int64_t x = first_ + static_cast<int64_t>(i);
+            if (x >= 0 && x < int64_t{size} && shares_[i] > 0.0f)
+                visit(static_cast<size_t>(x), shares_[i]);
+        }
+    }
+    // One of them, drawn by the shares, with the sum of these; outside of the film, -1.
+    std::pair<int64_t, float> draw(float u, uint32_t size) const {
+        float sum = 0.0f;
+        for (const float share : shares_) sum += share;
+        float left = u * sum;
+        for (size_t i = 0; i < shares_.size(); ++i) {
+            left -= shares_[i];
+            const int64_t x = first_ + static_cast<int64_t>(i);
+            if (left < 0.0f) return {x < int64_t{size} ? x : -1, sum};
+        }
+        return {-1, 0.0f};
+    }
+
+private:
+    int64_t first_ = 0;
+    std::vector<float> shares_;
+};
+
+}  // namespace
+
+void Film::SplatSums::add(const Spectrum& value) {
+    for (int c = 0; c < 3; ++c)
+        add_exactly(high[static_cast<size_t>(c)], low[static_cast<size_t>(c)],
+                    static_cast<double>(value[c]));
+}
+
+void Film::add_to_pixel(SplatLayer& layer, size_t pixel, const Splat& splat, float weight) const {
+    const Spectrum value = splat.value * weight;
+    layer.picture[pixel].add(value);
+    layer.squared[pixel].add(value * value);
+    const auto add = [&](Pass pass, const Spectrum& part) {
+        std::vector<SplatSums>& sums = layer.passes[static_cast<size_t>(pass)];
+        if (!sums.empty()) sums[pixel].add(part);
+    };
+    add(Pass::caustics, value);
+    if (!passes_.tell_lobes()) return;
+    const Pass first = splat.direct ? Pass::diffuse_direct : Pass::diffuse_indirect;
+    for (size_t i = 0; i < kLobes; ++i)
+        if (splat.shares[i] != Spectrum(0.0f))
+            add(pass_of(first, static_cast<Lobe>(i)), value * splat.shares[i]);
+}
+
+// Camera chains are no caustics, and no splat is seen by the camera without a scattering.
+Film::SplatLayer& Film::layer_of(SplatSource source) {
+    SplatLayer& layer = splats_[static_cast<size_t>(source)];
+    if (!layer.picture.empty()) return layer;
+    layer.picture.resize(pixels_.size());
+    layer.squared.resize(pixels_.size());
+    for (const Plane& plane : planes_) {
+        const bool takes = plane.pass == Pass::caustics
+                               ? source == SplatSource::light_paths
+                               : describe(plane.pass).accumulation == Accumulation::light_by_color;
+        if (takes) layer.passes[static_cast<size_t>(plane.pass)].resize(pixels_.size());
+    }
+    return layer;
 }
 
 void Film::add_splats(SplatSource source, std::span<const Splat> splats, const PixelFilter& filter,
                       uint64_t estimates, double per_picture) {
     const std::lock_guard lock(splat_mutex_);
-    SplatLayer& layer = splats_[static_cast<size_t>(source)];
-    if (layer.pixels.empty()) layer.pixels.resize(pixels_.size());
+    SplatLayer& layer = layer_of(source);
     layer.estimates += static_cast<double>(estimates);
-    layer.pictures += static_cast<double>(estimates) / per_picture;
-    const auto pixels_near = [&](float at, uint32_t size) {
-        const float first = std::ceil(at - filter.radius() - 0.5f);
-        const float last = std::floor(at + filter.radius() - 0.5f);
-        return std::array{static_cast<int64_t>(std::max(first, 0.0f)),
-                          static_cast<int64_t>(std::min(last, static_cast<float>(size) - 1.0f))};
-    };
-    std::vector<float> row;  // the weights of each column
+    layer.per_picture = per_picture;
+    Neighbours columns, rows;
     for (const Splat& splat : splats) {
-        const auto [x0, x1] = pixels_near(splat.film.x, width_);
-        const auto [y0, y1] = pixels_near(splat.film.y, height_);
-        row.clear();
-        for (int64_t x = x0; x <= x1; ++x)
-            row.push_back(filter.weight(splat.film.x - static_cast<float>(x) - 0.5f));
-        for (int64_t y = y0; y <= y1; ++y) {
-            const float wy = filter.weight(splat.film.y - static_cast<float>(y) - 0.5f);
-            for (int64_t x = x0; x <= x1; ++x) {
-                const float w = wy * row[static_cast<size_t>(x - x0)];
-                SplatSums& sums =
-                    layer.pixels[static_cast<size_t>(y) * width_ + static_cast<size_t>(x)];
-                for (int c = 0; c < 3; ++c) {
-                    const auto value = static_cast<double>(w * splat.value[c]);
-                    sums.value[static_cast<size_t>(c)] += value;
-                    sums.squared[static_cast<size_t>(c)] += value * value;
-                }
-            }
+        columns.find(splat.film.x, filter);
+        rows.find(splat.film.y, filter);
+        if (spread_ == SplatSpread::one_pixel) {
+            const auto [x, x_share] = columns.draw(splat.u.x, width_);
+            const auto [y, y_share] = rows.draw(splat.u.y, height_);
+            if (x >= 0 && y >= 0)
+                add_to_pixel(layer, static_cast<size_t>(y) * width_ + static_cast<size_t>(x), splat,
+                             x_share * y_share);
+            continue;
         }
+        rows.each(height_, [&](size_t y, float y_share) {
+            columns.each(width_, [&](size_t x, float x_share) {
+                add_to_pixel(layer, y * width_ + x, splat, x_share * y_share);
+            });
+        });
     }
 }
 
-Film::SplatMean Film::SplatLayer::mean(size_t pixel) const {
-    SplatMean result;
-    const SplatSums& sums = pixels[pixel];
+std::array<double, 3> Film::SplatLayer::mean(const std::vector<SplatSums>& sums, size_t pixel) const {
+    std::array<double, 3> result = sums[pixel].high;
+    for (double& value : result) value /= pictures();
+    return result;
+}
+
+std::array<double, 3> Film::SplatLayer::variance(size_t pixel) const {
+    std::array<double, 3> result{};
     for (size_t c = 0; c < 3; ++c) {
-        result.value[c] = sums.value[c] / pictures;
-        result.variance[c] =
-            std::max(sums.squared[c] - sums.value[c] * sums.value[c] / estimates, 0.0) /
-            (pictures * pictures);
+        const double sum = picture[pixel].high[c];
+        result[c] = std::max(squared[pixel].high[c] - sum * sum / estimates, 0.0) /
+                    (pictures() * pictures());
     }
     return result;
 }
@@ -170,55 +270,6 @@ void Film::set_preview(uint32_t block, std::vector<std::array<float, 4>> colors)
     const std::lock_guard lock(splat_mutex_);
     preview_ = std::move(colors);
     preview_block_ = block;
-}
-
-// Where there is no sample. What splats there is part of the preview already.
-void Film::show_preview(std::span<float> combined) const {
-    const uint32_t across = (width_ + preview_block_ - 1) / preview_block_;
-    for (uint32_t t = 0; t < tile_count(); ++t) {
-        const TileBounds b = bounds(t);
-        const std::span<const PixelSums> pixels = tile_pixels(t);
-        const std::lock_guard lock(mutexes_[t]);
-        for (uint32_t i = 0; i < pixels.size(); ++i) {
-            if (pixels[i].count > 0) continue;
-            const uint32_t x = b.x0 + i % b.width, y = b.y0 + i / b.width;
-            const std::array<float, 4>& color =
-                preview_[static_cast<size_t>(y / preview_block_) * across + x / preview_block_];
-            std::copy(color.begin(), color.end(),
-                      combined.begin() + 4 * (static_cast<ptrdiff_t>(y) * width_ + x));
-        }
-    }
-}
-
-void Film::read(Pass pass, std::span<float> out) const {
-    const size_t channels = pass_channels(pass);
-    SPC_ASSERT(out.size() == channels * width_ * height_);
-    std::fill(out.begin(), out.end(), 0.0f);
-    for (uint32_t t = 0; t < tile_count(); ++t) {
-        const TileBounds b = bounds(t);
-        const std::span<const PixelSums> pixels = tile_pixels(t);
-        const std::lock_guard lock(mutexes_[t]);
-        for (uint32_t y = 0; y < b.height; ++y)
-            for (uint32_t x = 0; x < b.width; ++x) {
-                const PixelSums& pixel = pixels[static_cast<size_t>(y) * b.width + x];
-                const size_t at = static_cast<size_t>(b.y0 + y) * width_ + b.x0 + x;
-                if (pixel.count > 0) write_pixel(pass, pixel, out.data() + at * channels);
-            }
-    }
-    const std::lock_guard lock(splat_mutex_);
-    if (pass != Pass::combined && pass != Pass::caustics && pass != Pass::variance) return;
-    for (const SplatSource source : {SplatSource::light_paths, SplatSource::camera_chains,
-                                     SplatSource::missed_camera_chains}) {
-        if (pass == Pass::caustics && source != SplatSource::light_paths) continue;
-        const SplatLayer& layer = splats_[static_cast<size_t>(source)];
-        for (size_t at = 0; at < layer.pixels.size(); ++at) {
-            const SplatMean mean = layer.mean(at);
-            for (size_t c = 0; c < 3; ++c)
-                out[at * channels + c] +=
-                    to_float(pass == Pass::variance ? mean.variance[c] : mean.value[c]);
-        }
-    }
-    if (pass == Pass::combined && preview_block_ > 0) show_preview(out);
 }
 
 }  // namespace spc

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Accumulates samples of every pixel, and what light paths splat, in the order of their index, so
-// that sums do not depend on threads or tiles.
+// Accumulates samples of every pixel, and what light paths splat. Sums depend neither on threads
+// and tiles nor on how samples are grouped, so that films of parts of the samples add up to the
+// film of all.
 #pragma once
 
 #include "film/filter.h"
-#include "math/vec.h"
+#include "film/passes.h"
 
+#include <cstddef>
+#include <memory>
 #include <mutex>
 #include <span>
 #include <vector>
@@ -18,66 +21,66 @@ inline bool can_be_held(const Spectrum& value) {
     return std::abs(value.x) + std::abs(value.y) + std::abs(value.z) <= kBrightest;
 }
 
-// Newton walks and Bernoulli trials that the manifold made for a sample or a pixel.
-struct WalkCounts {
-    uint64_t walks = 0, converged = 0;
-    uint64_t trial_estimates = 0, trials = 0;
-
-    void add(const WalkCounts& other) {
-        walks += other.walks;
-        converged += other.converged;
-        trial_estimates += other.trial_estimates;
-        trials += other.trials;
-    }
-};
-
+// What every film has of a pixel; each sum with what it has rounded away (film/exact_sum.h).
 struct PixelSums {
     std::array<double, 3> radiance{}, radiance_squared{};
-    std::array<float, 3> caustics{}, normal{}, position{};
-    float alpha = 0.0f;
-    float depth = 1e10f;
-    WalkCounts walks;
+    double alpha = 0.0;
+    std::array<double, 3> radiance_squared_low{};  // squares have twice as many digits
+    double alpha_low = 0.0;
+    std::array<float, 3> radiance_low{};
     uint32_t count = 0;
 };
 
-struct FilmSample {
-    Spectrum radiance, caustics;
-    Vec3 position, normal;
-    float alpha, depth;
-    WalkCounts walks;
-};
-void accumulate(PixelSums& pixel, const FilmSample& sample);
+// Variance of one sample, averaged over pixels and channels. Empty if a pixel has fewer than two samples.
+std::optional<double> sample_variance(std::span<const PixelSums> pixels);
 
-// The passes of specula.h, with the same numbers.
-enum class Pass : uint32_t {
-    combined,
-    depth,
-    position,
-    normal,
-    caustics,
-    variance,
-    walk_success,
-    walk_trials,
-    count
+// Of every second sample of a pixel, to tell its error.
+struct HalfSums {
+    std::array<double, 3> radiance{};
 };
-uint32_t pass_channels(Pass pass);
+// Error of a pixel's mean as Cycles measures it for adaptive sampling: the difference between the means
+// of all and of every second sample, over the root of their sum of channels where that is below 1, else
+// over the sum.
+float relative_error(const PixelSums& all, const HalfSums& half);
+
+struct FilmSample {
+    Spectrum radiance;
+    float alpha;
+    const PassValues* values = nullptr;  // null where the film has no other passes
+};
 
 // What a path adds at a point of the film: radiance times pixels^2.
 struct Splat {
     Vec2 film;  // pixels of the full frame
     Spectrum value;
+    LobeShares shares = only(Lobe::diffuse);
+    bool direct = false;  // light whose only scattering is that towards the camera
+    Vec2 u{0.5f};         // uniform, to draw the one pixel that takes it
 };
 
 enum class SplatSource : uint8_t { light_paths, camera_chains, missed_camera_chains };
+inline constexpr size_t kSplatSources = 3;
+
+// How a splat falls on the pixels whose filter reaches it: on all of them, with less noise in each,
+// or on one that is drawn, so that errors of neighbours are independent, as denoisers expect.
+enum class SplatSpread : uint8_t { all_pixels, one_pixel };
 
 class Film {
 public:
     static constexpr uint32_t kTileSize = 16;
 
-    Film(uint32_t width, uint32_t height);
+    // Has planes for the passes that are asked for alone.
+    Film(uint32_t width, uint32_t height, PassSet passes = PassSet(),
+         SplatSpread spread = SplatSpread::all_pixels, CryptoRequest crypto = {},
+         bool keeps_halves = false);
     uint32_t width() const { return width_; }
     uint32_t height() const { return height_; }
     uint32_t tile_count() const { return static_cast<uint32_t>(mutexes_.size()); }
+    PassSet passes() const { return passes_; }
+    SplatSpread spread() const { return spread_; }
+    // Whether samples need values for passes.
+    bool has_planes() const { return !planes_.empty() || crypto_.any(); }
+    const CryptoRequest& crypto() const { return crypto_; }
 
     struct TileBounds {
         uint32_t x0, y0, width, height;
@@ -85,11 +88,20 @@ public:
     TileBounds bounds(uint32_t tile) const;
     // A worker takes a copy, adds samples, and puts it back; readers meanwhile see the state
     // before.
-    std::vector<PixelSums> copy_tile(uint32_t tile) const;
-    void store_tile(uint32_t tile, std::span<const PixelSums> pixels);
+    struct TileSums {
+        std::vector<PixelSums> pixels;
+        std::vector<double> high;  // of the planes, pixel after pixel
+        std::vector<float> low;
+        std::vector<CryptoSlot> coverage;
+        std::vector<HalfSums> halves;
+    };
+    TileSums copy_tile(uint32_t tile) const;
+    void store_tile(uint32_t tile, const TileSums& sums);
+    void accumulate(TileSums& tile, size_t pixel, const FilmSample& sample) const;
 
-    // Adds the splats of `estimates` estimates; their positions are relative to the film's corner. A picture
-    // is the sum over `per_picture` estimates of a source, averaged over all estimates that were added.
+    // Adds the splats of `estimates` estimates; their positions are relative to the film's corner. A
+    // picture is the sum over `per_picture` estimates of a source, always the same, averaged over
+    // all estimates that were added.
     void add_splats(SplatSource source, std::span<const Splat> splats, const PixelFilter& filter,
                     uint64_t estimates, double per_picture);
 
@@ -97,34 +109,84 @@ public:
     // many pixels, row after row. Not to be called twice.
     void set_preview(uint32_t block, std::vector<std::array<float, 4>> colors);
 
-    // float[height][width][channels], bottom row first.
+    // float[height][width][channels], bottom row first. `pass` must have been asked for, or be one
+    // of what every film has.
+    bool can_read(Pass pass) const;
+    // All sums as bytes, and a film of such bytes; throws Error if they are none. No renders may be
+    // under way.
+    std::vector<std::byte> to_bytes() const;
+    static std::unique_ptr<Film> from_bytes(std::span<const std::byte> bytes);
+    // Adds the sums of a film of other samples of the same picture; with `earlier`, of samples before
+    // these. Throws Error if it has another size or other passes.
+    void add(const Film& other, bool earlier);
     void read(Pass pass, std::span<float> out) const;
+    // float[height][width][4], bottom row first: crypto_level() of each pixel. The film must have
+    // been asked for the kind.
+    void read_crypto(CryptoKind kind, uint32_t level, std::span<float> out) const;
 
 private:
-    void show_preview(std::span<float> combined) const;
-    std::span<PixelSums> tile_pixels(uint32_t tile);
-    std::span<const PixelSums> tile_pixels(uint32_t tile) const;
-
-    uint32_t width_, height_, tiles_across_;
-    std::vector<PixelSums> pixels_;  // tile after tile; one block: too large a frame fails at once
-    mutable std::vector<std::mutex> mutexes_;  // of each tile
-
+    // Where a pass lies in the sums of a pixel. First values lie in `low` alone.
+    struct Plane {
+        Pass pass;
+        uint32_t channels, high, low;
+    };
     // Row after row; no pixels until there are some.
     struct SplatSums {
-        std::array<double, 3> value{}, squared{};
-    };
-    struct SplatMean {  // of a pixel
-        std::array<double, 3> value{}, variance{};
+        std::array<double, 3> high{}, low{};  // shares of a splat differ by far
+        void add(const Spectrum& value);
     };
     struct SplatLayer {
-        std::vector<SplatSums> pixels;
-        double estimates = 0.0, pictures = 0.0;
-        SplatMean mean(size_t pixel) const;
+        std::vector<SplatSums> picture, squared;
+        std::array<std::vector<SplatSums>, kPasses> passes;  // of those that are asked for
+        double estimates = 0.0, per_picture = 1.0;
+        double pictures() const { return estimates / per_picture; }
+        std::array<double, 3> mean(const std::vector<SplatSums>& sums, size_t pixel) const;
+        std::array<double, 3> variance(size_t pixel) const;
     };
-    mutable std::mutex splat_mutex_;    // guards them, and the preview
-    std::array<SplatLayer, 3> splats_;  // of each SplatSource
-    uint32_t preview_block_ = 0;        // pixels; 0: there is none
+
+    SplatLayer& layer_of(SplatSource source);
+    const Plane* plane_of(Pass pass) const;
+    void add_plane(Pass pass);
+    size_t crypto_stride() const;
+    // Visits the kinds that are kept, with the place of their first slot in a pixel's.
+    template <class Visit>
+    void each_crypto_kind(const Visit& visit) const;
+    size_t first_pixel(uint32_t tile) const;
+    void write_pixel(Pass pass, const PixelSums& pixel, const double* high, const float* low,
+                     float* out) const;
+    void add_to_pixel(SplatLayer& layer, size_t pixel, const Splat& splat, float weight) const;
+    void add_splat_passes(Pass pass, std::span<float> out) const;
+    void divide_by_color(Pass pass, std::span<float> out) const;
+    void show_preview(std::span<float> combined) const;
+
+    uint32_t width_, height_, tiles_across_;
+    PassSet passes_;
+    SplatSpread spread_;
+    CryptoRequest crypto_;
+    std::vector<Plane> planes_;
+    uint32_t high_stride_ = 0, low_stride_ = 0;
+    // Tile after tile; one block each: too large a frame fails at once.
+    std::vector<PixelSums> pixels_;
+    std::vector<double> high_;
+    std::vector<float> low_;
+    std::vector<CryptoSlot> coverage_;
+    std::vector<HalfSums> halves_;             // empty unless they are kept
+    mutable std::vector<std::mutex> mutexes_;  // of each tile
+
+    mutable std::mutex splat_mutex_;  // guards them, and the preview
+    std::array<SplatLayer, kSplatSources> splats_;
+    uint32_t preview_block_ = 0;  // pixels; 0: there is none
     std::vector<std::array<float, 4>> preview_;
 };
+
+template <class Visit>
+void Film::each_crypto_kind(const Visit& visit) const {
+    size_t at = 0;
+    for (size_t i = 0; i < kCryptoKinds; ++i)
+        if (crypto_.has(static_cast<CryptoKind>(i))) {
+            visit(i, at);
+            at += crypto_.slots();
+        }
+}
 
 }  // namespace spc

@@ -13,11 +13,17 @@ constexpr double kMostSeeds = 1024.0;  // to one light
 constexpr uint32_t kChunk = 256;
 constexpr uint32_t kHopeless = 8;  // if this part of the walks found nothing, the others do not go
 
-Sampler camera_chain_sampler(uint32_t seed, uint64_t index) {
+template <class Index>
+Sampler camera_chain_sampler(uint32_t seed, const Index& index) {
     return sampler_beside_pixels(seed, 0x686967686c69ull, index);
 }
-Sampler search_sampler(uint32_t seed, uint64_t index) {
+Sampler search_sampler(uint32_t seed, const SplatIndex& index) {
     return sampler_beside_pixels(seed, 0x736561726368ull, index);
+}
+
+Splat splat_of(const CameraChain& chain, const Vec2& film, const Sampler& sampler) {
+    const Lobe lobe = chain.first == Interaction::reflection ? Lobe::glossy : Lobe::transmission;
+    return {film, chain.value, only(lobe), chain.count == 1, sampler[Domain::splat].two()};
 }
 
 // The camera as the beginning of chains, through one point of its lens.
@@ -112,7 +118,7 @@ public:
 private:
     // Appends the camera chains of walk `i` that the picture shows and that no seed of earlier rounds finds.
     void walk(uint32_t i, std::vector<RandomCameraChain>& found, ManifoldStats& stats) const {
-        const Sampler sampler = camera_chain_sampler(~seed_, i);
+        const Sampler sampler = camera_chain_sampler(~seed_, uint64_t{i});
         std::vector<RandomCameraChain> near;
         add_random_camera_chains(techniques_, eye_.receiver, window_.at(sampler[Domain::film].two()),
                                  radius_, sampler, near, stats);
@@ -198,15 +204,15 @@ std::unique_ptr<const CameraChains> learn_camera_chains(const RenderScene& world
 }
 
 void estimate_camera_chains(const RenderScene& world, const IntegratorSettings& settings,
-                            float margin, uint32_t seed, uint64_t index, std::vector<Splat>& splats,
-                            PathStats& stats) {
+                            float margin, uint32_t seed, const SplatIndex& index,
+                            std::vector<Splat>& splats, PathStats& stats) {
     const Sampler sampler = camera_chain_sampler(seed, index);
     const CameraEye eye(*world.scene, settings, sampler[Domain::lens].two(), stats.rays);
     std::vector<CameraChain> found;
     find_camera_chains(techniques_of(world, settings), eye.receiver, sampler, found, stats.manifold);
     for (const CameraChain& one : found)
         if (const std::optional<Vec2> film = eye.place(one.p, margin))
-            splats.push_back({*film, one.value});
+            splats.push_back(splat_of(one, *film, sampler));
 }
 
 uint64_t camera_chain_searches(const Camera& camera, const CameraChains& camera_chains,
@@ -216,8 +222,8 @@ uint64_t camera_chain_searches(const Camera& camera, const CameraChains& camera_
 }
 
 void search_camera_chains(const RenderScene& world, const IntegratorSettings& settings,
-                          float margin, uint32_t seed, uint64_t index, std::vector<Splat>& splats,
-                          PathStats& stats) {
+                          float margin, uint32_t seed, const SplatIndex& index,
+                          std::vector<Splat>& splats, PathStats& stats) {
     const Camera& camera = world.scene->camera;
     const FilmWindow window(camera, margin);
     const Sampler sampler = search_sampler(seed, index);
@@ -229,8 +235,10 @@ void search_camera_chains(const RenderScene& world, const IntegratorSettings& se
     if (!one) return;
     const auto searches =
         static_cast<double>(camera_chain_searches(camera, *settings.camera_chains, margin));
-    if (const std::optional<Vec2> place = eye.place(one->p, margin))
-        splats.push_back({*place, one->value * static_cast<float>(window.pixels() / searches)});
+    if (const std::optional<Vec2> place = eye.place(one->p, margin)) {
+        splats.push_back(splat_of(*one, *place, sampler));
+        splats.back().value *= static_cast<float>(window.pixels() / searches);
+    }
 }
 
 }  // namespace spc

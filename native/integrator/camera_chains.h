@@ -19,15 +19,15 @@ std::unique_ptr<const CameraChains> learn_camera_chains(const RenderScene& world
 // One estimate of the chains that chain seeds find. Appends the splats that lie in the camera's crop or
 // at most `margin` pixels beside it.
 void estimate_camera_chains(const RenderScene& world, const IntegratorSettings& settings,
-                            float margin, uint32_t seed, uint64_t index, std::vector<Splat>& splats,
-                            PathStats& stats);
+                            float margin, uint32_t seed, const SplatIndex& index,
+                            std::vector<Splat>& splats, PathStats& stats);
 
 // Number of searches for one sample of the picture.
 uint64_t camera_chain_searches(const Camera& camera, const CameraChains& camera_chains,
                                float margin);
 // One search for a chain that no chain seed finds. Appends its splats.
 void search_camera_chains(const RenderScene& world, const IntegratorSettings& settings,
-                          float margin, uint32_t seed, uint64_t index, std::vector<Splat>& splats,
-                          PathStats& stats);
+                          float margin, uint32_t seed, const SplatIndex& index,
+                          std::vector<Splat>& splats, PathStats& stats);
 
 }  // namespace spc

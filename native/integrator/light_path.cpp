@@ -2,7 +2,7 @@
 #include "integrator/light_path.h"
 
 #include "core/parallel.h"
-#include "integrator/history.h"
+#include "integrator/path_tracer.h"
 #include "manifold/found_chains.h"
 
 namespace spc {
@@ -192,7 +192,10 @@ private:
         ++stats_.splats;
         const double square = static_cast<double>(dot(value, value) * (1.0f / 3.0f));
         (is_thinned() ? stats_.squares_behind : stats_.squares) += square;
-        splats_.push_back({view->film, value});
+        Splat splat{view->film, value};
+        splat.u = sampler_.vertex(segment_)[Domain::splat].two();
+        if (settings_.tell_lobes) splat.shares = lobe_shares(surface, ray_.direction * -1.0f);
+        splats_.push_back(splat);
     }
 
     // Light paths that leave glints with a density of 1/sr, as a footprint may have it on average, are
@@ -255,7 +258,8 @@ private:
     uint64_t rays_before_ = 0;   // counted until the path scattered at its receiver
 };
 
-Sampler light_sampler(uint32_t seed, uint64_t index) {
+template <class Index>
+Sampler light_sampler(uint32_t seed, const Index& index) {
     return sampler_beside_pixels(seed, 0x6c69676874ull, index);
 }
 
@@ -370,7 +374,7 @@ void measure(const LightPathStats& counted, const CoarsePicture& moments, LightP
 }  // namespace
 
 void trace_light_path(const RenderScene& world, const IntegratorSettings& settings, float margin,
-                      uint32_t seed, uint64_t index, std::vector<Splat>& splats,
+                      uint32_t seed, const SplatIndex& index, std::vector<Splat>& splats,
                       LightPathStats& stats) {
     const Sampler sampler = light_sampler(seed, index);
     LightTracer(world, settings, margin, sampler, splats, stats).trace();

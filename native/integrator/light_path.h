@@ -42,7 +42,7 @@ struct LightPathStats {
 // Traces one light path. Appends the splats that lie in the camera's crop or at most `margin` pixels
 // beside it. A sample of the picture is the sum over settings.light_tracing.paths of them.
 void trace_light_path(const RenderScene& world, const IntegratorSettings& settings, float margin,
-                      uint32_t seed, uint64_t index, std::vector<Splat>& splats,
+                      uint32_t seed, const SplatIndex& index, std::vector<Splat>& splats,
                       LightPathStats& stats);
 
 // What the pilot, light paths that are traced before rendering, has learned.

@@ -4,24 +4,24 @@
 
 namespace spc {
 
-std::optional<Hit> PathTracer::go_to_surface(Surface& surface, Spectrum& radiance) {
+std::optional<Hit> PathTracer::go_to_surface(Surface& surface, PathLight& light) {
     for (;;) {
         const std::optional<Hit> hit = intersect();
         if (!hit) {
             const bool shows_film = settings.transparent_film && ray_kind == kVisibleCamera;
             go_towards(ray.direction);
-            if (!shows_film) radiance += throughput * emission_from_afar();
+            if (!shows_film) add_from_afar(light);
             return hit;
         }
         if (hit->light == kNone) {
             evaluate(*hit, surface);
             come_to(surface.p);
-            radiance += throughput * emission_of_surface(*hit, surface);
+            add_met(throughput * emission_of_surface(*hit, surface), Pass::emission, light);
             return hit;
         }
         // Lamps are looked through, as in Cycles.
         come_to(ray.origin + ray.direction * hit->t);
-        radiance += throughput * emission_of_lamp(*hit);
+        add_met(throughput * emission_of_lamp(*hit), Pass::emission, light);
         ray.t_near = past(hit->t);
     }
 }
@@ -35,18 +35,15 @@ CameraSubpath PathTracer::camera_subpath_to(const Surface& surface) const {
 }
 
 PathTracer::Onward PathTracer::shade(const Hit& hit, Surface& surface, const Sampler& here,
-                                     const PixelKernel* pixel, PathSample& out) {
+                                     const PixelKernel* pixel, PathLight& light, PathSample& out) {
     const CameraSubpath camera_subpath = camera_subpath_to(surface);
     const bool receives = may_receive(surface);
     look_for_glints(hit, surface, camera_subpath, pixel);
     look_for_folds(surface, camera_subpath, receives && settings.manifold.enabled);
-    out.radiance += throughput * direct_radiance(surface, camera_subpath, here);
-    if (glints) out.radiance += glint_radiance(surface, here);
-    if (receives && settings.manifold.enabled) {
-        const Spectrum caustic = caustic_radiance(surface, camera_subpath, here);
-        out.radiance += caustic;
-        out.caustics += caustic;
-    }
+    add_direct(surface, camera_subpath, here, light);
+    if (glints) add_glints(surface, here, light);
+    if (receives && settings.manifold.enabled)
+        out.caustics += add_caustics(surface, camera_subpath, here, light);
     return {sample(surface.closures, surface.ng, surface.wo, here[Domain::closure].three()),
             receives, camera_subpath};
 }
@@ -70,6 +67,7 @@ bool PathTracer::scatter(const Hit& hit, const Surface& surface, const ClosureSa
     throughput *= next.weight;
     if (!survive_roulette(sampler)) return false;
     if (next.kind == BounceKind::transparent) return look_through(hit);
+    if (bounces.total == 0) lobes = only(lobe_of(next.kind));
     const BounceCounts before = bounces;
     bounces.add(next.kind);
     if (differential && !propagate_through_bounce(scene(), surface, next,
@@ -171,7 +169,8 @@ RenderScene prepare(std::unique_ptr<Scene> scene, uint32_t threads, const Render
 // says which.
 PathSample path_radiance(const RenderScene& world, const IntegratorSettings& settings,
                          const RoundState& round, const Ray& camera_ray, const Vec2& lens,
-                         const Sampler& sampler, PathStats& stats, const PixelKernel* pixel) {
+                         const Sampler& sampler, PathStats& stats, const PixelKernel* pixel,
+                         PassValues* values) {
     const Vec3 start = camera_ray.origin + camera_ray.direction * camera_ray.t_near;
     Pcg pcg(sampler[Domain::missed_chains].stream_seed());
     PathTracer path{world, settings, round,      stats,
@@ -182,35 +181,47 @@ PathSample path_radiance(const RenderScene& world, const IntegratorSettings& set
     if (settings.camera_chains != nullptr)
         path.history.begin_at_camera(world.scene->camera, camera_ray);
     PathSample out;
+    PathLight light;
+    if (values != nullptr && values->asked().tell_lobes()) light.values = values;
+    std::optional<Features> features;
+    if (values != nullptr && values->asked().tell_features()) features.emplace();
     Surface surface;
     for (uint32_t vertex = 0;; ++vertex) {
-        const std::optional<Hit> hit = path.go_to_surface(surface, out.radiance);
+        const std::optional<Hit> hit = path.go_to_surface(surface, light);
         if (!hit) {
             const Spectrum& t = path.throughput;
             if (settings.transparent_film && path.ray_kind == kVisibleCamera) out.alpha -= mean(t);
+            if (features) features->look_at_world(path.world_seen(), *values);
             break;
         }
         if (path.ray_kind == kVisibleCamera)
             out.alpha -= mean(path.throughput * surface.closures.holdout);
+        if (values != nullptr && path.bounces.total == 0) path.tell_surface(surface, *values);
+        if (features && features->look(*world.scene, surface, hit->t, *values)) features.reset();
         if (path.bounces.exhausted(settings.limits)) {
             if (path.look_for_lights_behind(*hit, surface)) continue;
             break;
         }
 
         const Sampler here = sampler.vertex(vertex);
-        PathTracer::Onward on = path.shade(*hit, surface, here, pixel, out);
+        PathTracer::Onward on = path.shade(*hit, surface, here, pixel, light, out);
         if (!out.hit && !(on.next && on.next->kind == BounceKind::transparent)) {
             out.hit = true;
+            out.surface = surface.hit;
             out.position = surface.p;
             out.normal = surface.n;
         }
         if (on.next && on.next->below != nullptr) {
             if (!path.go_below(surface, *on.next, here)) break;
-            on = path.shade(*hit, surface, here, pixel, out);
+            on = path.shade(*hit, surface, here, pixel, light, out);
         }
-        if (!on.next || !path.scatter(*hit, surface, *on.next, on.receives, on.camera_subpath, here))
+        if (!on.next ||
+            !path.scatter(*hit, surface, *on.next, on.receives, on.camera_subpath, here))
             break;
+        if (features) features->scatter(*on.next);
     }
+    out.radiance = light.total;
+    out.alpha = std::max(out.alpha, 0.0f);  // a mean of ones may be rounded to more than one
     return out;
 }
 

@@ -3,6 +3,7 @@
 // receivers.
 #pragma once
 
+#include "film/passes.h"
 #include "glints/glint.h"
 #include "manifold/estimator.h"
 
@@ -29,6 +30,8 @@ struct IntegratorSettings {
     // The casters on which the manifold looks for chains; null: all of the scene.
     const CasterSet* searched = nullptr;
     GlintSettings glints;
+    bool tell_lobes =
+        false;  // light paths and camera chains tell by which lobe they come to the camera
 
     const CasterSet& casters_of(const RenderScene& world) const {
         return searched != nullptr ? *searched : world.casters;
@@ -100,15 +103,17 @@ struct PathSample {
     float alpha = 1.0f;
     // The first surface that the path does not pass straight through.
     bool hit = false;
+    SurfaceHit surface{};
     Vec3 position{0.0f};
     Vec3 normal{0.0f};
 };
 
 // `lens` is the argument of Camera::ray() that made the camera's ray. `pixel` is the pixel that the ray
-// stands for; without one, glints are not averaged.
+// stands for; without one, glints are not averaged. To `values`, if there are any, the path adds
+// what passes ask of light, colours and the denoiser's features.
 PathSample path_radiance(const RenderScene& world, const IntegratorSettings& settings,
                          const RoundState& round, const Ray& camera_ray, const Vec2& lens,
                          const Sampler& sampler, PathStats& stats,
-                         const PixelKernel* pixel = nullptr);
+                         const PixelKernel* pixel = nullptr, PassValues* values = nullptr);
 
 }  // namespace spc

@@ -20,7 +20,7 @@ void PathTracer::look_for_folds(const Surface& surface, const CameraSubpath& cam
 
 template <class Estimate>
 Spectrum PathTracer::estimate(const Surface& surface, const CameraSubpath& camera_subpath, size_t i,
-                              float u, const Estimate& radiance) {
+                              float u, const Estimate& radiance, PathLight& light) {
     if (settings.light_tracing.alone && camera_subpath.film_density > 0.0f) return Spectrum(0.0f);
     const float activation = round.activation[i];
     const float probability =
@@ -34,6 +34,8 @@ Spectrum PathTracer::estimate(const Surface& surface, const CameraSubpath& camer
     Receiver receiver = receiver_at(surface, camera_subpath);
     receiver.importance = max_component(throughput) * smooth_albedo(surface.closures) *
                           share_beside_light_paths(camera_subpath) / kPi;
+    std::vector<ReceivedLight> received;
+    if (light.values != nullptr) receiver.received = &received;
     const ManifoldRadiance found = radiance(receiver, draws);
     const Spectrum drawn = throughput * found.drawn * (1.0f / probability);
     const double squares = static_cast<double>(dot(drawn, drawn) * (1.0f / 3.0f));
@@ -43,30 +45,39 @@ Spectrum PathTracer::estimate(const Surface& surface, const CameraSubpath& camer
     stats.seed_work += found.seed_work;
     if (counts.capped > before.capped)
         counts.capped_energy += static_cast<double>(luminance(drawn));
-    return throughput * found.seeded + drawn;
+    for (const ReceivedLight& one : received)
+        tell_scattered(throughput * one.radiance * (one.drawn ? 1.0f / probability : 1.0f), surface,
+                       one.wi, *light.values, false);
+    const Spectrum sum = throughput * found.seeded + drawn;
+    light.total += sum;
+    return sum;
 }
 
-Spectrum PathTracer::caustic_radiance(const Surface& surface, const CameraSubpath& camera_subpath,
-                                      const Sampler& sampler) {
+Spectrum PathTracer::add_caustics(const Surface& surface, const CameraSubpath& camera_subpath,
+                                  const Sampler& sampler, PathLight& light) {
     Spectrum sum(0.0f);
     const size_t depth = receiver_depth(bounces.total);
     const Techniques techniques = techniques_of(world, settings);
     if (!techniques.casters.empty())
-        sum += estimate(surface, camera_subpath, depth, sampler[Domain::manifold_activation].one(),
-                        [&](const Receiver& receiver, bool draws) {
-                            ManifoldRadiance result = manifold_radiance(
-                                techniques, receiver, round.sheets, draws, sampler, stats.manifold);
-                            add_folds(surface, sampler[Domain::folds], result);
-                            return result;
-                        });
+        sum += estimate(
+            surface, camera_subpath, depth, sampler[Domain::manifold_activation].one(),
+            [&](const Receiver& receiver, bool draws) {
+                ManifoldRadiance result = manifold_radiance(techniques, receiver, round.sheets,
+                                                            draws, sampler, stats.manifold);
+                add_folds(surface, sampler[Domain::folds], result, light);
+                return result;
+            },
+            light);
     if (may_begin_rough_chain(surface, camera_subpath))
         sum += estimate(
             surface, camera_subpath, kReceiverDepths + depth,
-            sampler[Domain::rough_chain_activation].one(), [&](const Receiver& receiver, bool) {
+            sampler[Domain::rough_chain_activation].one(),
+            [&](const Receiver& receiver, bool) {
                 return ManifoldRadiance{
                     Spectrum(0.0f),
                     rough_chain_radiance(techniques, receiver, sampler, stats.manifold)};
-            });
+            },
+            light);
     return sum;
 }
 
@@ -100,8 +111,8 @@ float PathTracer::share_beside_light_paths(const CameraSubpath& camera_subpath) 
                : 1.0f;
 }
 
-void PathTracer::add_folds(const Surface& surface, const Sampler& sampler,
-                           ManifoldRadiance& to) const {
+void PathTracer::add_folds(const Surface& surface, const Sampler& sampler, ManifoldRadiance& to,
+                           const PathLight& light) const {
     if (folds_here.empty()) return;
     const std::optional<Vec3> w = folds_here.sample(sampler.three());
     const float pdf = w ? folds_here.pdf(*w) : 0.0f;
@@ -120,32 +131,35 @@ void PathTracer::add_folds(const Surface& surface, const Sampler& sampler,
     path.history.keep(surface, {});
     path.history.caustic.folds = &folds_here;
     path.spawn_ray(surface, next);
+    path.lobes = lobes;
+    PathLight found{.values = light.values, .scale = throughput};
+    if (found.values != nullptr && bounces.total == 0) path.lobes = lobe_shares(surface, *w);
     const uint64_t rays_before = stats.rays;
-    to.seeded += path.light_behind_deltas(sampler);
+    path.add_light_behind_deltas(sampler, found);
+    to.seeded += found.total;
     const uint64_t rays = std::exchange(stats.rays, rays_before) - rays_before;
     stats.manifold.rays += rays;
     to.seed_work += rays;
 }
 
-Spectrum PathTracer::light_behind_deltas(const Sampler& sampler) {
-    Spectrum sum(0.0f);
+void PathTracer::add_light_behind_deltas(const Sampler& sampler, PathLight& light) {
     Surface surface;
     for (uint32_t vertex = 0;; ++vertex) {
-        const std::optional<Hit> hit = go_to_surface(surface, sum);
-        if (!hit) return sum;
+        const std::optional<Hit> hit = go_to_surface(surface, light);
+        if (!hit) return;
         const std::optional<ClosureSample> next =
             sample(surface.closures, surface.ng, surface.wo,
                    sampler.vertex(vertex)[Domain::closure].three());
-        if (!next || next->below != nullptr) return sum;
+        if (!next || next->below != nullptr) return;
         throughput *= next->weight;
         if (next->kind == BounceKind::transparent) {
-            if (!look_through(*hit)) return sum;
+            if (!look_through(*hit)) return;
             continue;
         }
-        if (!next->delta || history.caustic.count == settings.manifold.longest_chain) return sum;
+        if (!next->delta || history.caustic.count == settings.manifold.longest_chain) return;
         bounces.add(next->kind);
         history.append_delta(surface.hit, *next, world.casters);
-        if (history.stage != PathHistory::Stage::chain) return sum;
+        if (history.stage != PathHistory::Stage::chain) return;
         spawn_ray(surface, *next);
     }
 }

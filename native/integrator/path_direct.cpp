@@ -3,18 +3,18 @@
 
 namespace spc {
 
-Spectrum PathTracer::direct_radiance(const Surface& surface, const CameraSubpath& camera_subpath,
-                                     const Sampler& sampler) {
-    if (!has_smooth_closure(surface.closures)) return Spectrum(0.0f);
+void PathTracer::add_direct(const Surface& surface, const CameraSubpath& camera_subpath,
+                            const Sampler& sampler, PathLight& light) {
+    if (!has_smooth_closure(surface.closures)) return;
     const LitPoint at = lit_point(surface);
-    const std::optional<DirectSample> first =
-        sample_direct_first(world.lights, scene(), at, sampler[Domain::light].three());
-    Spectrum sum = first ? direct_radiance(surface, camera_subpath, *first) : Spectrum(0.0f);
-    if (!world.lights.tree.has_second()) return sum;
-    const std::optional<DirectSample> second =
-        sample_direct_second(world.lights, scene(), at, sampler[Domain::even_light].three());
-    if (second) sum += direct_radiance(surface, camera_subpath, *second);
-    return sum;
+    const auto add = [&](const std::optional<DirectSample>& one) {
+        if (one)
+            add_scattered(throughput * direct_radiance(surface, camera_subpath, *one), surface,
+                          one->wi, light, bounces.total == 0);
+    };
+    add(sample_direct_first(world.lights, scene(), at, sampler[Domain::light].three()));
+    if (world.lights.tree.has_second())
+        add(sample_direct_second(world.lights, scene(), at, sampler[Domain::even_light].three()));
 }
 
 Spectrum PathTracer::direct_radiance(const Surface& surface, const CameraSubpath& camera_subpath,

@@ -4,25 +4,28 @@
 
 namespace spc {
 
-Spectrum PathTracer::emission_from_afar() const {
-    Spectrum sum = emission_of_world();
+void PathTracer::add_from_afar(PathLight& light) const {
+    add_met(throughput * emission_of_world(), Pass::environment, light);
     for (const uint32_t sun : world.lights.disc_suns) {
         if ((light_visibility(world.lights, sun) & ray_kind) == 0) continue;
         const Spectrum radiance =
             lamp_radiance(world.lights.lamps[sun], Vec3(0.0f), ray.direction * -1.0f);
         if (is_black(radiance)) continue;
-        sum +=
-            radiance * weight_of_lamp(end_afar(
-                           sun, pdf_light_point_sun(world.lights, sun, ray.direction),
-                           pdf_direct_sun(world.lights, history.lit_point(), sun, ray.direction)));
+        const float weight = weight_of_lamp(
+            end_afar(sun, pdf_light_point_sun(world.lights, sun, ray.direction),
+                     pdf_direct_sun(world.lights, history.lit_point(), sun, ray.direction)));
+        add_met(throughput * radiance * weight, Pass::emission, light);
     }
-    return sum;
+}
+
+Spectrum PathTracer::world_seen() const {
+    if (!world.lights.has_world || (scene().environment.visibility & ray_kind) == 0)
+        return Spectrum(0.0f);
+    return world_radiance(world.lights, scene(), ray.direction);
 }
 
 Spectrum PathTracer::emission_of_world() const {
-    if (!world.lights.has_world || (scene().environment.visibility & ray_kind) == 0)
-        return Spectrum(0.0f);
-    const Spectrum radiance = world_radiance(world.lights, scene(), ray.direction);
+    const Spectrum radiance = world_seen();
     if (is_black(radiance)) return radiance;
     const bool scattered = history.stage == PathHistory::Stage::scattered;
     return radiance *

@@ -15,12 +15,16 @@ void PathTracer::look_for_glints(const Hit& hit, Surface& surface,
     surface.closures.glints_apart = glints.has_value();
 }
 
-Spectrum PathTracer::glint_radiance(const Surface& surface, const Sampler& sampler) {
+void PathTracer::add_glints(const Surface& surface, const Sampler& sampler, PathLight& light) {
     // After a rough bounce the noise is the path's, which no further estimates take away.
     const uint32_t estimates = differential->lobe ? 1 : round.glints.estimates;
     Spectrum sum(0.0f);
     for (uint32_t i = 0; i < estimates; ++i) sum += glint_estimate(surface, sampler, i);
-    return sum * (1.0f / static_cast<float>(estimates));
+    sum *= 1.0f / static_cast<float>(estimates);
+    light.total += sum;
+    const bool seen = bounces.total == 0;
+    if (light.values != nullptr)
+        light.values->add_scattered(sum, seen ? only(Lobe::glossy) : lobes, seen);
 }
 
 bool PathTracer::turns_rough_chain(const Surface& surface) const {

@@ -20,6 +20,33 @@ inline float shared_by_glints(float direct, const GlintDensity& closure) {
     return closure.share_of_direct(static_cast<float>(kGlintCandidates), direct);
 }
 
+// What light paths gather, and where it goes: into the picture, and to the passes that tell it
+// apart.
+struct PathLight {
+    Spectrum total{0.0f};
+    PassValues* values = nullptr;  // null: no pass asks
+    Spectrum scale{1.0f};          // of what goes to passes, beside the picture
+};
+
+constexpr Lobe lobe_of(BounceKind kind) {  // of all but transparent
+    return static_cast<Lobe>(kind);
+}
+// What part of the light from wi each lobe of the surface scatters to the path.
+LobeShares lobe_shares(const Surface& surface, const Vec3& wi);
+
+// Follows a camera path to the first surface that is no mirror and no clear glass, and tells the
+// denoiser what is seen there.
+class Features {
+public:
+    // At each surface, `length` (m) from the one before. Returns whether it is the one.
+    bool look(const Scene& scene, const Surface& surface, float length, PassValues& values);
+    void look_at_world(const Spectrum& radiance, PassValues& values) const;
+    void scatter(const ClosureSample& next) { throughput_ *= next.weight; }
+
+private:
+    Spectrum throughput_{1.0f};
+};
+
 struct PathTracer {
     const RenderScene& world;
     const IntegratorSettings& settings;
@@ -39,7 +66,8 @@ struct PathTracer {
     std::optional<GlintPoint> glints{};
     // Fold directions at the current surface, and at history.caustic.x.
     FoldDirections folds_here{}, folds_at_x{};
-    bool from_folds = false;  // the path left x along one of folds_at_x
+    bool from_folds = false;                 // the path left x along one of folds_at_x
+    LobeShares lobes = only(Lobe::diffuse);  // of the first scattering, once there was one
 
     const Scene& scene() const { return *world.scene; }
     bool has_chain_casters() const {
@@ -55,7 +83,7 @@ struct PathTracer {
 
     // Follows the ray to the next surface and evaluates it. Adds the emission that the ray meets on the
     // way and at the surface. Empty if the ray leaves the scene.
-    std::optional<Hit> go_to_surface(Surface& surface, Spectrum& radiance);
+    std::optional<Hit> go_to_surface(Surface& surface, PathLight& light);
     CameraSubpath camera_subpath_to(const Surface& surface) const;
     // Adds the light that techniques other than the path's own rays find at the surface; how it goes on.
     struct Onward {
@@ -64,7 +92,7 @@ struct PathTracer {
         CameraSubpath camera_subpath;
     };
     Onward shade(const Hit& hit, Surface& surface, const Sampler& here, const PixelKernel* pixel,
-                 PathSample& out);
+                 PathLight& light, PathSample& out);
     // These return whether the path continues. `surface` becomes the one where light leaves.
     bool go_below(Surface& surface, const ClosureSample& entry, const Sampler& here);
     bool scatter(const Hit& hit, const Surface& surface, const ClosureSample& next, bool receives,
@@ -90,8 +118,9 @@ struct PathTracer {
     // ---- path_emission.cpp: emission that the path meets, weighed against the techniques that could
     // have connected to it. The path's throughput is not included.
 
-    // The world and every sun with a disc, in the direction of a ray that leaves the scene.
-    Spectrum emission_from_afar() const;
+    // Adds the world and every sun with a disc, in the direction of a ray that leaves the scene.
+    // The path's throughput is included.
+    void add_from_afar(PathLight& light) const;
     Spectrum emission_of_lamp(const Hit& hit) const;
     Spectrum emission_of_surface(const Hit& hit, const Surface& surface) const;
 
@@ -112,9 +141,9 @@ struct PathTracer {
 
     // ---- path_direct.cpp: next event estimation over all lights
 
+    void add_direct(const Surface& surface, const CameraSubpath& camera_subpath,
+                    const Sampler& sampler, PathLight& light);
     // The path's throughput is not included.
-    Spectrum direct_radiance(const Surface& surface, const CameraSubpath& camera_subpath,
-                             const Sampler& sampler);
     Spectrum direct_radiance(const Surface& surface, const CameraSubpath& camera_subpath,
                              const DirectSample& light);
 
@@ -133,11 +162,11 @@ struct PathTracer {
     // Sets `glints` if the surface's glints are averaged over the path's footprint.
     void look_for_glints(const Hit& hit, Surface& surface, const CameraSubpath& camera_subpath,
                          const PixelKernel* pixel);
-    // The path's throughput is included.
-    Spectrum glint_radiance(const Surface& surface, const Sampler& sampler);
+    void add_glints(const Surface& surface, const Sampler& sampler, PathLight& light);
 
     // Whether rough chains may find light that the surface reflects.
     bool turns_rough_chain(const Surface& surface) const;
+    // The path's throughput is included.
     Spectrum glint_estimate(const Surface& surface, const Sampler& sampler, uint32_t estimate);
 
     // ---- path_caustics.cpp: light that chains bring to receivers
@@ -145,9 +174,9 @@ struct PathTracer {
     bool may_receive(const Surface& surface) const;
     // Call before caustic_radiance().
     void look_for_folds(const Surface& surface, const CameraSubpath& camera_subpath, bool receives);
-    // Radiance of chains of deltas and of rough chains. The path's throughput is included.
-    Spectrum caustic_radiance(const Surface& surface, const CameraSubpath& camera_subpath,
-                              const Sampler& sampler);
+    // Adds light of chains of deltas and of rough chains; returns how much.
+    Spectrum add_caustics(const Surface& surface, const CameraSubpath& camera_subpath,
+                          const Sampler& sampler, PathLight& light);
 
     Receiver receiver_at(const Surface& surface, const CameraSubpath& camera_subpath) const;
     // See CausticPath::begins_rough. Not where light tracing finds rough chains.
@@ -158,11 +187,29 @@ struct PathTracer {
     // whether it draws, that is, makes its random search. The path's throughput is included.
     template <class Estimate>
     Spectrum estimate(const Surface& surface, const CameraSubpath& camera_subpath, size_t i,
-                      float u, const Estimate& radiance);
-    // Adds light of chains of deltas that a fold direction finds.
-    void add_folds(const Surface& surface, const Sampler& sampler, ManifoldRadiance& to) const;
+                      float u, const Estimate& radiance, PathLight& light);
+    // Adds light of chains of deltas that a fold direction finds; what passes have of it to
+    // `light`.
+    void add_folds(const Surface& surface, const Sampler& sampler, ManifoldRadiance& to,
+                   const PathLight& light) const;
     // Light of a path that a fold direction has begun. The path's throughput is included.
-    Spectrum light_behind_deltas(const Sampler& sampler);
+    void add_light_behind_deltas(const Sampler& sampler, PathLight& light);
+
+    // ---- path_passes.cpp: what passes tell of the light, and of the surfaces that the camera sees
+
+    // Adds emission that the path meets. The path's throughput is included.
+    void add_met(const Spectrum& emitted, Pass if_seen, PathLight& light) const;
+    // Adds light that the surface scatters from wi to the path.
+    void add_scattered(const Spectrum& value, const Surface& surface, const Vec3& wi,
+                       PathLight& light, bool direct) const;
+    void tell_scattered(const Spectrum& value, const Surface& surface, const Vec3& wi,
+                        PassValues& values, bool direct) const;
+    // Scatterings up to here, the one along a fold direction included.
+    uint32_t scatterings() const { return bounces.total + (from_folds ? 1u : 0u); }
+    // Adds colours and coverage of a surface that the camera sees straight.
+    void tell_surface(const Surface& surface, PassValues& values) const;
+    // That the ray meets if it leaves the scene.
+    Spectrum world_seen() const;
 };
 
 }  // namespace spc

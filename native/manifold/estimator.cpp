@@ -39,12 +39,13 @@ public:
         const auto walk = [&] { return random_walk(scene_, settings_, query, pcg, stats_); };
         const std::optional<ChainRoot> root = walk();
         if (!root) return Spectrum(0.0f);
-        const Spectrum value = contribution(chain_of(*root));
+        const Chain chain = chain_of(*root);
+        const Spectrum value = contribution(chain);
         if (is_black(value)) return value;
-        return value * static_cast<float>(trials_until([&] {
-                   const std::optional<ChainRoot> again = walk();
-                   return again && same_root(settings_, *root, *again);
-               }));
+        return told(chain, value * static_cast<float>(trials_until([&] {
+                               const std::optional<ChainRoot> again = walk();
+                               return again && same_root(settings_, *root, *again);
+                           })));
     }
 
     // The same for chains with several vertices, which shots find.
@@ -80,7 +81,9 @@ public:
                         stats_);
         ManifoldRadiance result;
         for (const FoundChain& one : found)
-            result.seeded += contribution(one.solution.chain) * (1.0f / one.probability);
+            result.seeded +=
+                told(one.solution.chain,
+                     contribution(one.solution.chain) * (1.0f / one.probability), false);
         stats_.roots += found.size();
         result.seed_work = stats_.work() - work_before;
         if (!draws || pcg.one() >= search_probability) return result;
@@ -95,7 +98,7 @@ public:
         result.drawn = of_missed(missed->chain, pcg,
                                  [&] { return comes_again(search, caster, *missed, pcg); }) *
                        (1.0f / (caster.probability * search_probability));
-        if (is_black(result.drawn)) return result;
+        if (is_black(told(missed->chain, result.drawn))) return result;
         ++stats_.missed;
         stats_.missed_energy += static_cast<double>(luminance(result.drawn));
         return result;
@@ -114,7 +117,7 @@ public:
         stats_.roots += found.size();
         for (const FoundChain& one : found) {
             const Spectrum value = contribution(one.solution.chain);
-            if (!is_black(value)) out.push_back({one.solution.chain.vertices[0].geometry.p, value});
+            if (!is_black(value)) out.push_back(camera_chain(one.solution.chain, value));
         }
     }
 
@@ -131,7 +134,7 @@ public:
             return again && same_solution(settings_, *missed, *again);
         });
         if (is_black(value)) return std::nullopt;
-        return CameraChain{missed->chain.vertices[0].geometry.p, value};
+        return camera_chain(missed->chain, value);
     }
 
     // From a ray of the camera's and its first `count` turns.
@@ -149,11 +152,23 @@ public:
         for (const Interaction first : {Interaction::refraction, Interaction::reflection})
             if (const std::optional<ChainSolution> found =
                     shoot_from_mnee_seed(techniques_, start(), end_of(y_), first, caster, stats_))
-                sum += contribution(found->chain);
+                sum += told(found->chain, contribution(found->chain));
         return sum;
     }
 
 private:
+    static CameraChain camera_chain(const Chain& chain, const Spectrum& value) {
+        return {chain.vertices[0].geometry.p, value, chain.vertices[0].interaction, chain.count};
+    }
+
+    // `radiance`, which is told to the receiver if it asks.
+    Spectrum told(const Chain& chain, const Spectrum& radiance, bool drawn = true) const {
+        if (receiver_.received != nullptr && !is_black(radiance))
+            receiver_.received->push_back(
+                {normalize(chain.vertices[0].geometry.p - receiver_.p), radiance, drawn});
+        return radiance;
+    }
+
     static Chain chain_of(const ChainRoot& root) {
         Chain chain;
         chain.count = 1;
@@ -198,9 +213,9 @@ private:
         if (!connection) return Spectrum(0.0f);
         const Spectrum value =
             light_of(*connection, solution->chain) * static_cast<float>(connection->scale);
-        return counted(value, connection->strength(), pcg,
-                       [&] { return comes_again(search, first, *solution, pcg); }) *
-               (1.0f / first.probability);
+        return told(solution->chain, counted(value, connection->strength(), pcg, [&] {
+                                         return comes_again(search, first, *solution, pcg);
+                                     }) * (1.0f / first.probability));
     }
 
     // `value` times the number of trials until its solution is found again, which estimates 1 /
@@ -231,7 +246,8 @@ private:
             const auto known = [&](const Solution& other) { return same(settings_, *one, other); };
             if (std::any_of(found.begin(), found.end(), known)) continue;
             found.push_back(*one);
-            sum += contribution(to_chain(*one));
+            const Chain chain = to_chain(*one);
+            sum += told(chain, contribution(chain));
         }
         return sum;
     }

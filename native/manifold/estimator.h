@@ -15,6 +15,14 @@
 
 namespace spc {
 
+// What one chain brings to a receiver from wi, for whoever tells lobes apart. `drawn` as in
+// ManifoldRadiance.
+struct ReceivedLight {
+    Vec3 wi;
+    Spectrum radiance;
+    bool drawn;
+};
+
 // The vertex of a path where a chain may begin. If that is the camera, `ng` is its viewing axis,
 // `importance` and `camera_subpath` are unused, and there are no closures.
 struct Receiver {
@@ -33,6 +41,7 @@ struct Receiver {
     const CausticPath* rough_before;        // RoughVisit::before
     const FoldDirections* folds = nullptr;  // see CausticPath
     const Camera* camera = nullptr;
+    std::vector<ReceivedLight>* received = nullptr;  // takes all that is found, if there is one
 };
 
 // The path whose light arrives at the receiver from wi, still without its chain. `at_x`: the
@@ -57,8 +66,10 @@ Spectrum rough_chain_radiance(const Techniques& techniques, const Receiver& rece
 
 // A camera chain as the film sees it.
 struct CameraChain {
-    Vec3 p;          // position of the chain's first vertex
-    Spectrum value;  // radiance times pixels^2 of the film
+    Vec3 p;             // position of the chain's first vertex
+    Spectrum value;     // radiance times pixels^2 of the film
+    Interaction first;  // at p
+    uint32_t count;     // of the chain's vertices
 };
 // One estimate: appends the camera chains to one light point that chain seeds find.
 void find_camera_chains(const Techniques& techniques, const Receiver& camera, const Sampler& sampler,

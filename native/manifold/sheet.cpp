@@ -89,7 +89,7 @@ LightSheet::LightSheet(const SheetWorld& world, const LightPoint& y, uint32_t em
                        float reach, std::span<const LightPoint> around)
     : y_(y), all_(trace_beams(world, y, emission_cells, around)) {
     if (!y.delta) build_folds(reach);  // rays do not come to points
-    if (!world.budget.is_cancelled()) build_layers(reach, world.threads);
+    build_layers(reach, world);
 }
 
 float LightSheet::Entry::density() const {
@@ -98,7 +98,7 @@ float LightSheet::Entry::density() const {
     return beam.density * (inside ? 1.0f : kBeside);
 }
 
-void LightSheet::build_layers(float reach, uint32_t threads) {
+void LightSheet::build_layers(float reach, const SheetWorld& world) {
     constexpr size_t kMostLayers = 24;
     std::vector<Entry> entries;
     for (const Beam& beam : std::exchange(all_.beams, {})) {
@@ -114,7 +114,8 @@ void LightSheet::build_layers(float reach, uint32_t threads) {
             ++end;
         layers_.push_back({largest, {begin, end}, {}});
     }
-    parallel_for(threads, static_cast<uint32_t>(layers_.size()), [&](uint32_t k) {
+    parallel_for(world.threads, static_cast<uint32_t>(layers_.size()), [&](uint32_t k) {
+        if (world.budget.is_cancelled()) return;
         Layer& layer = layers_[k];
         const std::vector<Entry> unordered = std::move(layer.entries);
         const auto shape = [&](uint32_t i) {

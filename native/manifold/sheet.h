@@ -86,7 +86,7 @@ private:
         FoldParallelogram parallelogram;
         std::array<HalfSpace, 5> sides;  // bound where its beam may move
     };
-    void build_layers(float reach, uint32_t threads);
+    void build_layers(float reach, const SheetWorld& world);
     // Call before build_layers(), which moves the beams away.
     void build_folds(float reach);
     void add_seed(const Entry& entry, const Vec3& x, const Vec3& shift,

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "render/session.h"
 
+#include "core/error.h"
+
 #include <bit>
+#include <utility>
 
 #include <pmmintrin.h>
 #include <xmmintrin.h>
@@ -21,22 +24,6 @@ uint32_t count_rounds(uint32_t samples) {
     if (samples < kLargestBatch) return static_cast<uint32_t>(std::bit_width(samples));
     return kDoublings +
            samples / kLargestBatch;  // 2^kDoublings - 1 samples precede those of full size
-}
-
-constexpr uint32_t kLeastSamples = 3;  // of a pixel: fewer tell nothing yet of its noise
-
-// Variance of one sample, averaged over pixels and channels. Empty if a pixel has fewer than two samples.
-std::optional<double> variance_of(std::span<const PixelSums> pixels) {
-    double sum = 0.0;
-    for (const PixelSums& pixel : pixels) {
-        const double n = pixel.count;
-        if (n < 2.0) return std::nullopt;
-        for (size_t c = 0; c < 3; ++c) {
-            const double mean = pixel.radiance[c] / n;
-            sum += (pixel.radiance_squared[c] / n - mean * mean) * (n / (n - 1.0));
-        }
-    }
-    return sum / (3.0 * static_cast<double>(pixels.size()));
 }
 
 IntegratorSettings without_searches(IntegratorSettings settings) {
@@ -70,13 +57,17 @@ Session::Session(const RenderScene& world, const RenderSettings& settings, Sheet
       settings_(settings),
       path_tracing_(without_searches(settings.integrator)),
       filter_(settings.filter, settings.filter_width),
-      film_(world.scene->camera.crop[2], world.scene->camera.crop[3]),
+      film_(world.scene->camera.crop[2], world.scene->camera.crop[3], settings.passes,
+            settings.for_denoiser ? SplatSpread::one_pixel : SplatSpread::all_pixels,
+            settings.crypto, settings.noise_threshold > 0.0f),
       round_count_(count_rounds(settings.samples)),
       tile_rounds_(film_.tile_count()),
+      tile_ended_(film_.tile_count()),
       evidence_(film_.tile_count()),
       sheet_store_(store),
       start_(Clock::now()) {
     settings_.integrator.manifold.cancelled = &cut_short_;
+    settings_.integrator.tell_lobes = settings.passes.tell_lobes();
     settings_.threads = worker_count(settings.threads);
     const uint32_t count = active_workers_ = settings_.threads;
     try {
@@ -122,7 +113,11 @@ void Session::look_at_clock() {
     const bool shows_all = previewed_ || tiles_begun_ == film_.tile_count();
     if (now > limit * (1.0 + kShare) + kGrace && shows_all) cut_short_ = true;
 }
+bool Session::all_pixels_end() const {
+    return splat_jobs_ == 0 && tiles_ended_ == film_.tile_count();
+}
 bool Session::stops_in(uint32_t round) const {
+    if (all_pixels_end()) return true;
     return round > 0 ? should_stop() : must_stop() || cut_short_.load(std::memory_order_relaxed);
 }
 
@@ -155,7 +150,7 @@ Activation activation_for(const TileEvidence& evidence, double variance, double 
 Activation activation_for(const TileEvidence& evidence, std::span<const PixelSums> pixels,
                           const Activation& before) {
     if (evidence.samples < kLeastSamples * pixels.size()) return before;
-    const std::optional<double> variance = variance_of(pixels);
+    const std::optional<double> variance = sample_variance(pixels);
     return variance ? activation_for(evidence, *variance, kLeastProbability, 1.0) : before;
 }
 
@@ -183,6 +178,7 @@ void Session::work(uint32_t worker) {
         seconds_at_end_ = stage_begin_;
     }
     ended_.notify_all();
+    job_done_.notify_all();
 }
 
 // With the lock.
@@ -209,12 +205,43 @@ void Session::run_jobs() {
     const uint64_t per_round = splat_jobs_ + film_.tile_count(), jobs = per_round * round_count_;
     for (;;) {
         const uint64_t job = next_job_.fetch_add(1);
-        if (job >= jobs || stops_in(static_cast<uint32_t>(job / per_round))) break;
+        if (job >= jobs || !may_begin(static_cast<uint32_t>(job / per_round))) break;
         RenderStats stats;
-        render_job(job, stats);
+        const bool done = render_job(job, stats);
         const std::lock_guard lock(mutex_);
         stats_.add(stats);
+        if (done) ++jobs_done_;
+        job_done_.notify_all();
     }
+}
+
+// Waits while an export holds the round back.
+bool Session::may_begin(uint32_t round) {
+    std::unique_lock lock(mutex_);
+    while (round >= most_rounds_ && !stops_in(round)) {
+        constexpr std::chrono::milliseconds kUntilLook(50);
+        resumed_.wait_for(lock, kUntilLook);
+    }
+    if (stops_in(round)) return false;
+    rounds_begun_ = std::max(rounds_begun_, round + 1);
+    return true;
+}
+
+Session::Export Session::export_film() {
+    std::unique_lock lock(mutex_);
+    const auto per_round = [this] { return uint64_t{splat_jobs_} + film_.tile_count(); };
+    // Not before the preparation has said how many jobs there are.
+    const auto has_begun = [this] { return rounds_begun_ > 0 || active_workers_ == 0; };
+    job_done_.wait(lock, has_begun);
+    most_rounds_ = rounds_begun_;
+    job_done_.wait(
+        lock, [&] { return jobs_done_ == most_rounds_ * per_round() || active_workers_ == 0; });
+    const uint32_t rounds = std::exchange(most_rounds_, std::numeric_limits<uint32_t>::max());
+    resumed_.notify_all();
+    if (rounds == 0 || jobs_done_ != rounds * per_round())
+        throw Error(ErrorKind::wrong_state, "the render ended within a sample");
+    // Workers that go on wait for the lock before they change the film.
+    return {film_.to_bytes(), round_begin(rounds)};
 }
 
 // Whether the whole job was done.
@@ -233,9 +260,9 @@ bool Session::render_tile(uint32_t round, uint32_t tile, RenderStats& stats) {
         if (stops_in(round)) return false;
         std::this_thread::yield();
     }
-    std::vector<PixelSums> pixels = film_.copy_tile(tile);
-    const bool complete = render_pixels(tile, round, pixels, stats);
-    film_.store_tile(tile, pixels);
+    Film::TileSums sums = film_.copy_tile(tile);
+    const bool complete = render_pixels(tile, round, sums, stats);
+    film_.store_tile(tile, sums);
     if (!complete) return false;
     evidence_[tile].add(stats);
     tile_rounds_[tile].store(round + 1);
@@ -244,20 +271,6 @@ bool Session::render_tile(uint32_t round, uint32_t tile, RenderStats& stats) {
         stats_.first_sample_seconds = seconds();
     }
     return true;
-}
-
-// With n estimates a pixel's variance V / n falls by V / n^2 for one more, of cost c. Samples of the
-// whole picture, of the variance V' and the cost C on average, lower it as fast where n = sqrt(V / V'
-// C / c). V is that of some samples with one estimate, and of others with more, so n is doubled.
-GlintSampling Session::glint_sampling(const PixelSums& pixel, double variance_of_tile) const {
-    constexpr double kMost = 16.0;
-    if (pixel.count < kLeastSamples) return {};
-    const double variance = variance_of({&pixel, 1}).value_or(0.0);
-    const double best = variance_ > 0.0
-                            ? 2.0 * std::sqrt(std::max(variance, 0.0) / variance_ * work_by_glint_)
-                            : 1.0;
-    return {static_cast<uint32_t>(std::clamp(best, 1.0, kMost)),
-            static_cast<float>(std::sqrt(std::max(variance_of_tile, 0.0)))};
 }
 
 // A part of the light paths, the estimates of camera chains and the searches for them of a round.
@@ -270,15 +283,16 @@ bool Session::render_splats(uint32_t round, uint32_t part, RenderStats& stats) {
     };
     // Empty if there was no time for all.
     const auto estimate_part = [&](uint64_t per_sample, auto&& estimate) -> std::optional<Part> {
-        const uint64_t before = (settings_.first_sample + round_begin(round)) * per_sample;
-        const uint64_t count = (round_begin(round + 1) - round_begin(round)) * per_sample;
-        const uint64_t begin = before + count * part / splat_jobs_,
-                       end = before + count * (part + 1) / splat_jobs_;
-        Part result{{}, end - begin};
-        for (uint64_t i = begin; i < end; ++i) {
-            if (i % kUntilClock == 0) look_at_clock();
-            if (stops_in(round)) return std::nullopt;
-            estimate(i, result.splats);
+        const uint64_t begin = per_sample * part / splat_jobs_,
+                       end = per_sample * (part + 1) / splat_jobs_;
+        Part result;
+        for (uint32_t sample = round_begin(round); sample < round_begin(round + 1); ++sample) {
+            for (uint64_t i = begin; i < end; ++i) {
+                if (i % kUntilClock == 0) look_at_clock();
+                if (stops_in(round)) return std::nullopt;
+                estimate({settings_.first_sample + sample, i}, result.splats);
+            }
+            result.count += end - begin;
         }
         stats.nan_samples += static_cast<uint64_t>(std::erase_if(
             result.splats, [](const Splat& splat) { return !can_be_held(splat.value); }));
@@ -287,16 +301,17 @@ bool Session::render_splats(uint32_t round, uint32_t part, RenderStats& stats) {
     };
     const IntegratorSettings& integrator = settings_.integrator;
     const float margin = filter_.radius();
-    auto light = estimate_part(light_paths_, [&](uint64_t i, std::vector<Splat>& splats) {
+    auto light = estimate_part(light_paths_, [&](const SplatIndex& i, std::vector<Splat>& splats) {
         trace_light_path(world_, integrator, margin, settings_.seed, i, splats, stats.light);
     });
-    auto camera_chains = estimate_part(camera_chain_estimates_, [&](uint64_t i,
+    auto camera_chains = estimate_part(camera_chain_estimates_, [&](const SplatIndex& i,
                                                                     std::vector<Splat>& splats) {
         estimate_camera_chains(world_, integrator, margin, settings_.seed, i, splats, stats.path);
     });
-    auto missed = estimate_part(camera_chain_searches_, [&](uint64_t i, std::vector<Splat>& splats) {
-        search_camera_chains(world_, integrator, margin, settings_.seed, i, splats, stats.path);
-    });
+    auto missed =
+        estimate_part(camera_chain_searches_, [&](const SplatIndex& i, std::vector<Splat>& splats) {
+            search_camera_chains(world_, integrator, margin, settings_.seed, i, splats, stats.path);
+        });
     if (!light || !camera_chains || !missed) return false;
     const auto add = [this](SplatSource source, const Part& of, uint64_t per_picture) {
         if (per_picture > 0)
@@ -311,65 +326,6 @@ bool Session::render_splats(uint32_t round, uint32_t part, RenderStats& stats) {
             add(SplatSource::missed_camera_chains, missed, camera_chain_searches_);
         });
     return true;
-}
-
-bool Session::render_pixels(uint32_t tile, uint32_t round, std::vector<PixelSums>& pixels,
-                            RenderStats& stats) {
-    const uint32_t first = round_begin(round), count = round_begin(round + 1) - first;
-    const Film::TileBounds b = film_.bounds(tile);
-    RoundState state{activation_for(evidence_[tile], pixels, first_probabilities_), sheets_, {}};
-    const bool may_glint = !world_.glints.fields.empty();
-    const double variance = may_glint ? variance_of(pixels).value_or(0.0) : 0.0;
-    const auto& crop = world_.scene->camera.crop;
-    for (uint32_t y = 0; y < b.height; ++y) {
-        for (uint32_t x = 0; x < b.width; ++x) {
-            PixelSums& pixel = pixels[static_cast<size_t>(y) * b.width + x];
-            if (may_glint) state.glints = glint_sampling(pixel, variance);
-            for (uint32_t i = 0; i < count; ++i) {
-                if (stops_in(round)) return false;
-                const FilmSample sample = take_sample(crop[0] + b.x0 + x, crop[1] + b.y0 + y,
-                                                      settings_.first_sample + first + i,
-                                                      settings_.integrator, state, stats);
-                if (cut_short_.load(std::memory_order_relaxed))
-                    return false;  // so is this, perhaps
-                accumulate(pixel, sample);
-            }
-        }
-        look_at_clock();
-    }
-    return true;
-}
-
-// x and y in the full frame: a crop is a window into the same picture.
-FilmSample Session::take_sample(uint32_t x, uint32_t y, uint32_t index,
-                                const IntegratorSettings& integrator, const RoundState& state,
-                                RenderStats& stats) const {
-    const Camera& camera = world_.scene->camera;
-    const Sampler sampler(settings_.seed, y * camera.width + x, index);
-    const Vec2 offset = filter_.sample(sampler[Domain::film].two());
-    const Vec2 lens = camera.aperture_radius > 0.0f ? sampler[Domain::lens].two() : Vec2(0.0f, 0.0f);
-    const Vec2 film = Vec2(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f) + offset;
-    const Ray ray = camera.ray(film.x, film.y, lens);
-    const PixelKernel pixel{&filter_, film, offset};
-    const ManifoldStats before = stats.path.manifold;
-    PathSample path =
-        path_radiance(world_, integrator, state, ray, lens, sampler, stats.path, &pixel);
-    ++stats.samples;
-    if (!can_be_held(path.radiance) || !can_be_held(path.caustics) || !is_finite(path.position) ||
-        !is_finite(path.normal) || !std::isfinite(path.alpha)) {
-        ++stats.nan_samples;
-        path = PathSample{};
-    }
-    stats.manifold_energy += static_cast<double>(luminance(path.caustics));
-    const ManifoldStats& after = stats.path.manifold;
-    return {path.radiance,
-            path.caustics,
-            path.hit ? path.position + world_.scene->origin : path.position,
-            path.normal,
-            path.alpha,
-            path.hit ? camera.depth(path.position) : 1e10f,
-            {after.walks - before.walks, after.converged - before.converged,
-             after.trial_estimates - before.trial_estimates, after.trials - before.trials}};
 }
 
 RenderProgress Session::wait(std::chrono::milliseconds patience) {

@@ -20,6 +20,16 @@
 
 namespace spc {
 
+// How much of the pass of that name a surface has at a distance from the camera.
+struct Mist {
+    float start = 5.0f, depth = 25.0f;  // m; the mist is full where both end
+    float exponent = 2.0f;
+    float at(float distance) const {
+        const float u = depth > 0.0f ? (distance - start) / depth : distance > start ? 1.0f : 0.0f;
+        return std::pow(clamp01(u), exponent);
+    }
+};
+
 struct RenderSettings {
     // The session itself sets `light_tracing`, `camera_chains` and the flakes of glints.
     IntegratorSettings integrator;
@@ -28,11 +38,22 @@ struct RenderSettings {
     // make too many chains at once, and receivers at which light paths are dense.
     bool chooses = false;
     uint32_t first_sample = 0, samples = 64;
+    // Of the render that this one is a part of; 0: it is no part. Samples of a part learn nothing
+    // from those before them, so that parts add up to the same picture however its samples are
+    // divided.
+    uint32_t total_samples = 0;
     float time_limit = 0.0f;  // s, 0 = none
     uint32_t seed = 0;
     uint32_t threads = 0;  // 0 = all
     FilterKind filter = FilterKind::blackman_harris;
     float filter_width = 1.5f;
+    PassSet passes;
+    Mist mist;
+    CryptoRequest crypto;
+    // Pixels whose error is below the threshold take no more samples; 0: all take all. Not in parts.
+    float noise_threshold = 0.0f;
+    uint32_t min_samples = 0;   // before that is asked; 0: by the threshold
+    bool for_denoiser = false;  // errors of neighbouring pixels are independent
 };
 
 // What a render does, in this order. Each stage of the preparation has a share of the render's time, and
@@ -72,6 +93,8 @@ struct TileEvidence {
     std::array<ActivationEvidence, kEstimates> manifold;
     void add(const RenderStats& stats);
 };
+// Of a pixel: fewer tell nothing yet of its noise.
+inline constexpr uint32_t kLeastSamples = 3;
 // Least probability of an estimate. A tile learns late of chains that are found once in a while, and with a
 // small probability they come as single bright samples.
 inline constexpr double kLeastProbability = 1.0 / 4;
@@ -96,6 +119,13 @@ public:
     RenderProgress wait(std::chrono::milliseconds patience);
     RenderStats stats() const;
     const Film& film() const { return film_; }
+    // Waits until every pixel has the same samples, and gives their sums and how many they are. The
+    // render stands still meanwhile, for less than a round. Throws Error if it has ended before that.
+    struct Export {
+        std::vector<std::byte> sums;
+        uint32_t samples;
+    };
+    Export export_film();
     // One line for each caster about which the render has decided. Complete once samples are taken.
     std::vector<std::string> report() const;
     // The exception that made the render fail, or null.
@@ -105,6 +135,7 @@ private:
     using Clock = std::chrono::steady_clock;
     void work(uint32_t worker);
     void run_jobs();
+    bool may_begin(uint32_t round);
     void fail();
     // Renders a coarse picture by path tracing alone, which is shown until there are samples.
     void render_preview();
@@ -147,17 +178,29 @@ private:
     bool render_job(uint64_t job, RenderStats& stats);
     bool render_tile(uint32_t round, uint32_t tile, RenderStats& stats);
     bool render_splats(uint32_t round, uint32_t part, RenderStats& stats);
-    bool render_pixels(uint32_t tile, uint32_t round, std::vector<PixelSums>& pixels,
-                       RenderStats& stats);
+    bool render_pixels(uint32_t tile, uint32_t round, Film::TileSums& sums, RenderStats& stats);
     GlintSampling glint_sampling(const PixelSums& pixel, double variance_of_tile) const;
+    // `values` may be null.
     FilmSample take_sample(uint32_t x, uint32_t y, uint32_t index,
                            const IntegratorSettings& integrator, const RoundState& state,
-                           RenderStats& stats) const;
+                           RenderStats& stats, PassValues* values) const;
+    void tell_passes(const PathSample& path, const ManifoldStats& before,
+                     const ManifoldStats& after, PassValues& values) const;
+    bool is_adaptive() const { return settings_.noise_threshold > 0.0f && !is_part(); }
+    std::vector<bool> pixels_that_end(const Film::TileBounds& bounds,
+                                      const Film::TileSums& sums) const;
+    bool is_part() const { return settings_.total_samples > 0; }
+    // What the preparation is for, the same for all parts of a render.
+    uint32_t planned_samples() const {
+        return is_part() ? settings_.total_samples : settings_.samples;
+    }
     uint32_t round_begin(
         uint32_t round) const;  // relative sample index; of round_count_ the number of samples
     bool must_stop() const;     // whatever has been done
     bool should_stop() const;   // that, or time is up
     bool stops_in(uint32_t round) const;
+    // Whether no pixel wants more samples, and no light paths are left to trace.
+    bool all_pixels_end() const;
     void look_at_clock();
     double seconds() const;
 
@@ -170,8 +213,11 @@ private:
     const uint32_t round_count_;
     std::vector<std::atomic<uint32_t>> tile_rounds_;  // rounds completed, by tile
     std::atomic<uint32_t> tiles_begun_{0};            // tiles that have completed a round
-    std::vector<TileEvidence> evidence_;              // by tile, from its completed rounds
-    Activation first_probabilities_ = kAlways;        // for tiles whose samples tell nothing yet
+    // Tiles of which adaptive sampling wants no more; each is set by whoever has the tile.
+    std::vector<uint8_t> tile_ended_;
+    std::atomic<uint32_t> tiles_ended_{0};
+    std::vector<TileEvidence> evidence_;        // by tile, from its completed rounds
+    Activation first_probabilities_ = kAlways;  // for tiles whose samples tell nothing yet
     // Jobs of a round beside its tiles. Their splats are added to the film in the order of the jobs.
     uint32_t splat_jobs_ = 0;
     uint64_t light_paths_ = 0, camera_chain_estimates_ = 0,
@@ -196,6 +242,10 @@ private:
 
     mutable std::mutex mutex_;  // guards the rest
     std::condition_variable ended_;
+    // Rounds that have begun, and those that may; jobs that are done.
+    uint32_t rounds_begun_ = 0, most_rounds_ = std::numeric_limits<uint32_t>::max();
+    uint64_t jobs_done_ = 0;
+    std::condition_variable resumed_, job_done_;
     uint32_t active_workers_ = 0;
     double seconds_at_end_ = 0.0;
     RenderStats stats_;

@@ -23,8 +23,9 @@ constexpr double kLeastWalks = 1.0 / 16;
 constexpr double kUnlessRare = 4.0;
 
 // Sum of the squares of the shares that pixels have of one splat, on average.
-double spread(const PixelFilter& filter) {
+double spread(const PixelFilter& filter, SplatSpread how) {
     constexpr int kSteps = 64;
+    if (how == SplatSpread::one_pixel) return 1.0;
     const float step = filter.radius() / kSteps;
     double sum = 0.0;
     for (int i = -kSteps; i < kSteps; ++i) {
@@ -61,7 +62,8 @@ double glint_work(const GlintStats& stats) {
 const Budget& Session::begin(RenderStage stage, double work, double share) {
     // A stage's time without a time limit: longer than its work takes, so that the picture does not depend on
     // the machine.
-    constexpr double kGuard = 20.0;  // s
+    constexpr double kGuardOfPart = 1e9, kGuardOfOthers = 20.0;  // s
+    const double kGuard = is_part() ? kGuardOfPart : kGuardOfOthers;
     const auto limit = static_cast<double>(settings_.time_limit);
     auto budget =
         std::make_shared<const Budget>(work, limit > 0.0 ? share * limit : kGuard, cut_short_);
@@ -103,7 +105,7 @@ void Session::render_preview() {
         const uint32_t x = std::min(i % across * block + block / 2, width - 1),
                        y = std::min(i / across * block + block / 2, height - 1);
         const FilmSample sample =
-            take_sample(x0 + x, y0 + y, kPreviewSample, path_tracing_, {}, stats);
+            take_sample(x0 + x, y0 + y, kPreviewSample, path_tracing_, {}, stats, nullptr);
         colors[i] = {sample.radiance.x, sample.radiance.y, sample.radiance.z, sample.alpha};
     }
     film_.set_preview(block, std::move(colors));
@@ -170,7 +172,7 @@ void Session::prepare_sheets() {
     const auto& crop = world_.scene->camera.crop;
     const auto pixels = static_cast<double>(uint64_t{crop[2]} * crop[3]);
     double emission_cells =
-        std::min(pixels / kPixelsPerCell, pixels * settings_.samples / kSamplesPerCell);
+        std::min(pixels / kPixelsPerCell, pixels * planned_samples() / kSamplesPerCell);
     if (settings_.time_limit > 0.0f) {
         const double seconds = static_cast<double>(settings_.time_limit) * settings_.threads;
         emission_cells = std::min(emission_cells, seconds / kSecondsPerCell);
@@ -215,7 +217,7 @@ void Session::learn_light_paths() {
     // As many as are a small part of the work.
     const auto& crop = world_.scene->camera.crop;
     const auto pixels = static_cast<double>(uint64_t{crop[2]} * crop[3]);
-    double paths = pixels * settings_.samples / kSamplesOfPath;
+    double paths = pixels * planned_samples() / kSamplesOfPath;
     if (settings_.time_limit > 0.0f)
         paths = std::min(
             paths, static_cast<double>(settings_.time_limit) * settings_.threads / kSecondsOfPath);
@@ -245,7 +247,7 @@ void Session::find_camera_chains() {
     // As many as are a small part of the work.
     const auto& crop = world_.scene->camera.crop;
     const auto pixels = static_cast<double>(uint64_t{crop[2]} * crop[3]);
-    double walks = std::min(kMostWalks, pixels * settings_.samples / kSamplesOfWalk);
+    double walks = std::min(kMostWalks, pixels * planned_samples() / kSamplesOfWalk);
     if (settings_.time_limit > 0.0f)
         walks = std::min(
             walks, static_cast<double>(settings_.time_limit) * settings_.threads / kSecondsOfWalk);
@@ -382,7 +384,7 @@ Session::Probe Session::probe(uint32_t most, uint32_t rare, const Budget& budget
             const uint32_t i = begin + k, pixel = pixel_of(i);
             const auto take = [&](uint32_t index) {
                 return take_sample(x0 + pixel % width, y0 + pixel / width, index,
-                                   settings_.integrator, always, stats[k])
+                                   settings_.integrator, always, stats[k], nullptr)
                     .radiance;
             };
             const Spectrum difference = take(~i) - take(~i ^ (1u << 30));
@@ -456,7 +458,8 @@ Session::LightPathPlan Session::light_paths_that_pay(const LightPilot& pilot,
     const auto& crop = world_.scene->camera.crop;
     const auto pixels = static_cast<double>(uint64_t{crop[2]} * crop[3]);
     // Variance of a pixel if there is one light path for each pixel, per unit of pilot.squares.
-    const double of_light = spread(filter_) * CoarsePicture::kCells / (pixels * pixels);
+    const double of_light =
+        spread(filter_, film_.spread()) * CoarsePicture::kCells / (pixels * pixels);
     const double work = kWorkOfLightRay * pilot.rays;
     const auto error = [&](double paths) {  // logarithm of that mean
         double sum = 0.0;

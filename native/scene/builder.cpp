@@ -164,7 +164,10 @@ uint32_t SceneBuilder::add_image(Image image) {
 }
 
 uint32_t SceneBuilder::add_material(const Graph& graph) {
-    scene_->materials.push_back(compile(graph, scene_->images));
+    Material material = compile(graph, scene_->images);
+    material.pass_index = graph.pass_index;
+    material.crypto = graph.crypto;
+    scene_->materials.push_back(std::move(material));
     return static_cast<uint32_t>(scene_->materials.size() - 1);
 }
 
@@ -226,7 +229,7 @@ uint32_t SceneBuilder::keep_image(uint32_t index) {
 }
 
 uint32_t SceneBuilder::keep_mesh(uint32_t index) {
-    return keep(before().meshes, index, scene_->meshes, "mesh");
+    return keep(before().sources, index, scene_->meshes, "mesh");
 }
 
 uint32_t SceneBuilder::keep_material(uint32_t index) {
@@ -360,6 +363,7 @@ void SceneBuilder::require_complete() const {
 
 std::unique_ptr<Scene> SceneBuilder::freeze(uint32_t threads) {
     require_complete();
+    if (scene_->has_trees_to_share) scene_->sources = scene_->meshes;
     for (const Material& material : scene_->materials)
         for (const std::string& warning : material.warnings) scene_->report.push_back(warning);
     report_images(*scene_);

@@ -55,7 +55,9 @@ struct Instance {
     std::vector<uint32_t> materials;  // index into Scene::materials for each slot
     uint32_t visibility = kVisibleAll;
     CausticsRole role = CausticsRole::automatic;
-    float terminator_stretch = 1.0f;  // Terminator::stretch
+    float terminator_stretch = 1.0f;                  // Terminator::stretch
+    uint32_t pass_index = 0;                          // what its pass shows
+    float crypto_object = 0.0f, crypto_asset = 0.0f;  // identifiers, 0: none
     // Set when the scene is frozen.
     std::vector<std::vector<uint32_t>>
         uv_layers;  // [slot][layer of the material] -> layer of the mesh, or kNone

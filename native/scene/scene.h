@@ -15,6 +15,9 @@ struct Scene {
     std::vector<Image> images;  // whose texels are shared
     std::vector<Shared<Material>> materials;
     std::vector<Shared<Mesh>> meshes;
+    // The same as the host gave them, before freezing added to some: what the next snapshot keeps. Of
+    // a series alone.
+    std::vector<Shared<Mesh>> sources;
     std::vector<Instance> instances;
     std::vector<LightDesc> lights;
     Vec3 origin{0.0f};  // of all world coordinates here, in the host's: see center_on_casters()

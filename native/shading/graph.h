@@ -44,6 +44,8 @@ enum class GlintsMode : uint8_t { automatic, on, off };
 
 struct Graph {
     std::string name;
+    uint32_t pass_index = 0;  // what its pass shows
+    float crypto = 0.0f;      // identifier, 0: none
     GlintsMode glints = GlintsMode::automatic;
     BumpCorrection bump_correction = BumpCorrection::none;
     std::vector<GraphNode> nodes;

@@ -78,6 +78,8 @@ struct ProgramDeleter {
 
 struct Material {
     std::string name;
+    uint32_t pass_index = 0;  // what its pass shows
+    float crypto = 0.0f;      // identifier, 0: none
     std::unique_ptr<Program, ProgramDeleter> program;
     std::vector<std::string> uv_layers;  // names of the layers that are read, "" for the active one; the order
                                          // is that of ShadingPoint::uv

@@ -21,9 +21,11 @@ V2_FLAGS = "fpu sse2 cx16 lahf_lm popcnt ssse3 sse4_1 sse4_2 avx"
 def render(scene_desc, settings=None, passes=(abi.Pass.COMBINED,)):
     """Pass -> (H, W, C), and the render's statistics."""
     _, _, width, height = scene_desc.camera.crop
+    settings = settings or native.render_settings(samples=4)
+    settings.passes = sum(1 << render_pass for render_pass in passes)
     with upload(scene_desc) as scene:
         scene.commit(2)
-        with native.Session(scene, settings or native.render_settings(samples=4)) as session:
+        with native.Session(scene, settings) as session:
             while session.wait(100).state == abi.RenderState.RUNNING:
                 pass
             images = {p: session.read(p, width, height).reshape(height, width, -1) for p in passes}

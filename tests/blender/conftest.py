@@ -17,4 +17,6 @@ def empty_file():
     scene.render.engine = "SPECULA"
     scene.render.resolution_x, scene.render.resolution_y = 32, 16
     scene.specula.samples = 1
+    # Which are on in a new file.
+    scene.cycles.use_denoising = scene.cycles.use_adaptive_sampling = False
     return scene

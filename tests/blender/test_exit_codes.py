@@ -141,8 +141,8 @@ def test_no_numpy(scene, farm):
 
 
 def test_an_exception_in_a_callback(scene, farm):
-    before = "import specula.passes\nspecula.passes.PASSES = None\n"
+    before = "import specula.passes\nspecula.passes.SWITCHES = None\n"
     code, output, images = farm(before=before)
     assert code == 1, output
-    assert "Specula: TypeError" in output
+    assert "Specula: AttributeError" in output
     assert images == []

@@ -95,7 +95,7 @@ def draw(panel, context):
         layout = Recorder()
         column = ui.SpeculaPanel.column
 
-    for name in ("COMMON", "PROPERTIES", "LABELS"):
+    for name in ("COMMON", "PROPERTIES", "LABELS", "SWITCHES"):
         setattr(Drawn, name, getattr(panel, name, None))
     assert panel.poll.__func__(panel, context)
     panel.draw(Drawn(), context)
@@ -272,12 +272,12 @@ def test_engine_is_what_files_name():
     engine = bpy.types.RenderEngine.bl_rna_get_subclass_py("SPECULA")
     assert (engine.bl_idname, engine.bl_label) == ("SPECULA", "Specula")
     assert not engine.bl_use_shading_nodes_custom
-    assert [row.name for row in passes.PASSES] == [
-        "Combined",
-        "Depth",
-        "Position",
-        "Normal",
-        "Caustics",
-        "Walk Success",
-        "Walk Trials",
-    ]
+
+
+def test_every_pass_of_the_core_has_its_switch():
+    assert set(passes.SWITCHES) == set(abi.Pass) - {abi.Pass.VARIANCE}  # it is for instruments
+    assert len(native.passes()) == len(abi.Pass)
+    layer = bpy.context.view_layer
+    for switch in {*passes.SWITCHES.values()} - {""}:
+        owner, _, name = switch.rpartition(".")
+        assert name in (getattr(layer, owner) if owner else layer).bl_rna.properties, switch

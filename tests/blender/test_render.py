@@ -3,13 +3,13 @@
 
 import math
 import re
-import subprocess
 import time
 from types import SimpleNamespace
 
 import bpy
 import numpy as np
 import pytest
+from layers import render_layers
 from scenes import add_camera, add_light, add_mesh, add_node, link, new_material, new_world, surface
 
 from specula import native, rendering, statistics
@@ -31,55 +31,6 @@ def glowing_quad():
     scene.world = None
     scene.cycles.pixel_filter_type = "BOX"
     return scene
-
-
-def render_layers(tmp_path) -> tuple[dict[str, np.ndarray], dict[str, str]]:
-    """Renders the open file.
-
-    Returns 'layer.pass' -> (H, W, C) float32, bottom row first, and the metadata of the file.
-    """
-    scene = bpy.context.scene
-    image_settings = scene.render.image_settings
-    if hasattr(image_settings, "media_type"):
-        image_settings.media_type = "MULTI_LAYER_IMAGE"
-    image_settings.file_format = "OPEN_EXR_MULTILAYER"
-    image_settings.color_depth = "32"
-    scene.render.filepath = str(tmp_path / "render.exr")
-    bpy.ops.render.render(write_still=True)
-    return read_layers(tmp_path / "render.exr")
-
-
-# Run by Debian's Python, which has OpenImageIO: PyPI's bpy has no reader of multilayer files.
-READER = """
-import sys
-import numpy as np
-import OpenImageIO as oiio
-image = oiio.ImageInput.open(sys.argv[1])
-arrays, part = {}, 0
-while image.seek_subimage(part, 0):  # Blender 5.0 gives every pass a part of its own
-    spec = image.spec()
-    arrays[f"pixels {part}"] = image.read_image("float").reshape(
-        spec.height, spec.width, spec.nchannels)[::-1]
-    arrays[f"channels {part}"] = spec.channelnames
-    arrays[f"metadata {part}"] = [(a.name, str(a.value)) for a in spec.extra_attribs]
-    part += 1
-np.savez(sys.argv[2], **arrays)
-"""
-
-
-def read_layers(path) -> tuple[dict[str, np.ndarray], dict[str, str]]:
-    """Passes and metadata of a multilayer EXR."""
-    arrays = path.with_suffix(".npz")
-    subprocess.run(["/usr/bin/python3", "-c", READER, str(path), str(arrays)], check=True)
-    content = np.load(arrays)
-    layers = {}
-    for part in range(len(content.files) // 3):
-        groups: dict[str, list[int]] = {}
-        for index, channel in enumerate(content[f"channels {part}"]):
-            groups.setdefault(str(channel).rpartition(".")[0], []).append(index)
-        pixels = content[f"pixels {part}"]
-        layers |= {name: pixels[:, :, indices] for name, indices in groups.items()}
-    return layers, dict(content["metadata 0"].tolist())
 
 
 def last_stats():
@@ -122,6 +73,17 @@ def test_passes(glowing_quad, tmp_path):
 
 def test_passes_are_only_there_if_asked_for(glowing_quad, tmp_path):
     assert set(render_layers(tmp_path)[0]) == {"ViewLayer.Combined"}
+
+
+def test_adaptive_sampling_ends_where_there_is_no_noise(glowing_quad, tmp_path):
+    glowing_quad.specula.samples = 1 << 20
+    cycles = glowing_quad.cycles
+    cycles.use_adaptive_sampling, cycles.adaptive_threshold = True, 0.01
+    cycles.adaptive_min_samples = 24
+    bpy.context.view_layer.cycles.pass_debug_sample_count = True
+    layers, _ = render_layers(tmp_path)
+    counts = layers["ViewLayer.Debug Sample Count"] * (1 << 20)
+    assert 24 <= counts.min() == counts.max() < 48
 
 
 def test_border_renders_its_part_of_the_frame(glowing_quad, tmp_path):

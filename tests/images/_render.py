@@ -160,7 +160,9 @@ def render(native_scene, size: list[int], name: str, settings, changes: dict) ->
     samples = settings.samples // parts
     clock, moments, caustics, totals = Clock(name, parts), Moments(), Moments(), {}
     for part in range(parts):
-        batch = native.changed(settings, first_sample=part * samples, samples=samples)
+        batch = native.changed(
+            settings, first_sample=part * samples, samples=samples, passes=1 << Pass.CAUSTICS
+        )
         with native.Session(native_scene, batch) as session:
             while (progress := session.wait(POLL_MILLISECONDS)).state == RenderState.RUNNING:
                 pass

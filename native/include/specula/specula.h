@@ -48,7 +48,7 @@ extern "C" {
 #endif
 
 /* This number is raised whenever a struct or the meaning of a call changes. */
-#define SPC_API_VERSION 11u
+#define SPC_API_VERSION 12u
 
 /* This value stands for "no index" where an index is optional. */
 #define SPC_NONE 0xffffffffu
@@ -84,17 +84,18 @@ SPC_API spc_status spc_scene_create(spc_scene** scene);
 /* Frees a scene. All of its sessions must have been destroyed before. */
 SPC_API void spc_scene_destroy(spc_scene* scene);
 
-/* A new scene that shares with `before`, which is committed, what it keeps of it by the calls below and what
- * follows from that: trees over geometry, tables of the world and of glints. Its pictures are those of a scene
- * into which all has been added anew, to the bit but for surfaces that coincide. Each instance has a tree of
- * its own, which takes a little longer to render and makes the next scene cheap. `before` may be NULL, for
- * the first of a series, and be destroyed at any time. Embree's threads are those of the first commit.
- * The scene keeps its light sheets while its camera moves. */
+/* Creates a scene that shares with `before`, which was made by this call and is committed, what it
+ * keeps of it by the calls below and what follows from that: trees over geometry, tables of the world
+ * and of glints. Its pictures are those of a scene into which all has been added anew, to the bit but
+ * for surfaces that coincide. Each instance has a tree of its own, which takes a little longer to
+ * render and makes the next scene cheap. `before` may be NULL, for the first of a series, and be
+ * destroyed at any time. Embree's threads are those of the first commit. The scene keeps its light
+ * sheets while its camera moves. Errors: SPC_WRONG_STATE (`before` is not committed). */
 SPC_API spc_status spc_scene_edit(const spc_scene* before, spc_scene** scene);
 
-/* Adds what the scene before has at an index, as the calls that add do, but shares it. A material needs the
- * images that it reads kept before it, with their indices. Errors: SPC_WRONG_STATE (there is none before),
- * SPC_INVALID_ARGUMENT. */
+/* Adds what the scene before has at an index, as the calls that add do, but shares it. A material
+ * needs the images that it reads kept before it, with their indices. Errors: SPC_WRONG_STATE (there
+ * is no scene before). */
 SPC_API spc_status spc_scene_keep_image(spc_scene* scene, uint32_t before, uint32_t* image_index);
 SPC_API spc_status spc_scene_keep_material(spc_scene* scene, uint32_t before,
                                            uint32_t* material_index);
@@ -223,6 +224,8 @@ typedef struct spc_material_desc {
     uint32_t link_count;
     uint32_t glints;          /* spc_glints; a world ignores it */
     uint32_t bump_correction; /* spc_bump_correction; likewise */
+    uint32_t pass_index;      /* what SPC_PASS_MATERIAL_INDEX shows */
+    float crypto;             /* identifier for Cryptomatte; 0: none */
 } spc_material_desc;
 
 /* Compiles a material and gives its index. Errors: SPC_WRONG_STATE (after commit). */
@@ -316,6 +319,8 @@ typedef struct spc_instance_desc {
     uint32_t visibility;       /* of spc_visibility */
     uint32_t caustics_role;    /* spc_caustics_role */
     float terminator_offset; /* 0 .. 1: how far the edge of light on smooth normals moves into the light */
+    uint32_t pass_index;               /* what SPC_PASS_OBJECT_INDEX shows */
+    float crypto_object, crypto_asset; /* identifiers for Cryptomatte; 0: none */
 } spc_instance_desc;
 
 /* Places a mesh in the world and gives the instance's index. Errors: SPC_WRONG_STATE (after
@@ -508,6 +513,13 @@ typedef enum spc_pixel_filter {
     SPC_FILTER_BLACKMAN_HARRIS = 2
 } spc_pixel_filter;
 
+/* What Cryptomatte tells apart. */
+typedef enum spc_crypto {
+    SPC_CRYPTO_OBJECT = 0,
+    SPC_CRYPTO_MATERIAL = 1,
+    SPC_CRYPTO_ASSET = 2
+} spc_crypto;
+
 typedef struct spc_render_settings {
     size_t struct_size;
     uint32_t method;        /* spc_method */
@@ -520,6 +532,10 @@ typedef struct spc_render_settings {
     uint32_t first_sample; /* absolute index; [0,8) and [8,16) together are [0,16): to the bit
                               * for SPC_METHOD_PT, in the mean for methods that learn as they go */
     uint32_t samples;      /* per pixel, >= 1 */
+    /* Of the render that this one is a part of, or 0. What parts learn depends on this number
+     * alone, so that they add up to the same picture, to the bit, however its samples are divided
+     * among them. At least first_sample + samples; a part has no time limit. */
+    uint32_t total_samples;
     float time_limit; /* seconds of rendering, 0 = none; a render that reaches it is complete */
     uint32_t seed;
     uint32_t threads;     /* 0 = all, <= 1024 */
@@ -535,6 +551,20 @@ typedef struct spc_render_settings {
      * refractions, "R" is one reflection; the rest is path tracing's. NULL or empty: all. Ignored
      * by other methods. */
     const char* chain_family;
+    /* sum of 1 << spc_pass: what is kept beside Combined, Variance and Sample Count, which always
+     * are */
+    uint64_t passes;
+    /* Of SPC_PASS_MIST: a power of the distance from the camera beyond `mist_start` over
+     * `mist_depth`, m, >= 0. */
+    float mist_start, mist_depth, mist_exponent;
+    /* 1: errors of neighbouring pixels are independent, at the price of some noise */
+    uint32_t for_denoiser;
+    uint32_t crypto_kinds; /* sum of 1 << spc_crypto: what Cryptomatte is kept of */
+    uint32_t crypto_ranks; /* identifiers that a pixel shows of each, [0, 16] */
+    /* Pixels whose error is below it take no more samples; 0: all take all of them. Light paths do
+     * in any case. Parts ignore it. */
+    float noise_threshold;
+    uint32_t min_samples; /* of each pixel before that; 0: by the threshold, as in Cycles */
 } spc_render_settings;
 
 /* Fills in the defaults, struct_size included: SPC_METHOD_AUTO with light tracing, 64 samples, no
@@ -646,17 +676,84 @@ typedef enum spc_pass {
     /* What manifold sampling had to do for a pixel [Zeltner20]; 0 where it did nothing. */
     SPC_PASS_WALK_SUCCESS = 6, /* 1: share of the Newton walks that converged, trials included */
     SPC_PASS_WALK_TRIALS = 7,  /* 1: mean number of Bernoulli trials of estimates that made some */
-    SPC_PASS_COUNT = 8
+    /* 3: on the mesh's active layer, of the first sample; the third is 1 where there is one */
+    SPC_PASS_UV = 8,
+    SPC_PASS_MIST = 9,            /* 1: of the first surface; 1 where nothing is hit */
+    SPC_PASS_OBJECT_INDEX = 10,   /* 1: of the first sample */
+    SPC_PASS_MATERIAL_INDEX = 11, /* 1: of the first sample */
+    /* Light by the first scattering on its way from the camera; caustics are indirect. Combined is
+     * the sum of Emission, Environment, and for each kind of scattering its colour times the sum of
+     * direct and indirect. */
+    SPC_PASS_EMISSION = 12,    /* 3: of lamps and surfaces that the camera sees straight */
+    SPC_PASS_ENVIRONMENT = 13, /* 3 */
+    SPC_PASS_DIFFUSE_DIRECT = 14,
+    SPC_PASS_GLOSSY_DIRECT = 15,
+    SPC_PASS_TRANSMISSION_DIRECT = 16,
+    SPC_PASS_DIFFUSE_INDIRECT = 17,
+    SPC_PASS_GLOSSY_INDIRECT = 18,
+    SPC_PASS_TRANSMISSION_INDIRECT = 19,
+    SPC_PASS_DIFFUSE_COLOR = 20,
+    SPC_PASS_GLOSSY_COLOR = 21,
+    SPC_PASS_TRANSMISSION_COLOR = 22,
+    /* Of the first surface that is no mirror and no clear glass, seen through those. */
+    SPC_PASS_DENOISING_ALBEDO = 23, /* 3 */
+    SPC_PASS_DENOISING_NORMAL = 24, /* 3: camera space; +Z leads away from the camera */
+    SPC_PASS_DENOISING_DEPTH = 25,  /* 1: m, along the path */
+    SPC_PASS_SAMPLE_COUNT = 26,     /* 1 */
+    SPC_PASS_COUNT = 27
 } spc_pass;
 
 /* Returns how many floats a pixel of the pass has; 0 for an unknown pass. */
 SPC_API uint32_t spc_pass_channels(uint32_t pass);
 
+/* Returns one line for each pass, in their order: its channels, a letter each, a space, and its
+ * name in Blender 5. The text is static. */
+SPC_API const char* spc_passes(void);
+
 /* Copies a pass of the crop as it stands: float[crop height][crop width][channels], bottom row
  * first. `count` is the number of floats that `buffer` holds and must be exact. Where a pixel has
  * no sample yet, the preview stands in Combined as soon as there is one; other passes have 0 there,
- * but for what light paths splat. */
+ * but for what light paths splat. Errors: SPC_INVALID_ARGUMENT (a pass that was not asked for,
+ * too). */
 SPC_API spc_status spc_film_read(spc_session* session, uint32_t pass, float* buffer, size_t count);
+
+/* Copies two ranks of Cryptomatte, those from 2 * `level` on, of one spc_crypto: float[crop height][crop
+ * width][4], bottom row first: identifier, share of the pixel, identifier, share; the largest shares
+ * first. `count` as in spc_film_read. Errors: SPC_INVALID_ARGUMENT (it was not asked for). */
+SPC_API spc_status spc_film_read_crypto(spc_session* session, uint32_t kind, uint32_t level,
+                                        float* buffer, size_t count);
+
+/* ---- sums: what a render has accumulated, to divide its samples among processes, to keep them, and to
+ * go on. Sums of parts (spc_render_settings.total_samples) add up to those of one render, to the
+ * bit. They are bytes of this machine's order, for this version of the library alone; the caller
+ * knows of which scene and samples they are. */
+
+typedef struct spc_sums {
+    size_t struct_size;
+    const void* data; /* owned by the session; valid until the next call of this function for it */
+    size_t size;
+    uint32_t samples; /* of every pixel, from spc_render_settings.first_sample on */
+} spc_sums;
+
+/* Gives the sums so far, at any time: the render stands still until all pixels have the same
+ * samples. Errors: SPC_WRONG_STATE (it has ended before that: cancelled, or out of time),
+ * SPC_OUT_OF_MEMORY. */
+SPC_API spc_status spc_film_export(spc_session* session, spc_sums* sums);
+
+/* Adds the sums of other samples of the same picture in their place. `earlier`: 1 if those are of
+ * samples before these. Errors: SPC_INVALID_ARGUMENT (no sums, or of another picture). */
+SPC_API spc_status spc_sums_add(void* sums, const void* other, size_t size, uint32_t earlier);
+
+/* The width and height that sums have. */
+SPC_API spc_status spc_sums_extent(const void* sums, size_t size, uint32_t extent[2]);
+
+/* As spc_film_read. */
+SPC_API spc_status spc_sums_read(const void* sums, size_t size, uint32_t pass, float* buffer,
+                                 size_t count);
+
+/* As spc_film_read_crypto. */
+SPC_API spc_status spc_sums_read_crypto(const void* sums, size_t size, uint32_t kind,
+                                        uint32_t level, float* buffer, size_t count);
 
 /* Cancels the render if it has not ended, waits for its workers, and frees the session. */
 SPC_API void spc_session_destroy(spc_session* session);

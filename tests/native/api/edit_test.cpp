@@ -357,7 +357,13 @@ TEST(Edit, RefusesWhatItCannotKeep) {
     EXPECT_EQ(out, nullptr);
     expect_refused(spc_scene_edit(plain.get(), nullptr), SPC_INVALID_ARGUMENT, {"scene is null"});
 
-    const ScenePtr before = committed_scene();
+    const ScenePtr fixed = committed_scene();
+    expect_refused(spc_scene_edit(fixed.get(), &out), SPC_INVALID_ARGUMENT, {"made to be edited"});
+
+    const ScenePtr before = edited(nullptr);
+    add_resources(before.get());
+    add_objects(before.get());
+    ASSERT_EQ(spc_scene_commit(before.get(), 1), SPC_OK) << spc_last_error();
     const ScenePtr scene = edited(before.get());
     expect_refused(spc_scene_keep_image(scene.get(), 1, &index), SPC_INVALID_ARGUMENT,
                    {"image index 1", "1 in the scene before"});

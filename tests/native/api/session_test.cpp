@@ -490,8 +490,10 @@ TEST(Settings, DefaultsAreValidAndComplete) {
     EXPECT_EQ(settings.time_limit, 0.0f);
     EXPECT_EQ(settings.max_bounces, 12u);
     EXPECT_EQ(settings.transparent_film, 0u);
+    EXPECT_EQ(settings.passes, 0u);
     const ScenePtr scene = committed_scene();
     settings.samples = 1;
+    settings.passes = quick_settings().passes;
     EXPECT_FALSE(render_all(scene.get(), settings).empty());
 }
 

@@ -2,6 +2,7 @@
 // The film against sums made by hand.
 #include "film/film.h"
 
+#include "film/exact_sum.h"
 #include "support/numerics.h"
 
 #include <gtest/gtest.h>
@@ -9,20 +10,26 @@
 namespace spc {
 namespace {
 
-FilmSample random_sample(test::Uniforms& uniforms) {
-    const auto vector = [&] {
-        const Vec3 u = uniforms.three();
-        return Vec3(u.x * 4.0f - 2.0f, u.y * 4.0f - 2.0f, u.z * 4.0f - 2.0f);
-    };
-    FilmSample sample;
+const PassSet kCaustics(1u << uint32_t(Pass::caustics));
+// All passes that there are.
+const PassSet kAllPasses((uint64_t{1} << kPasses) - 1);
+
+// A sample with the values that it refers to.
+struct Sampled {
+    Spectrum radiance;
+    float alpha;
+    PassValues values{kAllPasses};
+    FilmSample film_sample() const { return {radiance, alpha, &values}; }
+};
+Sampled random_sample(test::Uniforms& uniforms) {
+    Sampled sample;
     sample.radiance = Spectrum(uniforms() * 5.0f, uniforms(), std::pow(uniforms(), 8.0f) * 1000.0f);
-    sample.caustics = Spectrum(uniforms(), uniforms(), uniforms());
-    sample.position = vector();
-    sample.normal = vector();
     sample.alpha = uniforms();
-    sample.depth = uniforms() * 10.0f;
-    const auto count = [&] { return static_cast<uint64_t>(uniforms() * 3.0f); };
-    sample.walks = {count() + count(), count(), count(), count() * 10};
+    for (uint32_t pass = 0; pass < kPasses; ++pass)
+        sample.values[Pass(pass)] = uniforms.three() * 4.0f;
+    const auto count = [&] { return std::floor(uniforms() * 3.0f); };
+    for (const Pass pass : {Pass::walk_success, Pass::walk_trials})
+        sample.values[pass] = Vec3(count(), count() + count(), 0.0f);
     return sample;
 }
 
@@ -36,75 +43,131 @@ std::vector<float> read(const Film& film, Pass pass) {
 // do not fill.
 TEST(Film, PassesAreWhatTheSamplesSay) {
     constexpr uint32_t kWidth = 37, kHeight = 21;
-    Film film(kWidth, kHeight);
+    Film film(kWidth, kHeight, kAllPasses);
     EXPECT_EQ(film.tile_count(), 6u);
-    std::vector<std::vector<FilmSample>> samples(kWidth * kHeight);
+    std::vector<std::vector<Sampled>> samples(kWidth * kHeight);
     test::Uniforms uniforms(5);
     std::vector<int> covered(samples.size());
     for (uint32_t t = 0; t < film.tile_count(); ++t) {
         const Film::TileBounds b = film.bounds(t);
         for (int batch = 0; batch < 2; ++batch) {
-            std::vector<PixelSums> pixels = film.copy_tile(t);
-            ASSERT_EQ(pixels.size(), size_t{b.width} * b.height);
+            Film::TileSums sums = film.copy_tile(t);
+            ASSERT_EQ(sums.pixels.size(), size_t{b.width} * b.height);
             for (uint32_t y = 0; y < b.height; ++y)
                 for (uint32_t x = 0; x < b.width; ++x) {
                     const size_t at = size_t{b.y0 + y} * kWidth + b.x0 + x;
                     if (batch == 0) ++covered[at];
                     for (size_t i = 0; i < (at + size_t(batch)) % 5; ++i) {
                         samples[at].push_back(random_sample(uniforms));
-                        accumulate(pixels[size_t{y} * b.width + x], samples[at].back());
+                        film.accumulate(sums, size_t{y} * b.width + x,
+                                        samples[at].back().film_sample());
                     }
                 }
-            film.store_tile(t, pixels);
+            film.store_tile(t, sums);
         }
     }
     for (const int count : covered) ASSERT_EQ(count, 1) << "tiles must cover the frame once";
 
-    const std::vector<float> combined = read(film, Pass::combined), depth = read(film, Pass::depth),
-                             position = read(film, Pass::position),
-                             normal = read(film, Pass::normal),
-                             caustics = read(film, Pass::caustics),
-                             variance = read(film, Pass::variance),
-                             success = read(film, Pass::walk_success),
-                             trials = read(film, Pass::walk_trials);
-    ASSERT_EQ(combined.size(), samples.size() * 4);
-    ASSERT_EQ(depth.size(), samples.size());
-    for (size_t at = 0; at < samples.size(); ++at) {
-        const std::vector<FilmSample>& s = samples[at];
-        const double n = double(s.size());
-        const auto mean = [&](auto value) {
-            double sum = 0;
-            for (const FilmSample& sample : s) sum += double(value(sample));
-            return s.empty() ? 0.0 : sum / n;
-        };
-        EXPECT_NEAR(combined[4 * at + 3], mean([](const FilmSample& f) { return f.alpha; }), 1e-6);
-        EXPECT_EQ(depth[at], s.empty() ? 0.0f : s[0].depth);
-        const auto share = [&](uint64_t WalkCounts::*part, uint64_t WalkCounts::*whole) {
-            double parts = 0.0, wholes = 0.0;
-            for (const FilmSample& f : s) {
-                parts += double(f.walks.*part);
-                wholes += double(f.walks.*whole);
+    for (uint32_t number = 0; number < kPasses; ++number) {
+        const Pass pass = Pass(number);
+        SCOPED_TRACE(describe(pass).name);
+        const size_t channels = pass_channels(pass);
+        const std::vector<float> seen = read(film, pass);
+        ASSERT_EQ(seen.size(), samples.size() * channels);
+        for (size_t at = 0; at < samples.size(); ++at) {
+            const std::vector<Sampled>& s = samples[at];
+            const double n = double(s.size());
+            const auto mean = [&](auto value) {
+                double sum = 0;
+                for (const Sampled& sample : s) sum += double(value(sample));
+                return s.empty() ? 0.0 : sum / n;
+            };
+            const auto mean_of = [&](Pass of, int c) {
+                return mean([&](const Sampled& f) { return f.values[of][c]; });
+            };
+            for (int c = 0; c < int(channels); ++c) {
+                const double m =
+                    mean([&](const Sampled& f) { return c < 3 ? f.radiance[c] : f.alpha; });
+                double expected = 0.0;
+                if (pass == Pass::combined) {
+                    expected = m;
+                } else if (pass == Pass::sample_count) {
+                    expected = n;
+                } else if (pass == Pass::variance) {  // squares about the mean over n (n - 1)
+                    const double squares =
+                        n * mean([&](const Sampled& f) {
+                            return (double(f.radiance[c]) - m) * (double(f.radiance[c]) - m);
+                        });
+                    expected = s.size() > 1 ? squares / (n * (n - 1)) : 0.0;
+                } else if (pass == Pass::walk_success || pass == Pass::walk_trials) {
+                    const double whole = mean_of(pass, 1);
+                    expected = whole > 0.0 ? mean_of(pass, 0) / whole : 0.0;
+                } else if (describe(pass).accumulation == Accumulation::first) {
+                    expected = s.empty() ? 0.0 : double(s[0].values[pass][c]);
+                } else if (describe(pass).accumulation == Accumulation::light_by_color) {
+                    const Pass color =
+                        Pass(uint32_t(Pass::diffuse_color) +
+                             (number - uint32_t(Pass::diffuse_direct)) % uint32_t(kLobes));
+                    expected = s.empty() ? 0.0 : mean_of(pass, c) / mean_of(color, c);
+                } else {
+                    expected = mean_of(pass, c);
+                }
+                EXPECT_NEAR(seen[at * channels + size_t(c)], expected, 2e-6 * (0.1 + expected));
             }
-            return wholes > 0.0 ? float(parts / wholes) : 0.0f;
-        };
-        EXPECT_EQ(success[at], share(&WalkCounts::converged, &WalkCounts::walks));
-        EXPECT_EQ(trials[at], share(&WalkCounts::trials, &WalkCounts::trial_estimates));
-        for (int c = 0; c < 3; ++c) {
-            const size_t i = 3 * at + size_t(c);
-            const double m = mean([&](const FilmSample& f) { return f.radiance[c]; });
-            EXPECT_NEAR(combined[4 * at + size_t(c)], m, 1e-6 * (1 + m));
-            EXPECT_EQ(position[i], s.empty() ? 0.0f : s[0].position[c]);
-            EXPECT_NEAR(normal[i], mean([&](const FilmSample& f) { return f.normal[c]; }), 1e-6);
-            EXPECT_NEAR(caustics[i], mean([&](const FilmSample& f) { return f.caustics[c]; }), 1e-6);
-            // Of the mean: squares about the mean over n (n - 1).
-            const double squares =
-                n * mean([&](const FilmSample& f) {
-                    return (double(f.radiance[c]) - m) * (double(f.radiance[c]) - m);
-                });
-            const double expected = s.size() > 1 ? squares / (n * (n - 1)) : 0.0;
-            EXPECT_NEAR(variance[i], expected, 1e-5 * expected + 1e-12);
         }
     }
+}
+
+// However samples are divided among films of planes that nobody else asked for, a pass is the same.
+TEST(Film, PlanesDoNotDependOnEachOther) {
+    Film all(1, 1, kAllPasses), one(1, 1, PassSet(1u << uint32_t(Pass::mist)));
+    EXPECT_FALSE(one.can_read(Pass::normal));
+    EXPECT_TRUE(one.can_read(Pass::variance));
+    test::Uniforms uniforms(6);
+    for (int i = 0; i < 5; ++i) {
+        const Sampled sample = random_sample(uniforms);
+        for (Film* film : {&all, &one}) {
+            Film::TileSums sums = film->copy_tile(0);
+            film->accumulate(sums, 0, sample.film_sample());
+            film->store_tile(0, sums);
+        }
+    }
+    for (const Pass pass : {Pass::combined, Pass::mist, Pass::variance, Pass::sample_count})
+        EXPECT_EQ(read(all, pass), read(one, pass));
+    EXPECT_GT(read(one, Pass::mist)[0], 0.0f);
+}
+
+// Sums of terms that a double alone would round: any grouping gives the same bits, and the plain
+// sum does not.
+TEST(ExactSum, DoesNotDependOnGrouping) {
+    test::Uniforms uniforms(7);
+    std::vector<float> terms;
+    for (int i = 0; i < 300; ++i) terms.push_back(std::exp2(uniforms() * 40.0f - 20.0f));
+    const auto in_groups_of = [&](size_t size) {
+        double high = 0.0, plain = 0.0;
+        float low = 0.0f;
+        for (size_t begin = 0; begin < terms.size(); begin += size) {
+            double part = 0.0, plain_part = 0.0;
+            float part_low = 0.0f;
+            for (size_t i = begin; i < std::min(begin + size, terms.size()); ++i) {
+                add_exactly(part, part_low, double(terms[i]));
+                plain_part += double(terms[i]);
+            }
+            add_exactly(high, low, part);
+            add_exactly(high, low, double(part_low));
+            plain += plain_part;
+        }
+        return std::array{high, double(low), plain};
+    };
+    const auto whole = in_groups_of(terms.size());
+    int plain_differs = 0;
+    for (size_t size = 1; size < 100; ++size) {
+        const auto parts = in_groups_of(size);
+        EXPECT_EQ(parts[0], whole[0]);
+        EXPECT_EQ(parts[1], whole[1]);
+        plain_differs += parts[2] != whole[2];
+    }
+    EXPECT_GT(plain_differs, 10);
 }
 
 // The variance's own purpose: the spread of means over many pixels is what the pass says of each.
@@ -114,14 +177,11 @@ TEST(Film, VarianceIsThatOfTheMean) {
     Film film(kSide, kSide);
     test::Uniforms uniforms(8);
     for (uint32_t t = 0; t < film.tile_count(); ++t) {
-        std::vector<PixelSums> pixels = film.copy_tile(t);
-        for (PixelSums& pixel : pixels)
-            for (int i = 0; i < kSamples; ++i) {
-                FilmSample sample{};
-                sample.radiance = Spectrum(uniforms() < 0.25f ? 3.0f : 0.0f);
-                accumulate(pixel, sample);
-            }
-        film.store_tile(t, pixels);
+        Film::TileSums sums = film.copy_tile(t);
+        for (size_t pixel = 0; pixel < sums.pixels.size(); ++pixel)
+            for (int i = 0; i < kSamples; ++i)
+                film.accumulate(sums, pixel, {Spectrum(uniforms() < 0.25f ? 3.0f : 0.0f), 1.0f});
+        film.store_tile(t, sums);
     }
     // A quarter of the samples is 3: mean 3/4, variance 27/16 each.
     test::MeanEstimate mean, variance;
@@ -137,19 +197,15 @@ TEST(Film, VarianceIsThatOfTheMean) {
 
 TEST(Film, LargeRadianceKeepsItsVariance) {
     Film film(1, 1);
-    std::vector<PixelSums> pixels = film.copy_tile(0);
-    for (int i = 0; i < 1000; ++i) {
-        FilmSample sample{};
-        sample.radiance = Spectrum(1e6f + float(i % 2));
-        accumulate(pixels[0], sample);
-    }
-    film.store_tile(0, pixels);
+    Film::TileSums sums = film.copy_tile(0);
+    for (int i = 0; i < 1000; ++i) film.accumulate(sums, 0, {Spectrum(1e6f + float(i % 2)), 1.0f});
+    film.store_tile(0, sums);
     // Half a unit to either side, over n - 1.
     EXPECT_NEAR(read(film, Pass::variance)[0], 0.25 / 999.0, 1e-5);
 }
 
 TEST(Film, UntouchedPixelsAreZeroInEveryPass) {
-    const Film film(5, 3);
+    const Film film(5, 3, kAllPasses);
     for (uint32_t pass = 0; pass < uint32_t(Pass::count); ++pass)
         for (const float value : read(film, Pass(pass))) EXPECT_EQ(value, 0.0f) << "pass " << pass;
 }
@@ -164,15 +220,15 @@ double sum_of(const std::vector<float>& image, size_t channels) {
 
 TEST(Film, PreviewStandsForPixelsWithoutASample) {
     constexpr uint32_t kWidth = 21, kHeight = 18, kBlock = 4, kAcross = 6, kDown = 5;
-    Film film(kWidth, kHeight);
+    Film film(kWidth, kHeight, kCaustics);
     std::vector<std::array<float, 4>> colors;
     for (uint32_t i = 0; i < kAcross * kDown; ++i)
         colors.push_back({static_cast<float>(i), 1.0f, 2.0f, 0.5f});
     film.set_preview(kBlock, colors);
-    std::vector<PixelSums> pixels = film.copy_tile(0);
-    const FilmSample sample{Spectrum(7.0f), Spectrum(0.0f), Vec3(0.0f), Vec3(0.0f), 1.0f, 1.0f, {}};
-    accumulate(pixels[1], sample);  // x = 1, y = 0
-    film.store_tile(0, pixels);
+    Film::TileSums sums = film.copy_tile(0);
+    const PassValues no_caustics(kCaustics);
+    film.accumulate(sums, 1, {Spectrum(7.0f), 1.0f, &no_caustics});  // x = 1, y = 0
+    film.store_tile(0, sums);
     // What light paths have brought is in path tracing's preview, too.
     film.add_splats(SplatSource::light_paths, std::array{Splat{{20.5f, 17.5f}, Spectrum(3.0f)}},
                     PixelFilter(FilterKind::box, 1.0f), 1, 1.0);
@@ -205,39 +261,63 @@ TEST(FilmOfLightPaths, BoxTakesEachSplatOnce) {
 
 // A pixel takes of splats what it would have taken of its own samples, on average, and a splat
 // gives all that it has.
-TEST(FilmOfLightPaths, FiltersAsSamplesAre) {
-    for (const FilterKind kind : {FilterKind::gaussian, FilterKind::blackman_harris}) {
-        const PixelFilter filter(kind, 1.5f);
-        test::Uniforms uniforms(3);
-        test::MeanEstimate total, by_splats, by_samples, power;
-        const auto radiance = [](const Vec2& p) { return std::exp(0.4f * p.x - 0.3f * p.y) * 0.1f; };
-        constexpr uint32_t kSize = 9, kMiddle = 4;
-        for (int i = 0; i < 20000; ++i) {
-            const Vec2 place = uniforms.two() * float(kSize);
-            Film film(kSize, kSize);
-            const float density = 1.0f / (kSize * kSize);
-            const Splat splat{place, Spectrum(radiance(place) / density)},
-                inside{Vec2(4.0f, 4.0f) + uniforms.two(), Spectrum(1.0f)};
-            film.add_splats(SplatSource::light_paths, {&splat, 1}, filter, 1, 1.0);
-            by_splats.add(double(read(film, Pass::combined)[4 * (kMiddle * kSize + kMiddle)]));
-            Film other(kSize, kSize);
-            other.add_splats(SplatSource::light_paths, {&inside, 1}, filter, 1, 1.0);
-            total.add(sum_of(read(other, Pass::combined), 4));
-            const double sample = double(radiance(Vec2(4.5f, 4.5f) + filter.sample(uniforms.two())));
-            by_samples.add(sample);
-            power.add(1.05 * sample);
-        }
-        EXPECT_TRUE(test::same_mean(by_splats, by_samples, 1e-3));
-        EXPECT_TRUE(test::is_mean(total, 1.0, 1e-3, 1e-5));
-        EXPECT_FALSE(test::is_mean(power, by_samples.mean(), 1e-3));
+class SplatsFilter : public testing::TestWithParam<std::tuple<FilterKind, SplatSpread>> {};
+TEST_P(SplatsFilter, AsSamplesAre) {
+    const auto [kind, spread] = GetParam();
+    const PixelFilter filter(kind, 1.5f);
+    test::Uniforms uniforms(3);
+    test::MeanEstimate total, by_splats, by_samples, power;
+    const auto radiance = [](const Vec2& p) { return std::exp(0.4f * p.x - 0.3f * p.y) * 0.1f; };
+    constexpr uint32_t kSize = 9, kMiddle = 4;
+    for (int i = 0; i < 20000; ++i) {
+        const Vec2 place = uniforms.two() * float(kSize);
+        Film film(kSize, kSize, PassSet(), spread);
+        const float density = 1.0f / (kSize * kSize);
+        Splat splat{place, Spectrum(radiance(place) / density)},
+            inside{Vec2(4.0f, 4.0f) + uniforms.two(), Spectrum(1.0f)};
+        splat.u = inside.u = uniforms.two();
+        film.add_splats(SplatSource::light_paths, {&splat, 1}, filter, 1, 1.0);
+        by_splats.add(double(read(film, Pass::combined)[4 * (kMiddle * kSize + kMiddle)]));
+        Film other(kSize, kSize, PassSet(), spread);
+        other.add_splats(SplatSource::light_paths, {&inside, 1}, filter, 1, 1.0);
+        total.add(sum_of(read(other, Pass::combined), 4));
+        const double sample = double(radiance(Vec2(4.5f, 4.5f) + filter.sample(uniforms.two())));
+        by_samples.add(sample);
+        power.add(1.05 * sample);
     }
+    EXPECT_TRUE(test::same_mean(by_splats, by_samples, 1e-3));
+    EXPECT_TRUE(test::is_mean(total, 1.0, 1e-3, 1e-5));
+    EXPECT_FALSE(test::is_mean(power, by_samples.mean(), 1e-3));
+}
+INSTANTIATE_TEST_SUITE_P(
+    AllFilters, SplatsFilter,
+    testing::Combine(testing::Values(FilterKind::gaussian, FilterKind::blackman_harris),
+                     testing::Values(SplatSpread::all_pixels, SplatSpread::one_pixel)));
+
+// Light passes take of a splat what its lobes scatter.
+TEST(FilmOfLightPaths, LobesShareASplat) {
+    Film film(1, 1, kAllPasses);
+    Splat splat{{0.5f, 0.5f}, Spectrum(2.0f)};
+    splat.shares = {Spectrum(0.25f), Spectrum(0.75f, 0.5f, 0.0f), Spectrum(0.0f, 0.25f, 0.75f)};
+    film.add_splats(SplatSource::light_paths, {&splat, 1}, PixelFilter(FilterKind::box, 1.0f), 1,
+                    1.0);
+    Film::TileSums sums = film.copy_tile(0);
+    PassValues values(kAllPasses);
+    for (const Pass color : {Pass::diffuse_color, Pass::glossy_color, Pass::transmission_color})
+        values[color] = Vec3(0.5f);
+    film.accumulate(sums, 0, {Spectrum(0.0f), 1.0f, &values});
+    film.store_tile(0, sums);
+    EXPECT_EQ(read(film, Pass::diffuse_indirect), (std::vector{1.0f, 1.0f, 1.0f}));
+    EXPECT_EQ(read(film, Pass::glossy_indirect), (std::vector{3.0f, 2.0f, 0.0f}));
+    EXPECT_EQ(read(film, Pass::transmission_indirect), (std::vector{0.0f, 1.0f, 3.0f}));
+    EXPECT_EQ(read(film, Pass::glossy_direct), (std::vector{0.0f, 0.0f, 0.0f}));
 }
 
 // The same splats on a window of the film are the window of the whole picture.
 TEST(FilmOfLightPaths, CropIsAWindow) {
     const PixelFilter filter(FilterKind::blackman_harris, 1.5f);
     test::Uniforms uniforms(4);
-    Film whole(12, 9), window(5, 4);
+    Film whole(12, 9, kCaustics), window(5, 4, kCaustics);
     std::vector<Splat> splats;
     for (int i = 0; i < 300; ++i)
         splats.push_back({{uniforms() * 16.0f - 2.0f, uniforms() * 13.0f - 2.0f}, Spectrum(1.0f)});
@@ -264,7 +344,7 @@ TEST(FilmOfLightPaths, VarianceIsThatOfThePicture) {
     test::MeanEstimate mean, squared, told;
     const double expected = kPerPicture * kProbability * kValue;
     for (int trial = 0; trial < 4000; ++trial) {
-        Film film(1, 1);
+        Film film(1, 1, kCaustics);
         for (int batch = 0; batch < 2; ++batch) {
             std::vector<Splat> splats;
             for (uint64_t i = 0; i < kPaths / 2; ++i)
@@ -292,7 +372,7 @@ TEST(FilmOfCameraChains, AreApartFromLightPaths) {
     const PixelFilter box(FilterKind::box, 1.0f);
     const std::vector<Splat> steady(64, Splat{{0.5f, 0.5f}, Spectrum(0.25f)}),
         rare(4, Splat{{0.5f, 0.5f}, Spectrum(2.0f)});
-    Film film(1, 1), light_alone(1, 1);
+    Film film(1, 1, kCaustics), light_alone(1, 1, kCaustics);
     film.add_splats(SplatSource::camera_chains, steady, box, 64, 8.0);
     for (Film* each : {&film, &light_alone})
         each->add_splats(SplatSource::light_paths, rare, box, 100, 50.0);

@@ -224,7 +224,7 @@ WithLightPaths with_light_paths(const RenderScene& world, uint32_t samples, uint
     std::vector<Splat> splats;
     for (uint32_t i = 0; i < light_paths * samples; ++i) {
         splats.clear();
-        trace_light_path(world, settings, 0.0f, 5, i, splats, stats);
+        trace_light_path(world, settings, 0.0f, 5, {0, i}, splats, stats);
         double sum = 0.0;
         for (const Splat& splat : splats) sum += double(mean(splat.value));
         result.splatted.add(sum * light_paths);

@@ -158,16 +158,14 @@ inline Picture render(const RenderScene& world, const IntegratorSettings& integr
         splats.clear();
         if (prepared.has_light_paths())
             for (uint32_t i = 0; i < pixels; ++i)
-                trace_light_path(world, settings, 0.0f, seed + round, i, splats, light_stats);
+                trace_light_path(world, settings, 0.0f, seed, {round, i}, splats, light_stats);
         if (const CameraChains* chains = settings.camera_chains) {
             const auto count = static_cast<uint64_t>(chains->estimates);
             for (uint64_t i = 0; i < count; ++i)
-                estimate_camera_chains(world, settings, 0.0f, seed, round * count + i, splats,
-                                       stats);
+                estimate_camera_chains(world, settings, 0.0f, seed, {round, i}, splats, stats);
             const uint64_t searches = camera_chain_searches(camera, *chains, 0.0f);
             for (uint64_t i = 0; i < searches; ++i)
-                search_camera_chains(world, settings, 0.0f, seed, round * searches + i, splats,
-                                     stats);
+                search_camera_chains(world, settings, 0.0f, seed, {round, i}, splats, stats);
         }
         for (const Splat& splat : splats) {
             add(splat.film.x, splat.film.y, average(splat.value));

@@ -3,6 +3,8 @@
 // gives to manifold estimates.
 #include "render/session.h"
 
+#include "core/error.h"
+
 #include "support/glints.h"
 
 #include <gtest/gtest.h>
@@ -49,6 +51,7 @@ RenderSettings settings_with(uint32_t samples, uint32_t threads = 1) {
     settings.light_tracing = true;
     settings.samples = samples;
     settings.threads = threads;
+    settings.passes.add(Pass::position);
     return settings;
 }
 
@@ -56,7 +59,8 @@ struct Rendered {
     std::vector<float> combined, caustics, variance;
     RenderStats stats;
 };
-Rendered render(const RenderScene& world, const RenderSettings& settings) {
+Rendered render(const RenderScene& world, RenderSettings settings) {
+    settings.passes.add(Pass::caustics);
     Session session(world, settings);
     EXPECT_EQ(session.wait(60s).state, RenderState::done);
     EXPECT_EQ(session.failure(), nullptr);
@@ -311,6 +315,118 @@ TEST(SessionWithLightPathsSlow, ShortAndLongRendersHaveOneMean) {
     RenderSettings later = settings_with(8);
     later.first_sample = 8;
     expect_same(parts_of(world, later, 36, 500), expected, "samples from the eighth on");
+}
+
+// ---- adaptive sampling
+
+RenderSettings adaptive_settings(uint32_t samples, float threshold, uint32_t threads) {
+    RenderSettings settings = settings_with(samples, threads);
+    settings.integrator.manifold.enabled = settings.light_tracing = false;
+    settings.noise_threshold = threshold;
+    settings.min_samples = 8;
+    return settings;
+}
+std::vector<float> counts_of(const RenderScene& world, const RenderSettings& settings) {
+    Session session(world, settings);
+    EXPECT_EQ(session.wait(60s).state, RenderState::done);
+    std::vector<float> counts(size_t{kSide} * kSide);
+    session.film().read(Pass::sample_count, counts);
+    return counts;
+}
+
+TEST(AdaptiveSampling, EndsWhereTheErrorIsSmallAndDoesNotDependOnThreads) {
+    const RenderScene world = scene_of(true);
+    const auto counts = counts_of(world, adaptive_settings(64, 0.05f, 1));
+    EXPECT_EQ(counts, counts_of(world, adaptive_settings(64, 0.05f, 3)));
+    const auto [least, most] = std::minmax_element(counts.begin(), counts.end());
+    EXPECT_GE(*least, 8.0f);
+    EXPECT_LT(*least, 32.0f);
+    EXPECT_EQ(*most, 64.0f);
+    for (const float count : counts_of(world, adaptive_settings(64, 0.0f, 2)))
+        ASSERT_EQ(count, 64.0f);
+    RenderSettings part = adaptive_settings(64, 0.05f, 2);
+    part.total_samples = 64;
+    for (const float count : counts_of(world, part)) ASSERT_EQ(count, 64.0f);
+}
+
+TEST(AdaptiveSampling, ErrorIsTheDifferenceOfHalves) {
+    PixelSums all;
+    HalfSums half;
+    all.count = 4;
+    all.radiance = {8.0, 4.0, 0.4};   // means 2, 1, 0.1
+    half.radiance = {6.0, 2.0, 0.2};  // means 3, 1, 0.1
+    EXPECT_NEAR(relative_error(all, half), 1.0 / 3.1, 1e-4);
+    all.radiance = {0.8, 0.16, 0.04};  // means 0.2, 0.04, 0.01: below 1, so over the root
+    half.radiance = {0.2, 0.08, 0.02};
+    EXPECT_NEAR(relative_error(all, half), 0.1 / (std::sqrt(0.25) + 1e-4), 1e-5);
+}
+
+// A picture without noise needs no more than the least, whatever the number of samples.
+TEST(AdaptiveSampling, EndsTheRenderWhereAllPixelsEnd) {
+    const RenderScene world = scene_of(false);
+    RenderSettings settings = adaptive_settings(1u << 30, 1.0f, 2);
+    for (const float count : counts_of(world, settings)) EXPECT_LT(count, 64.0f);
+}
+
+// ---- parts
+
+TEST(Parts, AddUpToOneRenderToTheBit) {
+    const RenderScene world = scene_of(true);
+    RenderSettings settings = settings_with(24, 3);
+    settings.integrator.manifold.finder = ChainFinder::sheets;
+    settings.chooses = true;
+    settings.total_samples = 24;
+    settings.passes = PassSet((uint64_t{1} << kPasses) - 1);
+    Session whole(world, settings);
+    EXPECT_EQ(whole.wait(60s).state, RenderState::done);
+    const Session::Export expected = whole.export_film();
+    EXPECT_EQ(expected.samples, 24u);
+    std::unique_ptr<Film> sum;
+    for (const auto& [first, end] : {std::pair{0u, 5u}, {5u, 6u}, {6u, 24u}}) {
+        settings.threads = end % 2 + 1;
+        settings.first_sample = first;
+        settings.samples = end - first;
+        Session part(world, settings);
+        EXPECT_EQ(part.wait(60s).state, RenderState::done);
+        auto film = Film::from_bytes(part.export_film().sums);
+        if (sum)
+            sum->add(*film, false);
+        else
+            sum = std::move(film);
+    }
+    EXPECT_TRUE(sum->to_bytes() == expected.sums);
+}
+
+// Sums that are taken while a render goes on are those of whole samples, and do not disturb it.
+TEST(Parts, ExportsOnTheWayAreWholeSamples) {
+    const RenderScene world = scene_of(true);
+    RenderSettings settings = settings_with(64, 3);
+    settings.total_samples = 64;
+    Session session(world, settings);
+    std::vector<Session::Export> exports;
+    for (int i = 0; i < 4; ++i) exports.push_back(session.export_film());
+    EXPECT_EQ(session.wait(60s).state, RenderState::done);
+    exports.push_back(session.export_film());
+    EXPECT_EQ(exports.back().samples, 64u);
+    for (const Session::Export& one : {exports[1], exports.back()}) {
+        settings.samples = one.samples;
+        Session same(world, settings);
+        EXPECT_EQ(same.wait(60s).state, RenderState::done);
+        EXPECT_TRUE(same.export_film().sums == one.sums) << one.samples;
+    }
+}
+
+// A render that was cancelled within a sample has no sums to give; one that was not, whole ones.
+TEST(Parts, CancelledRendersGiveWholeSamplesOrNone) {
+    const RenderScene world = scene_of(true);
+    Session session(world, settings_with(1u << 20, 2));
+    const uint32_t before = session.export_film().samples;
+    session.cancel();
+    try {
+        EXPECT_GE(session.export_film().samples, before);
+    } catch (const Error& error) {
+        EXPECT_EQ(error.kind(), ErrorKind::wrong_state);
+    }
 }
 
 // ---- the probabilities themselves, by hand

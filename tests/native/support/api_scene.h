@@ -236,6 +236,7 @@ inline spc_render_settings quick_settings(uint32_t samples = 2) {
     settings.method = SPC_METHOD_SMS_UNBIASED;
     settings.samples = samples;
     settings.threads = 1;
+    settings.passes = (uint64_t{1} << SPC_PASS_COUNT) - 1;
     return settings;
 }
 

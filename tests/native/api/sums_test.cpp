@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Sums of films through the interface: parts add up, and misuse is refused.
+#include "support/api_scene.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+namespace spc::test {
+namespace {
+
+using Bytes = std::vector<unsigned char>;
+
+Bytes sums_of(spc_session* session, uint32_t samples) {
+    auto sums = sized<spc_sums>();
+    EXPECT_EQ(spc_film_export(session, &sums), SPC_OK) << spc_last_error();
+    EXPECT_EQ(sums.samples, samples);
+    const auto* data = static_cast<const unsigned char*>(sums.data);
+    return {data, data + sums.size};
+}
+
+Bytes rendered(const spc_scene* scene, uint32_t first, uint32_t end, uint32_t total) {
+    spc_render_settings settings = quick_settings(end - first);
+    settings.first_sample = first;
+    settings.total_samples = total;
+    settings.crypto_kinds = 1u << SPC_CRYPTO_OBJECT;
+    settings.crypto_ranks = 2;
+    const SessionPtr session = start(scene, settings);
+    wait_for(session.get());
+    return sums_of(session.get(), end - first);
+}
+
+TEST(Sums, OfPartsAreThoseOfTheWhole) {
+    const ScenePtr scene = committed_scene();
+    const Bytes whole = rendered(scene.get(), 0, 5, 5), late = rendered(scene.get(), 2, 5, 5);
+    Bytes sum = rendered(scene.get(), 0, 2, 5);
+    ASSERT_EQ(spc_sums_add(sum.data(), late.data(), sum.size(), 0), SPC_OK) << spc_last_error();
+    EXPECT_EQ(sum, whole);
+    uint32_t extent[2];
+    ASSERT_EQ(spc_sums_extent(sum.data(), sum.size(), extent), SPC_OK);
+    std::vector<float> pixels(size_t{4} * extent[0] * extent[1]), ids = pixels;
+    EXPECT_EQ(spc_sums_read(sum.data(), sum.size(), SPC_PASS_COMBINED, pixels.data(), pixels.size()),
+              SPC_OK);
+    EXPECT_GT(*std::max_element(pixels.begin(), pixels.end()), 0.0f);
+    EXPECT_EQ(
+        spc_sums_read_crypto(sum.data(), sum.size(), SPC_CRYPTO_OBJECT, 0, ids.data(), ids.size()),
+        SPC_OK);
+}
+
+TEST(SumsMisuse, IsRefused) {
+    const ScenePtr scene = committed_scene();
+    Bytes sums = rendered(scene.get(), 0, 1, 2);
+    const Bytes other = rendered(scene.get(), 1, 2, 2);
+    uint32_t extent[2];
+    std::vector<float> pixels(8);
+    expect_refused(spc_sums_add(nullptr, other.data(), sums.size(), 0), SPC_INVALID_ARGUMENT,
+                   {"null"});
+    expect_refused(spc_sums_add(sums.data(), nullptr, sums.size(), 0), SPC_INVALID_ARGUMENT,
+                   {"null"});
+    expect_refused(spc_sums_extent(sums.data(), sums.size(), nullptr), SPC_INVALID_ARGUMENT,
+                   {"extent"});
+    for (const size_t size : {size_t{0}, size_t{3}, size_t{60}, sums.size() - 1})
+        expect_refused(spc_sums_extent(sums.data(), size, extent), SPC_INVALID_ARGUMENT, {});
+    expect_refused(spc_sums_read(sums.data(), sums.size(), SPC_PASS_COMBINED, pixels.data(), 8),
+                   SPC_INVALID_ARGUMENT, {"floats"});
+    expect_refused(
+        spc_sums_read_crypto(sums.data(), sums.size(), SPC_CRYPTO_ASSET, 0, pixels.data(), 8),
+        SPC_INVALID_ARGUMENT, {"not asked for"});
+    auto out = sized<spc_sums>();
+    expect_refused(spc_film_export(nullptr, &out), SPC_INVALID_ARGUMENT, {"session"});
+    spc_render_settings settings = quick_settings(4);
+    for (const uint32_t total : {3u, 1u}) {
+        settings.total_samples = total;
+        spc_session* session = nullptr;
+        expect_refused(spc_render_start(scene.get(), &settings, &session), SPC_INVALID_ARGUMENT,
+                       {"total_samples"});
+    }
+    settings.total_samples = 4;
+    settings.time_limit = 1.0f;
+    spc_session* session = nullptr;
+    expect_refused(spc_render_start(scene.get(), &settings, &session), SPC_INVALID_ARGUMENT,
+                   {"time limit"});
+    settings = quick_settings(4);
+    settings.passes = uint64_t{1} << SPC_PASS_COUNT;
+    expect_refused(spc_render_start(scene.get(), &settings, &session), SPC_INVALID_ARGUMENT,
+                   {"passes"});
+}
+
+}  // namespace
+}  // namespace spc::test

@@ -215,8 +215,7 @@ PathSample path_radiance(const RenderScene& world, const IntegratorSettings& set
             if (!path.go_below(surface, *on.next, here)) break;
             on = path.shade(*hit, surface, here, pixel, light, out);
         }
-        if (!on.next ||
-            !path.scatter(*hit, surface, *on.next, on.receives, on.camera_subpath, here))
+        if (!on.next || !path.scatter(*hit, surface, *on.next, on.receives, on.camera_subpath, here))
             break;
         if (features) features->scatter(*on.next);
     }

@@ -33,7 +33,7 @@ class SizedStructure(Structure):
         super().__init__(struct_size=sizeof(type(self)), **fields)
 
 
-API_VERSION = 12
+API_VERSION = 13
 NONE = 0xFFFFFFFF
 
 
@@ -130,6 +130,12 @@ class Glints(IntEnum):
     OFF = 2
 
 
+class Displacement(IntEnum):
+    BUMP = 0
+    VERTICES = 1
+    BOTH = 2
+
+
 class BumpCorrection(IntEnum):
     NONE = 0
     SMOOTHED = 1
@@ -152,14 +158,30 @@ class MaterialDesc(SizedStructure):
         ("link_count", c_uint32),
         ("glints", c_uint32),
         ("bump_correction", c_uint32),
+        ("displacement", c_uint32),
         ("pass_index", c_uint32),
         ("crypto", c_float),
     ]
 
 
-class UvNeed(Structure):
+class AttributeKind(IntEnum):
+    NAMED = 0
+    UV = 1
+    COLOR = 2
+    GENERATED = 3
+    POINTINESS = 4
+    ISLAND = 5
+    OBJECT = 6
+    INSTANCER = 7
+    OBJECT_INFO = 8
+    PARTICLE_INFO = 9
+    VIEW_LAYER = 10
+
+
+class AttributeNeed(Structure):
     _fields_ = [
-        ("layer", c_char_p),
+        ("name", c_char_p),
+        ("kind", c_uint32),
         ("tangents", c_uint32),
     ]
 
@@ -167,15 +189,25 @@ class UvNeed(Structure):
 class MaterialNeeds(SizedStructure):
     _fields_ = [
         ("struct_size", c_size_t),
-        ("uv_layers", POINTER(UvNeed)),
-        ("uv_layer_count", c_uint32),
+        ("attributes", POINTER(AttributeNeed)),
+        ("attribute_count", c_uint32),
     ]
 
 
-class UvLayer(Structure):
+class AttributeDomain(IntEnum):
+    CORNER = 0
+    VERTEX = 1
+    TRIANGLE = 2
+    OBJECT = 3
+
+
+class Attribute(Structure):
     _fields_ = [
         ("name", c_char_p),
-        ("uv", POINTER(c_float)),
+        ("kind", c_uint32),
+        ("domain", c_uint32),
+        ("components", c_uint32),
+        ("values", POINTER(c_float)),
         ("tangents", POINTER(c_float)),
     ]
 
@@ -189,11 +221,11 @@ class MeshDesc(SizedStructure):
         ("triangles", POINTER(c_uint32)),
         ("triangle_count", c_uint32),
         ("normals", POINTER(c_float)),
+        ("flat_faces", POINTER(c_uint32)),
         ("material_slots", POINTER(c_uint32)),
         ("slot_count", c_uint32),
-        ("uv_layers", POINTER(UvLayer)),
-        ("uv_layer_count", c_uint32),
-        ("active_uv_layer", c_uint32),
+        ("attributes", POINTER(Attribute)),
+        ("attribute_count", c_uint32),
     ]
 
 
@@ -225,9 +257,12 @@ class InstanceDesc(SizedStructure):
         ("visibility", c_uint32),
         ("caustics_role", c_uint32),
         ("terminator_offset", c_float),
+        ("holdout", c_uint32),
         ("pass_index", c_uint32),
         ("crypto_object", c_float),
         ("crypto_asset", c_float),
+        ("attributes", POINTER(Attribute)),
+        ("attribute_count", c_uint32),
     ]
 
 
@@ -284,6 +319,13 @@ class LightDesc(SizedStructure):
 class Projection(IntEnum):
     PERSPECTIVE = 0
     ORTHOGRAPHIC = 1
+    EQUIRECTANGULAR = 2
+    FISHEYE_EQUIDISTANT = 3
+    FISHEYE_EQUISOLID = 4
+    FISHEYE_POLYNOMIAL = 5
+    MIRROR_BALL = 6
+    EQUIANGULAR_CUBEMAP_FACE = 7
+    CENTRAL_CYLINDRICAL = 8
 
 
 class CameraDesc(SizedStructure):
@@ -295,6 +337,7 @@ class CameraDesc(SizedStructure):
         ("height", c_uint32),
         ("crop", c_uint32 * 4),
         ("viewplane", c_float * 4),
+        ("panorama", c_float * 8),
         ("clip_near", c_float),
         ("clip_far", c_float),
         ("aperture_radius", c_float),
@@ -394,6 +437,8 @@ class RenderSettings(SizedStructure):
         ("pixel_filter", c_uint32),
         ("filter_width", c_float),
         ("transparent_film", c_uint32),
+        ("transparent_glass", c_uint32),
+        ("transparent_glass_roughness", c_float),
         ("chain_family", c_char_p),
         ("passes", c_uint64),
         ("mist_start", c_float),
@@ -523,6 +568,10 @@ PROTOTYPES = {
     "spc_scene_add_image": (c_int, (c_void_p, POINTER(ImageDesc), POINTER(c_uint32))),
     "spc_scene_add_material": (c_int, (c_void_p, POINTER(MaterialDesc), POINTER(c_uint32))),
     "spc_scene_material_needs": (c_int, (c_void_p, c_uint32, POINTER(MaterialNeeds))),
+    "spc_scene_material_emission": (
+        c_int,
+        (c_void_p, c_uint32, POINTER(c_float), POINTER(c_uint32)),
+    ),
     "spc_node_kinds": (c_char_p, ()),
     "spc_scene_add_mesh": (c_int, (c_void_p, POINTER(MeshDesc), POINTER(c_uint32))),
     "spc_scene_add_instance": (c_int, (c_void_p, POINTER(InstanceDesc), POINTER(c_uint32))),

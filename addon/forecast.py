@@ -29,6 +29,10 @@ class _AnyImage:
         name = image.colorspace_settings.name if image else "sRGB"
         return int(COLOR_SPACES.get(name, desc.ColorSpace.SRGB))
 
+    def tiles(self, image) -> list[tuple[int, int]]:
+        """None: the first stands for all."""
+        return []
+
 
 def of_material(material) -> Forecast:
     """Of an object that has only `material` and is to cast and receive."""

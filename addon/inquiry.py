@@ -48,12 +48,16 @@ class Inquiry:
         self._image_count = len(images)
         return self._scene.add("material", material_struct(material))
 
-    def needs(self, material: int) -> desc.MaterialNeeds:
-        """What surfaces of the material at that index read from a mesh."""
-        layers = self._scene.material_needs(material)
-        return desc.MaterialNeeds(
-            frozenset(layers), frozenset(name for name, tangents in layers.items() if tangents)
+    def needs(self, material: int) -> frozenset[desc.AttributeNeed]:
+        """What surfaces of the material at that index read from a mesh and an object."""
+        return frozenset(
+            desc.AttributeNeed(kind, name, tangents)
+            for kind, name, tangents in self._scene.material_needs(material)
         )
+
+    def emission(self, material: int) -> tuple[tuple[float, float, float], bool]:
+        """What the material at that index emits, on average, and whether that varies."""
+        return self._scene.material_emission(material)
 
     def forecast(
         self, materials: list[int], role: CausticsRole, visibility: Visibility

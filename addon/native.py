@@ -255,12 +255,21 @@ class Scene:
         """Calls spc_scene_set_<kind>."""
         _check(getattr(library(), f"spc_scene_set_{kind}")(self.handle, byref(struct)))
 
-    def material_needs(self, material: int) -> dict[str, bool]:
-        """UV layers that the material at that index reads -> whether it reads their tangents."""
+    def material_needs(self, material: int) -> list[tuple[abi.AttributeKind, str, bool]]:
+        """Attributes that the material at that index reads: kind, name, whether with tangents."""
         needs = abi.MaterialNeeds()
         _check(library().spc_scene_material_needs(self.handle, material, byref(needs)))
-        layers = needs.uv_layers[: needs.uv_layer_count]
-        return {need.layer.decode(): bool(need.tangents) for need in layers}
+        return [
+            (abi.AttributeKind(need.kind), need.name.decode(), bool(need.tangents))
+            for need in needs.attributes[: needs.attribute_count]
+        ]
+
+    def material_emission(self, material: int) -> tuple[tuple[float, float, float], bool]:
+        """Mean of what the material at that index emits, and whether it varies."""
+        mean, varies = (c_float * 3)(), c_uint32()
+        call = library().spc_scene_material_emission
+        _check(call(self.handle, material, mean, byref(varies)))
+        return tuple(mean), bool(varies.value)
 
     def forecast(self, materials: list[int], role: int, visibility: int) -> dict:
         """spc_forecast by name, of an object with these materials."""

@@ -35,11 +35,23 @@ EXCLUDED_PANELS = {
     "OBJECT_PT_visibility",  # replaced by SPECULA_PT_visibility
     "RENDER_PT_freestyle",
     "RENDER_PT_gpencil",
+    "RENDER_PT_simplify",  # replaced by SPECULA_PT_simplify, which stands where it does with Cycles
+    "RENDER_PT_simplify_viewport",
+    "RENDER_PT_simplify_render",
     "RENDER_PT_simplify_greasepencil",
     "RENDER_PT_stereoscopy",
     "VIEWLAYER_PT_filter",
     "VIEWLAYER_PT_layer_passes",  # replaced by SPECULA_PT_passes
 }
+
+# Of the scene's light paths in Cycles.
+IGNORED = (
+    "sample_clamp_direct",
+    "sample_clamp_indirect",
+    "blur_glossy",
+    "light_sampling_threshold",
+    "use_fast_gi",
+)
 
 # EEVEE's panels that only show slots, node trees and previews.
 BORROWED_PANELS = (
@@ -112,6 +124,13 @@ def draw_overrides(column, scene, names: tuple[str, ...]) -> None:
 
         if is_inherited(scene, name):
             draw_note(column, inherited_text(scene, name))
+
+
+def draw_ignored(column, owner, names: tuple[str, ...]) -> None:
+    """Those of Cycles' settings of `owner` that are set and do nothing here."""
+    for name in names:
+        if getattr(owner, name, None):
+            draw_note(column, f"{owner.bl_rna.properties[name].name}: no effect", icon="INFO")
 
 
 def draw_forecast(column, ask) -> None:
@@ -193,6 +212,7 @@ class SPECULA_PT_light_paths(SpeculaPanel, bpy.types.Panel):
             column.separator()
             column.prop(cycles, "caustics_reflective")
             column.prop(cycles, "caustics_refractive")
+            draw_ignored(column, cycles, IGNORED)
 
 
 class SPECULA_PT_film(SpeculaPanel, bpy.types.Panel):
@@ -207,6 +227,28 @@ class SPECULA_PT_film(SpeculaPanel, bpy.types.Panel):
         if cycles:
             for name in ("film_exposure", "pixel_filter_type", "filter_width"):
                 column.prop(cycles, name)
+            column.separator()
+            column.prop(cycles, "film_transparent_glass")
+            column.prop(cycles, "film_transparent_roughness")
+
+
+class SPECULA_PT_simplify(SpeculaPanel, bpy.types.Panel):
+    bl_label = "Simplify"
+    bl_context = "render"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        column, render = self.column(), context.scene.render
+        column.prop(render, "use_simplify")
+        column = column.column()
+        column.active = render.use_simplify
+        column.label(text="Render")
+        column.prop(render, "simplify_subdivision_render", text="Max Subdivision")
+        column.prop(render, "simplify_child_particles_render", text="Max Child Particles")
+        column.label(text="Viewport")
+        column.prop(render, "simplify_subdivision", text="Max Subdivision")
+        column.prop(render, "simplify_child_particles", text="Max Child Particles")
+        column.prop(render, "simplify_volumes", text="Volume Resolution")
 
 
 class SPECULA_PT_performance(SpeculaPanel, bpy.types.Panel):
@@ -357,6 +399,22 @@ class SPECULA_PT_material_caustics(SpeculaPanel, bpy.types.Panel):
         draw_forecast(self.column(), lambda forecast: forecast.of_material(context.material))
 
 
+class SPECULA_PT_material_settings(SpeculaPanel, bpy.types.Panel):
+    bl_label = "Settings"
+    bl_context = "material"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context) -> bool:
+        return bool(context.material) and super().poll(context)
+
+    def draw(self, context):
+        column, material = self.column(), context.material
+        column.prop(material, "pass_index")
+        owner = material if hasattr(material, "displacement_method") else material.cycles
+        column.prop(owner, "displacement_method", text="Displacement")
+
+
 class SPECULA_PT_material_glints(SpeculaPanel, bpy.types.Panel):
     bl_label = "Glints"
     bl_context = "material"
@@ -390,6 +448,8 @@ class SPECULA_PT_visibility(SpeculaPanel, bpy.types.Panel):
         column.separator()
         for ray in ("camera", "diffuse", "glossy", "transmission", "shadow"):
             column.prop(obj, f"visible_{ray}")
+        column.separator()
+        column.prop(obj, "is_holdout")
 
 
 class SPECULA_PT_light(SpeculaPanel, bpy.types.Panel):
@@ -399,8 +459,8 @@ class SPECULA_PT_light(SpeculaPanel, bpy.types.Panel):
     # Those that this Blender's light has are shown.
     COMMON = ("use_temperature", "temperature", "color", "energy", "exposure", "normalize")
     PROPERTIES = {
-        "POINT": ("shadow_soft_size",),
-        "SPOT": ("shadow_soft_size", "spot_size", "spot_blend"),
+        "POINT": ("shadow_soft_size", "use_soft_falloff"),
+        "SPOT": ("shadow_soft_size", "use_soft_falloff", "spot_size", "spot_blend"),
         "SUN": ("angle",),
         "AREA": ("shape", "size", "spread"),
     }
@@ -420,7 +480,60 @@ class SPECULA_PT_light(SpeculaPanel, bpy.types.Panel):
         if light.type == "AREA" and light.shape in {"RECTANGLE", "ELLIPSE"}:
             column.prop(light, "size_y")
         column.separator()
+        cycles = getattr(light, "cycles", None)
+        if hasattr(cycles, "cast_shadow"):
+            column.prop(cycles, "cast_shadow")
+        else:
+            column.prop(light, "use_shadow")
         column.prop(light.specula, "caustics")
+
+
+class SPECULA_PT_light_nodes(SpeculaPanel, bpy.types.Panel):
+    bl_label = "Nodes"
+    bl_context = "data"
+
+    @classmethod
+    def poll(cls, context) -> bool:
+        return bool(context.light) and super().poll(context)
+
+    def draw(self, context):
+        light, column = context.light, self.column()
+        if "use_nodes" in light.bl_rna.properties:
+            column.prop(light, "use_nodes")
+        output = light.node_tree and light.node_tree.get_output_node("CYCLES")
+        if output:
+            self.layout.template_node_view(light.node_tree, output, output.inputs["Surface"])
+
+
+class SPECULA_PT_panorama(SpeculaPanel, bpy.types.Panel):
+    bl_label = "Panorama"
+    bl_context = "data"
+
+    # Type -> how the names of its properties begin.
+    PROPERTIES = {
+        "EQUIRECTANGULAR": ("latitude_", "longitude_"),
+        "FISHEYE_EQUIDISTANT": ("fisheye_fov",),
+        "FISHEYE_EQUISOLID": ("fisheye_lens", "fisheye_fov"),
+        "FISHEYE_LENS_POLYNOMIAL": ("fisheye_fov", "fisheye_polynomial_"),
+        "CENTRAL_CYLINDRICAL": ("central_cylindrical_",),
+    }
+
+    @classmethod
+    def poll(cls, context) -> bool:
+        camera = context.camera
+        return bool(camera) and camera.type == "PANO" and super().poll(context)
+
+    def draw(self, context):
+        camera, column = context.camera, self.column()
+        owner = camera if hasattr(camera, "panorama_type") else getattr(camera, "cycles", None)
+        if owner is None:
+            column.label(text="Enable the addon Cycles, which holds the settings", icon="INFO")
+            return
+        column.prop(owner, "panorama_type")
+        of_type = self.PROPERTIES.get(owner.panorama_type, ())
+        for name in (prop.identifier for prop in owner.bl_rna.properties):
+            if name.startswith(of_type):
+                column.prop(owner, name)
 
 
 class SPECULA_PT_world_caustics(SpeculaPanel, bpy.types.Panel):
@@ -448,6 +561,7 @@ PANELS = (
     SPECULA_PT_advanced,
     SPECULA_PT_glints,
     SPECULA_PT_light_paths,
+    SPECULA_PT_simplify,
     SPECULA_PT_film,
     SPECULA_PT_performance,
     SPECULA_PT_shading,
@@ -458,9 +572,12 @@ PANELS = (
     SPECULA_PT_passes_cryptomatte,
     SPECULA_PT_object_caustics,
     SPECULA_PT_material_caustics,
+    SPECULA_PT_material_settings,
     SPECULA_PT_material_glints,
     SPECULA_PT_visibility,
     SPECULA_PT_light,
+    SPECULA_PT_light_nodes,
+    SPECULA_PT_panorama,
     SPECULA_PT_world_caustics,
 )
 

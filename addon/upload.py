@@ -253,6 +253,7 @@ def material_struct(material: desc.MaterialDesc) -> abi.MaterialDesc:
         links=(abi.NodeLink * len(links))(*links),
         link_count=len(links),
         glints=material.glints,
+        displacement=material.displacement,
         bump_correction=material.bump_correction,
         pass_index=material.pass_index,
         crypto=material.crypto,
@@ -274,23 +275,42 @@ def _mesh(mesh: desc.MeshDesc) -> abi.MeshDesc:
         vertex_count=vertices,
         triangle_count=triangles,
         slot_count=mesh.slot_count,
-        uv_layer_count=len(mesh.uv_layers),
-        active_uv_layer=mesh.active_uv_layer,
     )
     _point_to(struct, struct, "positions", mesh.positions, (vertices, 3))
     _point_to(struct, struct, "triangles", mesh.triangles, (triangles, 3))
     _point_to(struct, struct, "normals", mesh.normals, (triangles, 3, 3))
+    _point_to(struct, struct, "flat_faces", mesh.flat_faces, (triangles,))
     _point_to(struct, struct, "material_slots", mesh.material_slots, (triangles,))
-    layers = (abi.UvLayer * len(mesh.uv_layers))()
-    for uv_layer, layer in zip(layers, mesh.uv_layers, strict=True):
-        uv_layer.name = _text(layer.name)
-        _point_to(struct, uv_layer, "uv", layer.uv, (triangles, 3, 2))
-        _point_to(struct, uv_layer, "tangents", layer.tangents, (triangles, 3, 4))
-    struct.uv_layers = layers
+    domains = abi.AttributeDomain
+    elements = {
+        domains.CORNER: 3 * triangles,
+        domains.VERTEX: vertices,
+        domains.TRIANGLE: triangles,
+    }
+    _set_attributes(struct, mesh.attributes, elements)
     return struct
+
+
+def _set_attributes(
+    owner, attributes: list[desc.AttributeDesc], elements: dict[abi.AttributeDomain, int]
+) -> None:
+    """Gives a mesh or an instance its attributes; `elements` is the size of its domains."""
+    structs = (abi.Attribute * len(attributes))()
+    for struct, attribute in zip(structs, attributes, strict=True):
+        count, components = elements[attribute.domain], attribute.values.shape[1]
+        struct.name = _text(attribute.name)
+        struct.kind, struct.domain = attribute.kind, attribute.domain
+        struct.components = components
+        _point_to(owner, struct, "values", attribute.values, (count, components))
+        _point_to(owner, struct, "tangents", attribute.tangents, (count // 3, 3, 4))
+    owner.attributes, owner.attribute_count = structs, len(attributes)
 
 
 def _instance(instance: desc.InstanceDesc) -> abi.InstanceDesc:
     count = len(instance.materials)
     materials = (ctypes.c_uint32 * count)(*instance.materials)
-    return _struct(abi.InstanceDesc, instance, materials=materials, material_count=count)
+    struct = _struct(
+        abi.InstanceDesc, instance, materials=materials, material_count=count, attributes=None
+    )
+    _set_attributes(struct, instance.attributes, {abi.AttributeDomain.OBJECT: 1})
+    return struct

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 import bpy
 
 from . import compat, epoch
-from .desc import ImageDesc, LightDesc, MaterialDesc, MaterialNeeds, MeshDesc
+from .desc import AttributeNeed, ImageDesc, LightDesc, MaterialDesc, MeshDesc
 from .image import Images
 from .log import ExportLog, Warnings
 
@@ -32,7 +32,7 @@ class KeptMaterial:
 
     desc: MaterialDesc
     images: dict[int, tuple[ImageDesc, tuple | None]]  # as `Images.used_by`
-    needs: MaterialNeeds
+    needs: frozenset[AttributeNeed]
     warnings: Warnings
     sun: LightDesc | None = None
 
@@ -40,7 +40,7 @@ class KeptMaterial:
 @dataclass
 class KeptMesh:
     desc: MeshDesc | None  # None: it has no faces
-    needs: MaterialNeeds
+    needs: frozenset[AttributeNeed]
     warnings: Warnings
 
 
@@ -103,7 +103,9 @@ class ExportCache:
         return kept
 
     def keep_material(self, owner, kept: KeptMaterial) -> None:
-        self._used["materials"][_name_of(owner)] = kept
+        # Tiles are images by their place, coordinates of an object move with it.
+        if not any(name in node.arrays for node in kept.desc.nodes for name in ("Tiles", "Object")):
+            self._used["materials"][_name_of(owner)] = kept
 
     def _has_changed(self, owner) -> bool:
         if owner is None:
@@ -117,7 +119,7 @@ class ExportCache:
 
     # ------------------------------------------------------------------------------- meshes
 
-    def mesh(self, key: tuple, owners: tuple, needs: MaterialNeeds, log: ExportLog):
+    def mesh(self, key: tuple, owners: tuple, needs: frozenset[AttributeNeed], log: ExportLog):
         """The KeptMesh of `key` if it has all that `needs` names and neither the data nor one of
         the objects in `owners` has changed; else None."""
         kept = self._used["meshes"].get(key) or self._kept["meshes"].get(key)

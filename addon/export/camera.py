@@ -5,9 +5,30 @@ from __future__ import annotations
 
 import numpy as np
 
+from . import compat
 from .desc import CameraDesc, ExportError, Projection
 
 PROJECTIONS = {"PERSP": Projection.PERSPECTIVE, "ORTHO": Projection.ORTHOGRAPHIC}
+# Type of a panoramic camera -> its projection and the properties that hold the numbers of it.
+PANORAMAS = {
+    "EQUIRECTANGULAR": (
+        Projection.EQUIRECTANGULAR,
+        ("longitude_min", "longitude_max", "latitude_min", "latitude_max"),
+    ),
+    "FISHEYE_EQUIDISTANT": (Projection.FISHEYE_EQUIDISTANT, ("fisheye_fov",)),
+    "FISHEYE_EQUISOLID": (Projection.FISHEYE_EQUISOLID, ("fisheye_fov", "fisheye_lens")),
+    "FISHEYE_LENS_POLYNOMIAL": (
+        Projection.FISHEYE_POLYNOMIAL,
+        ("fisheye_fov", *(f"fisheye_polynomial_k{i}" for i in range(5))),
+    ),
+    "MIRRORBALL": (Projection.MIRROR_BALL, ()),
+    "EQUIANGULAR_CUBEMAP_FACE": (Projection.EQUIANGULAR_CUBEMAP_FACE, ()),
+    "CENTRAL_CYLINDRICAL": (
+        Projection.CENTRAL_CYLINDRICAL,
+        tuple(f"central_cylindrical_range_{end}" for end in ("u_min", "u_max", "v_min", "v_max")),
+    ),
+}
+OF_A_SENSOR = {Projection.FISHEYE_EQUISOLID, Projection.FISHEYE_POLYNOMIAL}
 
 # The least that Cycles takes, where Blender allows 0.
 LEAST_FSTOP = 1e-5
@@ -63,7 +84,7 @@ def aperture(obj, depsgraph) -> dict[str, float]:
     if not dof.use_dof:
         return {}
     # An orthographic camera has no focal length: Cycles takes one of a metre.
-    focal_length = data.lens * 1e-3 if data.type == "PERSP" else 1.0  # m
+    focal_length = data.lens * 1e-3 if data.type != "ORTHO" else 1.0  # m
     return {
         "aperture_radius": focal_length / (2 * max(dof.aperture_fstop, LEAST_FSTOP)),
         "focus_distance": max(focus_distance(obj, depsgraph), LEAST_FOCUS_DISTANCE),
@@ -80,12 +101,11 @@ def export_camera(depsgraph) -> CameraDesc:
     if obj is None or obj.type != "CAMERA":
         raise ExportError(f"scene {scene.name} has no camera")
     obj = obj.evaluated_get(depsgraph)
-    if obj.data.type not in PROJECTIONS:
-        raise ExportError(
-            f"camera {obj.name}: type {obj.data.type} is not supported, only"
-            f" {' and '.join(PROJECTIONS)} are"
-        )
     render = scene.render
+    if obj.data.type == "PANO":
+        return _panoramic(obj, render, depsgraph)
+    if obj.data.type not in PROJECTIONS:
+        raise ExportError(f"camera {obj.name}: type {obj.data.type} is not supported")
     width, height = frame_size(render)
     projection = obj.calc_matrix_camera(
         depsgraph,
@@ -103,5 +123,41 @@ def export_camera(depsgraph) -> CameraDesc:
         clip_near=obj.data.clip_start,
         clip_far=obj.data.clip_end,
         projection=PROJECTIONS[obj.data.type],
+        **aperture(obj, depsgraph),
+    )
+
+
+def sensor_size(data, render) -> tuple[float, float]:
+    """Width and height of the part of the sensor that the frame covers, mm."""
+    width, height = frame_size(render)
+    x, y = width * render.pixel_aspect_x, height * render.pixel_aspect_y
+    horizontal = x > y if data.sensor_fit == "AUTO" else data.sensor_fit == "HORIZONTAL"
+    size = data.sensor_height if data.sensor_fit == "VERTICAL" else data.sensor_width
+    return (size, size * y / x) if horizontal else (size * x / y, size)
+
+
+def _panoramic(obj, render, depsgraph) -> CameraDesc:
+    data = obj.data
+    settings = compat.panorama_settings(data)
+    kind = settings.panorama_type
+    if kind not in PANORAMAS:
+        raise ExportError(f"camera {obj.name}: panorama {kind} is not supported")
+    projection, names = PANORAMAS[kind]
+    numbers = [getattr(settings, name) for name in names]
+    if projection == Projection.CENTRAL_CYLINDRICAL:
+        numbers[2:] = [height / settings.central_cylindrical_radius for height in numbers[2:]]
+    if projection in OF_A_SENSOR:
+        numbers += sensor_size(data, render)
+    width, height = frame_size(render)
+    return CameraDesc(
+        transform=np.array(obj.matrix_world, np.float32)[:3],
+        width=width,
+        height=height,
+        crop=crop(render),
+        viewplane=(data.shift_x, 1.0 + data.shift_x, data.shift_y, 1.0 + data.shift_y),
+        clip_near=data.clip_start,
+        clip_far=data.clip_end,
+        projection=projection,
+        panorama=(*numbers, *(0.0,) * (8 - len(numbers))),
         **aperture(obj, depsgraph),
     )

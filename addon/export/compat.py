@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .desc import BumpCorrection
+from .desc import BumpCorrection, Displacement
 from .sky import Sky
 
 # ------------------------------------------------------------------------------------------- data
@@ -94,6 +94,20 @@ def pass_name(name: str) -> str:
 # ------------------------------------------------------------------------------------------ meshes
 
 
+DISPLACEMENTS = {
+    "BUMP": Displacement.BUMP,
+    "DISPLACEMENT": Displacement.VERTICES,
+    "BOTH": Displacement.BOTH,
+}
+
+
+def displacement(material) -> Displacement:
+    """What a material's displacement does; until 4.1 a setting of Cycles."""
+    method = getattr(material, "displacement_method", None)
+    method = method or cycles_value(material, "displacement_method", "BUMP")
+    return DISPLACEMENTS[method] if isinstance(method, str) else Displacement(method)
+
+
 def is_flat(mesh) -> bool:
     """True if every face is drawn with its geometric normal."""
     if hasattr(mesh, "normals_domain"):
@@ -113,6 +127,18 @@ def corner_normals(mesh) -> np.ndarray:
         mesh.loops.foreach_get("normal", normals.ravel())
         mesh.free_normals_split()
     return normals
+
+
+def active_uv(mesh) -> str | None:
+    """Name of the UV layer that is active for rendering."""
+    return next((layer.name for layer in mesh.uv_layers if layer.active_render), None)
+
+
+def active_color(mesh) -> str | None:
+    """Name of the colour attribute that is active for rendering."""
+    colors = mesh.color_attributes
+    index = colors.render_color_index
+    return colors[index].name if 0 <= index < len(colors) else None
 
 
 def finish_triangles(mesh) -> None:
@@ -224,6 +250,13 @@ def sky(node) -> Sky:
     )
 
 
+def is_principled_by_default() -> bool:
+    """Whether Cycles shades what has no material by a Principled BSDF, not a diffuse one."""
+    import bpy  # not above: tables that use this module are also read without Blender
+
+    return bpy.app.version >= (5, 0, 0)
+
+
 def voronoi_hash() -> str:
     """Which numbers the cells of a Voronoi Texture get. Nothing but the version tells."""
     import bpy  # not above: tables that use this module are also read without Blender
@@ -248,6 +281,14 @@ def uses_nodes(owner) -> bool:
 def world_of(scene, view_layer):
     """The world that a view layer shows: its own, which 3.4 has not, or the scene's."""
     return getattr(view_layer, "world_override", None) or scene.world
+
+
+# ----------------------------------------------------------------------------------------- cameras
+
+
+def panorama_settings(camera):
+    """What holds the projection of a panoramic camera; until 4.x Cycles' settings of it."""
+    return camera if hasattr(camera, "panorama_type") else cycles_settings(camera)
 
 
 # ------------------------------------------------------------------------------------------ lights

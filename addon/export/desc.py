@@ -16,10 +16,13 @@ from ..abi import (
     NONE,
     AlphaMode,
     AreaShape,
+    AttributeDomain,
+    AttributeKind,
     BumpCorrection,
     CausticsRole,
     ColorSpace,
     Crypto,
+    Displacement,
     Glints,
     LightType,
     Projection,
@@ -79,30 +82,38 @@ class MaterialDesc:
     nodes: list[NodeDesc] = field(default_factory=list)
     links: list[LinkDesc] = field(default_factory=list)
     glints: Glints = Glints.AUTO
+    displacement: Displacement = Displacement.BUMP
     bump_correction: BumpCorrection = BumpCorrection.NONE
     pass_index: int = 0
     crypto: float = 0.0  # identifier for Cryptomatte; 0: none
 
 
-@dataclass(frozen=True)
-class MaterialNeeds:
-    """UV layers that a material reads, by name; '' is the layer that is active for rendering."""
+@dataclass(frozen=True, order=True)
+class AttributeNeed:
+    """An attribute that a material reads; '' is the one of its kind, as the active UV layer."""
 
-    uv_maps: frozenset[str] = frozenset()
-    tangents: frozenset[str] = frozenset()
-
-    def __or__(self, other: MaterialNeeds) -> MaterialNeeds:
-        return MaterialNeeds(self.uv_maps | other.uv_maps, self.tangents | other.tangents)
-
-    def __le__(self, other: MaterialNeeds) -> bool:
-        return self.uv_maps <= other.uv_maps and self.tangents <= other.tangents
+    kind: AttributeKind
+    name: str = ""
+    tangents: bool = False
 
 
 @dataclass
-class UvLayerDesc:
+class AttributeDesc:
+    """Numbers of a mesh or an object for materials to read."""
+
     name: str
-    uv: np.ndarray  # (T, 3, 2) float32
+    kind: AttributeKind
+    domain: AttributeDomain
+    values: np.ndarray  # (elements of the domain, 1 to 4) float32
     tangents: np.ndarray | None = None  # (T, 3, 4) float32: MikkTSpace xyz, bitangent sign
+
+
+def uv_layer(
+    name: str, uv: np.ndarray, tangents: np.ndarray | None = None, active: bool = True
+) -> AttributeDesc:
+    """A UV layer of `uv` (T, 3, 2); the active one answers where a node names none."""
+    kind = AttributeKind.UV if active else AttributeKind.NAMED
+    return AttributeDesc(name, kind, AttributeDomain.CORNER, uv.reshape(-1, 2), tangents)
 
 
 @dataclass
@@ -113,10 +124,10 @@ class MeshDesc:
     positions: np.ndarray  # (V, 3) float32, m
     triangles: np.ndarray  # (T, 3) uint32
     normals: np.ndarray | None = None  # (T, 3, 3) float32 at corners; None: every face is flat
+    flat_faces: np.ndarray | None = None  # (T,) uint32: 1 where a face is flat; None: as `normals`
     material_slots: np.ndarray | None = None  # (T,) uint32 < slot_count; None: all 0
     slot_count: int = 1
-    uv_layers: list[UvLayerDesc] = field(default_factory=list)
-    active_uv_layer: int = 0
+    attributes: list[AttributeDesc] = field(default_factory=list)
 
 
 @dataclass
@@ -127,6 +138,8 @@ class InstanceDesc:
     materials: list[int]  # one for each of the mesh's slots; NONE: nothing is drawn there
     visibility: Visibility = Visibility.ALL
     caustics_role: CausticsRole = CausticsRole.AUTO
+    holdout: bool = False  # the camera sees a hole in its place
+    attributes: list[AttributeDesc] = field(default_factory=list)
     terminator_offset: float = 0.0  # 0 .. 1: how far the edge of light moves into the light
     pass_index: int = 0
     crypto_object: float = 0.0  # identifiers for Cryptomatte; 0: none
@@ -165,10 +178,12 @@ class CameraDesc:
     width: int  # of the full frame, pixels
     height: int
     crop: tuple[int, int, int, int]  # x0, y0, width, height from the bottom left, pixels
-    viewplane: tuple[float, float, float, float]  # left, right, bottom, top at distance 1, or m
+    # left, right, bottom, top at distance 1; orthographic: m; panoramic: shares of the panorama
+    viewplane: tuple[float, float, float, float]
     clip_near: float = 0.0  # m along the viewing axis
     clip_far: float = 1e10
     projection: Projection = Projection.PERSPECTIVE
+    panorama: tuple[float, ...] = (0.0,) * 8  # as the projection says
     aperture_radius: float = 0.0  # m; 0: all is in focus, and nothing below is read
     focus_distance: float = 1.0  # m along the viewing axis
     aperture_blades: int = 0  # sides of the polygon, at least 3; 0: a disc

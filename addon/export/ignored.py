@@ -22,14 +22,7 @@ class Ignored:
     message: str
 
 
-SCENE = (
-    Ignored("use_fast_gi", False, "fast GI is not supported, all light is followed"),
-    Ignored(
-        "film_transparent_glass",
-        False,
-        "transparent glass is not supported, the film is opaque where glass is",
-    ),
-)
+SCENE = (Ignored("use_fast_gi", False, "fast GI is not supported, all light is followed"),)
 OBJECT = (
     Ignored(
         "shadow_terminator_geometry_offset",
@@ -37,6 +30,7 @@ OBJECT = (
         "an offset of the shadow terminator is not supported, shadows start at the surface",
     ),
 )
+ADAPTIVE_MESSAGE = "adaptive subdivision is not supported, its modifier's own levels are used"
 # Bounces after which the light of a lamp or the world counts no more.
 BOUNCES = 1024
 BOUNCES_MESSAGE = "a limit of its bounces is not supported, it lights all of them"
@@ -48,6 +42,16 @@ def warn_of_scene(scene, log: ExportLog) -> None:
 
 def warn_of_object(obj, log: ExportLog) -> None:
     _warn(obj, f"object {obj.name}", OBJECT, log)
+
+
+def warn_of_subdivision(scene, obj, log: ExportLog) -> None:
+    """Where Cycles would subdivide by what a pixel shows; until 5.0 an experimental feature."""
+    of_object = compat.cycles_value(obj, "use_adaptive_subdivision", False)
+    experimental = compat.cycles_value(scene, "feature_set", "SUPPORTED") in ("EXPERIMENTAL", 1)
+    if (of_object and experimental) or any(
+        getattr(modifier, "use_adaptive_subdivision", False) for modifier in obj.modifiers
+    ):
+        log.warn(f"object {obj.name}", ADAPTIVE_MESSAGE)
 
 
 def warn_of_bounces(owner, label: str, log: ExportLog) -> None:

@@ -65,7 +65,13 @@ class Images:
         """
         if image is None:
             self._log.warn(user, "has no image, shown in magenta")
-        key = (image, sequence_number(image, image_user, self._frame))
+        number = sequence_number(image, image_user, self._frame)
+        tile = _tile(image) if image and image.source == "TILED" else None
+        return self._add((image, number, tile))
+
+    def _add(self, key: tuple) -> int:
+        """Index of an image, the number of its file in a sequence, and that of its tile."""
+        image = key[0]
         if key not in self._indices:
             state = state_of(*key) if image and self._cache else None
             desc = self._cache.image(state, self._log) if state else None
@@ -76,6 +82,16 @@ class Images:
             self._indices[key] = self.place(desc)
             self._states[self._indices[key]] = state
         return self._indices[key]
+
+    def tiles(self, image) -> list[tuple[int, int]]:
+        """Of a picture in several tiles: each one's number, counted from 0 in rows of ten, and the
+        index of its image; empty for others."""
+        if image is None or image.source != "TILED" or len(image.tiles) < 2 or _is_in_memory(image):
+            return []
+        return [
+            (tile.number - FIRST_TILE, self._add((image, None, tile.number)))
+            for tile in image.tiles
+        ]
 
     def add_pixels(self, name: str, pixels: np.ndarray) -> int:
         """Index of an image of linear `pixels`, (H, W, 3) float32, bottom row first."""
@@ -107,15 +123,15 @@ class Images:
                     return False
         return True
 
-    def _kept(self, state: tuple | None, image, number: int | None) -> ImageDesc:
+    def _kept(self, state: tuple | None, image, number: int | None, tile: int | None) -> ImageDesc:
         with self._log.recording() as warnings:
-            desc = self._export(image, number)
+            desc = self._export(image, number, tile)
         if state:
             self._cache.keep_image(state, desc, warnings)
         return desc
 
-    def _export(self, image, number: int | None) -> ImageDesc:
-        path = _path(image, number)
+    def _export(self, image, number: int | None, tile: int | None) -> ImageDesc:
+        path = _path(image, number, tile)
         in_memory = _is_in_memory(image)
         if not (in_memory or image.packed_file or os.path.isfile(path)):
             return self._missing(image, f"{path} is missing")
@@ -124,12 +140,13 @@ class Images:
             color_space=self._color_space(image),
             alpha_mode=ALPHA_MODES[image.alpha_mode],
         )
-        if image.source == "TILED" and len(image.tiles) > 1:
-            self._log.warn(f"image {image.name}", f"of its tiles only {_tile(image)} is shown")
+        if image.source == "TILED" and len(image.tiles) > 1 and in_memory:
+            self._log.warn(f"image {image.name}", f"of its tiles only {tile} is shown: not saved")
         if image.source == "MOVIE":
             self._log.warn(f"image {image.name}", "of a movie only the first frame is shown")
         if self._as_pixels or in_memory or image.source == "MOVIE":
-            desc.pixels = _pixels(image) if number is None else _pixels_of_file(image, path)
+            is_whole = number is None and (tile is None or in_memory)
+            desc.pixels = _pixels(image) if is_whole else _pixels_of_file(image, path)
             desc.color_space, desc.alpha_mode = _as_in_memory(image, desc)
             if not desc.pixels.size:
                 return self._missing(image, "has no pixels")
@@ -152,10 +169,10 @@ class Images:
         return COLOR_SPACES.get(name, ColorSpace.SRGB)
 
 
-def state_of(image, number: int | None) -> tuple | None:
-    """Tells an image and its content (of the file `number` of a sequence) from others; None where
-    only its pixels would."""
-    path = _path(image, number)
+def state_of(image, number: int | None, tile: int | None = None) -> tuple | None:
+    """Tells an image and its content (of the file `number` of a sequence, of a tile) from others;
+    None where only its pixels would."""
+    path = _path(image, number, tile)
     is_file = os.path.isfile(path)
     if image.is_dirty or not (is_file or image.packed_file or image.source == "GENERATED"):
         return None
@@ -197,12 +214,13 @@ def _tile(image) -> int:
     return image.tiles[0].number if len(image.tiles) else FIRST_TILE
 
 
-def _path(image, number: int | None = None) -> str:
-    """Absolute path of the image's file; of the file `number` of a sequence, of a UDIM's tile."""
+def _path(image, number: int | None = None, tile: int | None = None) -> str:
+    """Absolute path of the image's file; of the file `number` of a sequence, of a UDIM's `tile`."""
     path = image.filepath
     if image.source == "TILED":
-        v, u = divmod(_tile(image) - FIRST_TILE, 10)
-        path = path.replace("<UDIM>", str(_tile(image))).replace("<UVTILE>", f"u{u + 1}_v{v + 1}")
+        tile = tile or _tile(image)
+        v, u = divmod(tile - FIRST_TILE, 10)
+        path = path.replace("<UDIM>", str(tile)).replace("<UVTILE>", f"u{u + 1}_v{v + 1}")
     if number is not None:
         path = _of_sequence(path, number)
     return os.path.normpath(bpy.path.abspath(path, library=image.library))

@@ -7,9 +7,12 @@ import math
 
 import numpy as np
 
-from . import compat, graph, ignored
+from ..inquiry import Inquiry
+from . import compat, ignored
 from .desc import AreaShape, LightDesc, LightType, Visibility
+from .image import Images
 from .log import ExportLog
+from .material import Converter
 
 # Blender's area shape -> the core's, and the properties that hold its extents in x and y.
 AREA_SHAPES = {
@@ -21,9 +24,17 @@ AREA_SHAPES = {
 
 
 def export_light(
-    obj, transform: np.ndarray, visibility: Visibility, log: ExportLog
+    obj,
+    transform: np.ndarray,
+    visibility: Visibility,
+    images: Images,
+    core: Inquiry,
+    log: ExportLog,
 ) -> LightDesc | None:
-    """The light of `obj` at `transform` (3, 4); None if it gives no light to the scene."""
+    """The light of `obj` at `transform` (3, 4); None if it gives no light to the scene.
+
+    `core` says what its nodes emit; those refer to `images`.
+    """
     light = obj.data
     owner = f"light {obj.name}"
     if getattr(compat.cycles_settings(light), "is_portal", False):
@@ -41,7 +52,7 @@ def export_light(
         name=obj.name,
         type=LightType[light.type],
         transform=transform,
-        power=_power(light, owner, log),
+        power=_power(light, _node_emission(light, owner, images, core, log), owner, log),
         visibility=visibility,
         feeds_caustics=light.specula.caustics,
     )
@@ -63,35 +74,31 @@ def _usable(transform: np.ndarray, light) -> np.ndarray | None:
     return transform
 
 
-def _power(light, owner: str, log: ExportLog) -> tuple[float, float, float]:
+def _power(light, emission, owner: str, log: ExportLog) -> tuple[float, float, float]:
     """Colour times energy (W; sun: W/m^2), times what the light's nodes emit."""
-    factors = (light.color, compat.light_gain(light), _node_emission(light, owner, log))
+    factors = (light.color, compat.light_gain(light), emission)
     power = tuple(light.energy * math.prod(channels) for channels in zip(*factors, strict=True))
     if min(power) < 0.0:
         log.warn(owner, "negative light is not supported, it is left out")
     return tuple(max(channel, 0.0) for channel in power)
 
 
-def _node_emission(light, owner: str, log: ExportLog) -> tuple[float, float, float]:
-    """Colour times strength of the light's Emission node; 1 without nodes."""
-    white = (1.0, 1.0, 1.0)
+def _node_emission(
+    light, owner: str, images: Images, core: Inquiry, log: ExportLog
+) -> tuple[float, float, float]:
+    """What the light's nodes emit, on average over all that they vary with; 1 without nodes."""
     if not compat.uses_nodes(light):
-        return white
-    output = light.node_tree.get_output_node("CYCLES")
-    source = graph.source(output.inputs["Surface"], ()) if output else None
-    if source is None:
-        return (0.0, 0.0, 0.0)
-    if source.node.bl_idname != "ShaderNodeEmission":
-        log.warn(owner, f"{source.node.name} is not supported in a light, white emission is used")
-        return white
-    color, strength = (
-        graph.source(source.node.inputs[name], source.path) for name in ("Color", "Strength")
-    )
-    if not isinstance(color, graph.Constant) or not isinstance(strength, graph.Constant):
-        log.warn(owner, "textures in a light are not supported, white emission is used")
-        return white
-    factor = strength.read_as("VALUE")[0]
-    return tuple(factor * channel for channel in color.value[:3])
+        return (1.0, 1.0, 1.0)
+    converter = Converter(owner, images, log)
+    material = converter.convert(owner, light.node_tree)
+    converter.draw_suns()
+    emission, varies = core.emission(core.add(material, images.descs))
+    if not varies:
+        return emission
+    known = any(emission)  # the mean of what depends on the ray is not
+    used = "their mean" if known else "white emission"
+    log.warn(owner, f"nodes that vary are not supported in a light, {used} is used")
+    return emission if known else (1.0, 1.0, 1.0)
 
 
 def _point(desc: LightDesc, light, owner: str, log: ExportLog) -> None:

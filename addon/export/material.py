@@ -29,7 +29,11 @@ def plain_material(name: str, kind: str, output: str, color, **scalars: float) -
 
 
 def default_material() -> MaterialDesc:
-    """What an empty material slot looks like in Blender."""
+    """What an empty material slot looks like in Cycles."""
+    if compat.is_principled_by_default():
+        shader = NodeDesc("(no material)", "bsdf_principled", options={"distribution": "MULTI_GGX"})
+        links = [LinkDesc(1, "BSDF", 0, "Surface")]
+        return MaterialDesc(shader.name, [NodeDesc("Output", "output"), shader], links)
     return plain_material("(no material)", "bsdf_diffuse", "BSDF", DEFAULT_COLOR)
 
 
@@ -41,10 +45,12 @@ def export_material(material, images: Images, log: ExportLog) -> MaterialDesc:
         desc.pass_index = material.pass_index
         return desc
     converter = Converter(f"material {material.name}", images, log)
+    converter.material_index = material.pass_index
     desc = converter.convert(material.name, material.node_tree)
     converter.draw_suns()
     _make_emission(desc)
     desc.glints = Glints[material.specula.glints]
+    desc.displacement = compat.displacement(material)
     desc.bump_correction = compat.bump_correction(material)
     desc.pass_index = material.pass_index
     return desc
@@ -69,6 +75,7 @@ class Converter:
         self.images = images
         self.log = log
         self.skies: list[tuple[NodeDesc, Sky]] = []  # whose suns are not in their images
+        self.material_index = 0
         self._in_volume = False  # the walk is behind the output's Volume
         self._nodes: list[NodeDesc] = []
         self._links: list[LinkDesc] = []
@@ -82,10 +89,11 @@ class Converter:
             self._input(0, output, "Surface", path=())
             of_material = output.bl_idname == "ShaderNodeOutputMaterial"
             if of_material:
+                self._input(0, output, "Displacement", path=())
                 self._volume(output)
-            unsupported = compat.find_input(output, "Displacement" if of_material else "Volume")
-            if unsupported and unsupported.is_linked:
-                self.warn(output, f"{unsupported.name} is not supported and has no effect")
+            volume = None if of_material else compat.find_input(output, "Volume")
+            if volume and volume.is_linked:
+                self.warn(output, "Volume is not supported and has no effect")
         return MaterialDesc(name, self._nodes, self._links)
 
     def _volume(self, output) -> None:

@@ -10,23 +10,17 @@ from __future__ import annotations
 import numpy as np
 
 from . import compat
-from .desc import MaterialNeeds, MeshDesc, UvLayerDesc
-from .tangents import corner_tangents
+from .arrays import read
+from .attributes import mesh_attributes
+from .desc import AttributeNeed, MeshDesc
 
 
-def read(collection, attribute: str, shape: tuple[int, ...], dtype: type) -> np.ndarray:
-    """`attribute` of every element; `shape` is that of one element's value, () for a scalar."""
-    values = np.empty((len(collection), *shape), dtype)
-    collection.foreach_get(attribute, values.ravel())
-    return values
-
-
-def export_mesh(obj, needs: MaterialNeeds, slot_count: int) -> MeshDesc | None:
+def export_mesh(obj, needs: frozenset[AttributeNeed], slot_count: int) -> MeshDesc | None:
     """Triangles of evaluated object `obj` in object space; None if it has no faces.
 
     positions (V, 3) float32 m; triangles (T, 3) uint32; normals (T, 3, 3) float32 at corners, None
-    if every face is flat; material_slots (T,) uint32, None if there is one slot; UV layers and
-    tangents as `needs` names them. A layer that the mesh lacks is left out.
+    if every face is flat; material_slots (T,) uint32, None if there is one slot; attributes as
+    `needs` names them. One that the mesh lacks is left out.
     """
     mesh = obj.data
     if not mesh.polygons:
@@ -34,17 +28,25 @@ def export_mesh(obj, needs: MaterialNeeds, slot_count: int) -> MeshDesc | None:
     mesh.calc_loop_triangles()
     corners = read(mesh.loop_triangles, "loops", (3,), np.int32)
     vertices = read(mesh.loop_triangles, "vertices", (3,), np.int32)
-    layers = _uv_layers(obj, corners, needs)
+    attributes = mesh_attributes(obj, corners, needs)
     return MeshDesc(
         name=obj.name,
         positions=read(mesh.vertices, "co", (3,), np.float32),
         triangles=vertices.view(np.uint32),
         normals=None if compat.is_flat(mesh) else compat.corner_normals(mesh)[corners],
+        flat_faces=_flat_faces(mesh),
         material_slots=_material_slots(mesh, slot_count),
         slot_count=slot_count,
-        uv_layers=layers,
-        active_uv_layer=_active_index(mesh, layers),
+        attributes=attributes,
     )
+
+
+def _flat_faces(mesh) -> np.ndarray | None:
+    """(T,) uint32, 1 for triangles without smooth normals; None where all are of one kind."""
+    smooth = read(mesh.polygons, "use_smooth", (), bool)
+    if smooth.all() or not smooth.any():
+        return None
+    return (~smooth)[read(mesh.loop_triangles, "polygon_index", (), np.int32)].astype(np.uint32)
 
 
 def _material_slots(mesh, slot_count: int) -> np.ndarray | None:
@@ -54,34 +56,3 @@ def _material_slots(mesh, slot_count: int) -> np.ndarray | None:
     polygon_slots = read(mesh.polygons, "material_index", (), np.int32)
     polygons = read(mesh.loop_triangles, "polygon_index", (), np.int32)
     return np.clip(polygon_slots, 0, slot_count - 1)[polygons].astype(np.uint32)
-
-
-def _resolve(mesh, names: frozenset[str]) -> set[str]:
-    """Layers of `mesh` that `names` mean; '' is the one that is active for rendering."""
-    active = _active_name(mesh)
-    wanted = {name or active for name in names}
-    return {layer.name for layer in mesh.uv_layers if layer.name in wanted}
-
-
-def _active_name(mesh) -> str | None:
-    return next((layer.name for layer in mesh.uv_layers if layer.active_render), None)
-
-
-def _active_index(mesh, layers: list[UvLayerDesc]) -> int:
-    active = _active_name(mesh)
-    return next((i for i, layer in enumerate(layers) if layer.name == active), 0)
-
-
-def _uv_layers(obj, corners: np.ndarray, needs: MaterialNeeds) -> list[UvLayerDesc]:
-    """The needed layers: uv (T, 3, 2), tangents (T, 3, 4) where a normal map reads them."""
-    mesh = obj.data
-    tangents = _resolve(mesh, needs.tangents)
-    # Found by name each time: tangents are computed into the mesh, which moves its layers.
-    return [
-        UvLayerDesc(
-            name=name,
-            uv=read(mesh.uv_layers[name].data, "uv", (2,), np.float32)[corners],
-            tangents=corner_tangents(obj, name, corners) if name in tangents else None,
-        )
-        for name in sorted(_resolve(mesh, needs.uv_maps) | tangents)
-    ]

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from . import compat, sky
+from . import compat, sky, spectrum
 
 WHITE = (1.0, 1.0, 1.0, 1.0)
 ANY = ()  # an option that takes any text
@@ -105,10 +105,10 @@ def _clearcoat(converter, node, desc) -> None:
         converter.set_constant(desc, "Coat Weight", (*[0.25 * weight.default_value] * 3, 1.0))
 
 
-def _sheen(converter, node, desc) -> None:
-    """Until 3.6 the sheen was another one; its tint was a factor from white to the base's hue."""
+def _principled_model(converter, node, desc) -> None:
+    """Until 3.6 base and sheen were Burley's, and nothing took light from what lies below."""
     new = compat.find_input(node, "Sheen Roughness")
-    desc.options["sheen"] = "MICROFIBER" if new else "SCHLICK"
+    desc.options["model"] = "LAYERED" if new else "BURLEY"
 
 
 def _subsurface_method(converter, node, desc) -> None:
@@ -141,7 +141,7 @@ def _old_principled(converter, node, desc) -> None:
     """Converts what the Principled BSDF called and meant otherwise until 3.6."""
     _scalar_tint(converter, node, desc)
     _clearcoat(converter, node, desc)
-    _sheen(converter, node, desc)
+    _principled_model(converter, node, desc)
     _subsurface(converter, node, desc)
     _subsurface_method(converter, node, desc)
 
@@ -181,9 +181,36 @@ def _direction(converter, node, desc) -> None:
     desc.inputs["Direction"] = (*node.outputs["Normal"].default_value, 1.0)
 
 
+def _material_index(converter, node, desc) -> None:
+    """Object Info tells the pass index of the material, too."""
+    desc.inputs["Material Index"] = (float(converter.material_index),) * 3 + (1.0,)
+
+
 def _image(converter, node, desc) -> None:
     """Exports the node's image."""
     desc.image = converter.images.add(node.image, node.image_user, converter.label(node))
+
+
+def _image_texture(converter, node, desc) -> None:
+    """Exports the node's image, or the images of its tiles, and how it is thrown on a box."""
+    _image(converter, node, desc)
+    tiles = converter.images.tiles(node.image)
+    if tiles:
+        desc.arrays["Tiles"] = np.array(tiles, np.float32)
+    if node.projection == "BOX":
+        desc.inputs["Blend"] = (node.projection_blend,) * 3 + (1.0,)
+
+
+def _object_space(converter, node, desc) -> None:
+    """The coordinates may be those of another object."""
+    if node.object is not None:
+        inverse = np.linalg.inv(np.array(node.object.matrix_world, np.float64))
+        desc.arrays["Object"] = inverse[:3].astype(np.float32)
+
+
+def _stand_in(message: str) -> Callable:
+    """Says what is done in place of a node's work."""
+    return lambda converter, node, desc: converter.warn(node, message)
 
 
 def _sky(converter, node, desc) -> None:
@@ -354,7 +381,7 @@ NODES = {
             "distribution": ("GGX", "MULTI_GGX"),
             "subsurface_method": SUBSURFACE_METHODS,
         },
-        fixed_options={"sheen": "MICROFIBER"},
+        fixed_options={"model": "LAYERED"},
         neutral_inputs={
             "Thin Film Thickness": 0.0,
         },
@@ -401,9 +428,9 @@ NODES = {
         options={
             "interpolation": INTERPOLATIONS,
             "extension": ("REPEAT", "EXTEND", "CLIP", "MIRROR"),
+            "projection": ("FLAT", "BOX", "SPHERE", "TUBE"),
         },
-        neutral_properties={"projection": "FLAT"},
-        adjust=_image,
+        adjust=_image_texture,
     ),
     "ShaderNodeTexEnvironment": NodeKind(
         "environment_texture",
@@ -426,7 +453,10 @@ NODES = {
         "normal_map",
         ("Strength", "Color"),
         ("Normal",),
-        options={"space": ("TANGENT", "OBJECT", "WORLD"), "uv_map": ANY},
+        options={
+            "space": ("TANGENT", "OBJECT", "WORLD", "BLENDER_OBJECT", "BLENDER_WORLD"),
+            "uv_map": ANY,
+        },
     ),
     "ShaderNodeBump": NodeKind(
         "bump",
@@ -434,18 +464,30 @@ NODES = {
         ("Normal",),
         options={"invert": ("False", "True")},
     ),
+    "ShaderNodeDisplacement": NodeKind(
+        "displacement",
+        ("Height", "Midlevel", "Scale", "Normal"),
+        ("Displacement",),
+        options={"space": ("OBJECT", "WORLD")},
+    ),
+    "ShaderNodeVectorDisplacement": NodeKind(
+        "vector_displacement",
+        ("Vector", "Midlevel", "Scale"),
+        ("Displacement",),
+        options={"space": ("TANGENT", "OBJECT", "WORLD")},
+    ),
     "ShaderNodeUVMap": NodeKind(
         "uv_map",
         (),
         ("UV",),
-        options={"uv_map": ANY},
-        neutral_properties={"from_instancer": False},
+        options={"uv_map": ANY, "from_instancer": _SWITCH},
     ),
     "ShaderNodeTexCoord": NodeKind(
         "texture_coordinate",
         (),
-        ("Generated", "Normal", "UV", "Object"),
-        neutral_properties={"from_instancer": False, "object": None},
+        ("Generated", "Normal", "UV", "Object", "Camera", "Window", "Reflection"),
+        options={"from_instancer": _SWITCH},
+        adjust=_object_space,
     ),
     "ShaderNodeMapping": NodeKind(
         "mapping",
@@ -555,7 +597,130 @@ NODES = {
     "ShaderNodeFresnel": NodeKind("fresnel", ("IOR", "Normal"), ("Fac",)),
     "ShaderNodeLayerWeight": NodeKind("layer_weight", ("Blend", "Normal"), ("Fresnel", "Facing")),
     "ShaderNodeNewGeometry": NodeKind(
-        "geometry", (), ("Position", "Normal", "True Normal", "Incoming", "Backfacing")
+        "geometry",
+        (),
+        (
+            "Position",
+            "Normal",
+            "Tangent",
+            "True Normal",
+            "Incoming",
+            "Parametric",
+            "Backfacing",
+            "Pointiness",
+            "Random Per Island",
+        ),
+    ),
+    "ShaderNodeTangent": NodeKind(
+        "tangent",
+        (),
+        ("Tangent",),
+        options={"direction_type": ("RADIAL", "UV_MAP"), "axis": ("Z", "X", "Y"), "uv_map": ANY},
+    ),
+    "ShaderNodeCameraData": NodeKind(
+        "camera_data", (), ("View Vector", "View Z Depth", "View Distance")
+    ),
+    "ShaderNodeVectorTransform": NodeKind(
+        "vector_transform",
+        ("Vector",),
+        ("Vector",),
+        options={
+            "vector_type": ("VECTOR", "POINT", "NORMAL"),
+            "convert_from": ("WORLD", "OBJECT", "CAMERA"),
+            "convert_to": ("OBJECT", "WORLD", "CAMERA"),
+        },
+    ),
+    "ShaderNodeWireframe": NodeKind(
+        "wireframe", ("Size",), ("Fac",), options={"use_pixel_size": _SWITCH}
+    ),
+    "ShaderNodeBlackbody": NodeKind(
+        "blackbody",
+        ("Temperature",),
+        ("Color",),
+        arrays={"Table": lambda node: spectrum.blackbodies()},
+    ),
+    "ShaderNodeWavelength": NodeKind(
+        "wavelength",
+        ("Wavelength",),
+        ("Color",),
+        arrays={"Table": lambda node: spectrum.wavelengths()},
+    ),
+    "ShaderNodeBevel": NodeKind(
+        "bevel",
+        ("Radius", "Normal"),
+        ("Normal",),
+        adjust=_stand_in("edges are not rounded, the normal stays"),
+    ),
+    "ShaderNodeAmbientOcclusion": NodeKind(
+        "ambient_occlusion",
+        ("Color",),
+        ("Color", "AO"),
+        adjust=_stand_in("occlusion is not looked for, everything counts as open"),
+    ),
+    "ShaderNodeHairInfo": NodeKind(
+        "hair_info",
+        (),
+        ("Is Strand", "Intercept", "Length", "Thickness", "Tangent Normal", "Random"),
+    ),
+    "ShaderNodePointInfo": NodeKind("point_info", (), ("Position", "Radius", "Random")),
+    "ShaderNodeVolumeInfo": NodeKind(
+        "volume_info", (), ("Color", "Density", "Flame", "Temperature")
+    ),
+    "ShaderNodeLightPath": NodeKind(
+        "light_path",
+        (),
+        (
+            "Is Camera Ray",
+            "Is Shadow Ray",
+            "Is Diffuse Ray",
+            "Is Glossy Ray",
+            "Is Singular Ray",
+            "Is Reflection Ray",
+            "Is Transmission Ray",
+            "Is Volume Scatter Ray",
+            "Ray Length",
+            "Ray Depth",
+            "Diffuse Depth",
+            "Glossy Depth",
+            "Transparent Depth",
+            "Transmission Depth",
+            "Portal Depth",
+        ),
+    ),
+    "ShaderNodeLightFalloff": NodeKind(
+        "light_falloff", ("Strength", "Smooth"), ("Quadratic", "Linear", "Constant")
+    ),
+    "ShaderNodeAttribute": NodeKind(
+        "attribute",
+        (),
+        ("Color", "Vector", "Fac", "Alpha"),
+        options={
+            "attribute_type": ("GEOMETRY", "OBJECT", "INSTANCER", "VIEW_LAYER"),
+            "attribute_name": ANY,
+        },
+    ),
+    "ShaderNodeVertexColor": NodeKind(
+        "vertex_color", (), ("Color", "Alpha"), options={"layer_name": ANY}
+    ),
+    "ShaderNodeObjectInfo": NodeKind(
+        "object_info",
+        (),
+        ("Location", "Color", "Alpha", "Object Index", "Material Index", "Random"),
+        adjust=_material_index,
+    ),
+    "ShaderNodeParticleInfo": NodeKind(
+        "particle_info",
+        (),
+        (
+            "Index",
+            "Random",
+            "Age",
+            "Lifetime",
+            "Location",
+            "Size",
+            "Velocity",
+            "Angular Velocity",
+        ),
     ),
     "ShaderNodeValToRGB": NodeKind(
         "color_ramp",

@@ -9,22 +9,32 @@ from .. import cryptomatte
 from ..abi import Crypto
 from ..inquiry import Inquiry
 from ..native import NativeError
-from . import compat, ignored
+from . import compat, ignored, strands
 from .cache import ExportCache, KeptMaterial, KeptMesh
 from .camera import export_camera
-from .desc import EnvironmentDesc, ExportError, InstanceDesc, MaterialNeeds, SceneDesc
+from .desc import (
+    AttributeKind,
+    AttributeNeed,
+    CausticsRole,
+    EnvironmentDesc,
+    ExportError,
+    InstanceDesc,
+    SceneDesc,
+)
 from .image import Images
 from .light import export_light
 from .log import ExportLog
 from .material import default_material, export_material
 from .mesh import export_mesh
-from .view import export_view, is_shown
+from .object_attributes import object_attributes
+from .view import export_view, is_shown, shows_particles
 from .visibility import caustics_role, instance_visibility, instancer, original, world_visibility
 from .world import export_world
 
 # Objects that carry something to see which Specula cannot show. Curves, surfaces, text and
 # metaballs are not among them: they arrive as meshes.
-UNSUPPORTED_TYPES = {"CURVES", "POINTCLOUD", "VOLUME", "GPENCIL", "GREASEPENCIL"}
+UNSUPPORTED_TYPES = {"VOLUME", "GPENCIL", "GREASEPENCIL"}
+RENDERED_TYPES = {"MESH", "LIGHT", "CURVES", "POINTCLOUD"}
 
 
 def export_scene(
@@ -66,8 +76,11 @@ class SceneExport:
         self._world(compat.world_of(self.depsgraph.scene_eval, self.layer))
         with Inquiry() as self._core:
             for instance in self.depsgraph.object_instances:
-                if is_shown(instance, self.view and self.view.space_data):
-                    self._named_instance(instance)
+                space = self.view and self.view.space_data
+                if is_shown(instance, space):
+                    self._named(self._instance, instance)
+                if self.layer.use_strand and shows_particles(instance, space):
+                    self._named(self._particle_hair, instance)
         self._check_scene(self.depsgraph.scene_eval)
         self.cache.end()
         return self.scene
@@ -79,11 +92,11 @@ class SceneExport:
             self.log.warn("scene", "stereoscopy is not supported, all views are the same")
         ignored.warn_of_scene(scene, self.log)
 
-    def _named_instance(self, instance) -> None:
+    def _named(self, export, instance) -> None:
         """So that whatever goes wrong with an object says which one it was."""
         name = instance.object.name
         try:
-            self._instance(instance)
+            export(instance)
         except (ExportError, NativeError):
             raise
         except MemoryError as error:
@@ -96,63 +109,133 @@ class SceneExport:
         owner = f"object {obj.name}"
         if obj.type in UNSUPPORTED_TYPES and (obj.type != "VOLUME" or self.layer.use_volumes):
             self.log.warn(owner, f"type {obj.type} is not supported, it is not rendered")
-        if obj.type not in ("MESH", "LIGHT"):
+        if obj.type not in RENDERED_TYPES:
             return
         # The matrix belongs to the iterator: gone at the next step.
         transform = np.array(instance.matrix_world, np.float32)[:3]
-        visibility = instance_visibility(instance, self.layer)
         if obj.type == "LIGHT":
-            light = export_light(obj, transform, visibility, self.log)
+            visibility = instance_visibility(instance, self.layer)
+            light = export_light(obj, transform, visibility, self.images, self._core, self.log)
             if light:
                 self.scene.lights.append(light)
             return
         self._check_object(instance, owner)
+        if obj.type == "CURVES" and self.layer.use_strand:
+            self._strand_instance(instance, (obj.data, "strands"), 0, lambda _: strands.curves(obj))
         if not self.layer.use_solid:
             return
-        self._mesh_instance(instance, transform, visibility)
+        if obj.type == "POINTCLOUD":
+            self._balls(instance)
+        if obj.type == "MESH":
+            self._mesh_instance(instance, transform)
 
     def _check_object(self, instance, owner: str) -> None:
-        if instancer(instance).holdout_get(view_layer=self.layer):
-            self.log.warn(owner, "holdout is not supported, the object is rendered")
         if instance.object.is_shadow_catcher:
             self.log.warn(owner, "shadow catchers are not supported, the object is rendered")
         ignored.warn_of_object(original(instance), self.log)
-        if self.layer.use_strand and any(
-            system.settings.type == "HAIR" and system.settings.render_type == "PATH"
-            for system in instance.object.particle_systems
-        ):
-            self.log.warn(owner, "hair is not supported, it is not rendered")
+        ignored.warn_of_subdivision(self.depsgraph.scene_eval, original(instance), self.log)
 
-    def _mesh_instance(self, instance, transform: np.ndarray, visibility) -> None:
+    def _particle_hair(self, instance) -> None:
+        obj = instance.object
+        for system in obj.particle_systems:
+            settings = system.settings
+            if settings.type != "HAIR" or settings.render_type != "PATH":
+                continue
+
+            def strands_of(needs: frozenset[AttributeNeed], system=system):
+                return strands.particle_hair(obj, system, needs, self.view is None)
+
+            key = (obj.data, system.name)
+            self._strand_instance(instance, key, settings.material - 1, strands_of)
+
+    def _strand_instance(self, instance, key: tuple, slot: int, export) -> None:
+        """Strands with the material of a slot; `export` makes their mesh of what that reads."""
+        obj = instance.object
+        slots = [slot.material for slot in obj.material_slots] or [None]
+        index, needs = self._material(
+            self.layer.material_override or slots[min(slot, len(slots) - 1)]
+        )
+        if (key, index) not in self._meshes:
+            desc = export(needs)
+            self._meshes[key, index] = (len(self.scene.meshes) if desc else None, needs)
+            self.scene.meshes += [desc] if desc else []
+        mesh, _ = self._meshes[key, index]
+        transform = np.array(instance.matrix_world, np.float32)[:3]
+        role = self._without_casting(instance)
+        self._add_instance(instance, mesh, transform, [index], needs, role)
+
+    def _balls(self, instance) -> None:
+        """A point cloud: its first material is that of all."""
+        obj = instance.object
+        slots = [slot.material for slot in obj.material_slots] or [None]
+        index, needs = self._material(self.layer.material_override or slots[0])
+        if "ball" not in self._meshes:
+            self._meshes["ball"] = (len(self.scene.meshes), needs)
+            self.scene.meshes.append(strands.ball())
+        matrix = np.array(instance.matrix_world, np.float64)
+        role = self._without_casting(instance)
+        for position, radius in zip(*strands.points(obj), strict=True):
+            ball = matrix @ np.diag((radius, radius, radius, 1.0))
+            ball[:, 3] = matrix @ (*position, 1.0)
+            if radius > 0.0:
+                transform = ball[:3].astype(np.float32)
+                self._add_instance(
+                    instance, self._meshes["ball"][0], transform, [index], needs, role
+                )
+
+    def _without_casting(self, instance) -> CausticsRole:
+        """The part of strands and points, whose many small chains nothing could find again."""
+        role = caustics_role(instance)
+        if role in (CausticsRole.CASTER, CausticsRole.BOTH):
+            owner = f"object {instance.object.name}"
+            self.log.warn(owner, "hair, curves and points cast no caustics but by path tracing")
+        return CausticsRole.OFF if role == CausticsRole.OFF else CausticsRole.RECEIVER
+
+    def _mesh_instance(self, instance, transform: np.ndarray) -> None:
         obj = instance.object
         slots = [slot.material for slot in obj.material_slots] or [None]
         override = self.layer.material_override
         materials = [self._material(override or material) for material in slots]
-        needs = MaterialNeeds(uv_maps=frozenset({""} if self.layer.use_pass_uv else ()))
-        for _, material_needs in materials:
-            needs |= material_needs
+        of_passes = {AttributeNeed(AttributeKind.UV)} if self.layer.use_pass_uv else ()
+        needs = frozenset(of_passes).union(*(reads for _, reads in materials))
         mesh = self._mesh(instance, needs, len(materials))
+        indices = [index for index, _ in materials]
+        self._add_instance(instance, mesh, transform, indices, needs, caustics_role(instance))
+
+    def _add_instance(
+        self,
+        instance,
+        mesh: int | None,
+        transform: np.ndarray,
+        materials: list[int],
+        needs: frozenset[AttributeNeed],
+        role: CausticsRole,
+    ) -> None:
+        """Of a mesh, unless that is None, at `transform` (3, 4). `needs`: of all its materials."""
+        obj, name = instance.object, instance.object.name
         if mesh is None:
             return
         if np.linalg.det(transform[:, :3].astype(np.float64)) == 0.0:
-            self.log.warn(f"object {obj.name}", "has a scale of zero, it is not rendered")
+            self.log.warn(f"object {name}", "has a scale of zero, it is not rendered")
             return
         self.scene.instances.append(
             InstanceDesc(
-                name=obj.name,
+                name=name,
                 mesh=mesh,
                 transform=transform,
-                materials=[index for index, _ in materials],
-                visibility=visibility,
-                caustics_role=caustics_role(instance),
+                materials=materials,
+                visibility=instance_visibility(instance, self.layer),
+                caustics_role=role,
+                holdout=instancer(instance).holdout_get(view_layer=self.layer),
                 terminator_offset=compat.cycles_value(obj, "shadow_terminator_offset", 0.0),
                 pass_index=instancer(instance).pass_index,
                 crypto_object=self._crypto(Crypto.OBJECT, obj.name),
                 crypto_asset=self._crypto(Crypto.ASSET, cryptomatte.asset_name(obj)),
+                attributes=object_attributes(instance, self.depsgraph, needs),
             )
         )
 
-    def _mesh(self, instance, needs: MaterialNeeds, slots: int) -> int | None:
+    def _mesh(self, instance, needs: frozenset[AttributeNeed], slots: int) -> int | None:
         """Index of the object's mesh, shared by all who show it; None if it has no faces.
 
         Exported again in its place if a later user reads more of it than all before.
@@ -174,8 +257,8 @@ class SceneExport:
         self.scene.meshes[index : index + 1] = [kept.desc]
         return index
 
-    def _material(self, material) -> tuple[int, MaterialNeeds]:
-        """Index of a material and what it reads from a mesh; None is an empty slot."""
+    def _material(self, material) -> tuple[int, frozenset[AttributeNeed]]:
+        """Index of a material and what it reads of a mesh and an object; None is an empty slot."""
         if material not in self._materials:
             kept = self.cache.material(material, self.images, self.log)
             if kept is None:
@@ -215,7 +298,7 @@ class SceneExport:
         if kept is None:
             with self.log.recording() as warnings:
                 desc, sun = export_world(world, self.images, self.log)
-            kept = KeptMaterial(desc, self.images.used_by(desc), MaterialNeeds(), warnings, sun)
+            kept = KeptMaterial(desc, self.images.used_by(desc), frozenset(), warnings, sun)
             self.cache.keep_material(world, kept)
         self.scene.materials.append(kept.desc)
         if kept.sun is not None:

@@ -25,6 +25,8 @@ CYCLES = {
     "caustics_refractive": "caustics_refractive",
     "pixel_filter": "pixel_filter_type",
     "filter_width": "filter_width",
+    "transparent_glass": "film_transparent_glass",
+    "transparent_glass_roughness": "film_transparent_roughness",
 }
 
 

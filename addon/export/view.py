@@ -76,6 +76,13 @@ def camera_frame(view, scene, camera) -> np.ndarray:
     return np.array([shares.min(axis=0), shares.max(axis=0)])
 
 
+def shows_particles(instance, space) -> bool:
+    """Whether a depsgraph instance shows its particles; see is_shown()."""
+    if not instance.show_particles or instance.object.type != "MESH":
+        return False
+    return space is None or instancer(instance).visible_in_viewport_get(space)
+
+
 def is_shown(instance, space) -> bool:
     """Whether a depsgraph instance shows itself, in the 3D view `space` if that is not None: there
     local view and hidden collections count."""

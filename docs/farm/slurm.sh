@@ -4,7 +4,8 @@
 #
 # usage: slurm.sh FILE.blend FIRST_FRAME LAST_FRAME SAMPLES PARTS OUT_FOLDER
 #
-# BLENDER is the program (blender), SPECULA_PATH a folder that holds the addon's folder `specula`.
+# BLENDER is the program (blender), PYTHON one with NumPy (python3), SPECULA_PATH a folder that holds the
+# addon's folder `specula`.
 set -euo pipefail
 if (($# != 6)); then
     sed -n '/^# usage/s/^# //p' "$0" >&2
@@ -14,6 +15,7 @@ file=$(realpath "$1") first=$2 last=$3 samples=$4 parts=$5
 mkdir -p "$6"
 out=$(realpath "$6")
 blender=${BLENDER:-blender}
+python=${PYTHON:-python3}
 addons=${SPECULA_PATH:?a folder that holds the folder specula}
 
 for ((frame = first; frame <= last; frame++)); do
@@ -23,7 +25,7 @@ for ((frame = first; frame <= last; frame++)); do
 #!/bin/bash
 begin=\$((SLURM_ARRAY_TASK_ID * $samples / $parts))
 end=\$(((SLURM_ARRAY_TASK_ID + 1) * $samples / $parts))
-exec "$blender" -b "$file" -E SPECULA -o "//preview_#####_\$begin" -f $frame -- \
+exec "$blender" -b "$file" -E SPECULA -o "$out/preview_#####_\$begin" -f $frame -- \
     --specula-part "$out/{frame}_{layer}_\$begin.part" --specula-samples "\$begin:\$end"
 EOF
     )
@@ -34,7 +36,7 @@ EOF
 number=\$(printf %04d $frame)
 for part in "$out/\${number}"_*_0.part; do
     layer=\${part%_0.part}
-    PYTHONPATH="$addons" python3 -m specula.merge "\$layer"_*.part -o "\$layer.exr" || exit
+    PYTHONPATH="$addons" "$python" -m specula.merge "\$layer"_*.part -o "\$layer.exr" || exit
 done
 EOF
 done

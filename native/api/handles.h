@@ -4,7 +4,7 @@
 #include "render/session.h"
 #include "scene/builder.h"
 #include "scene/caustics_part.h"
-#include "shading/uv_needs.h"
+#include "shading/attribute_needs.h"
 #include "specula/specula.h"
 
 #include <mutex>
@@ -17,8 +17,8 @@ struct spc_scene {
     std::string report;
     double commit_seconds = 0.0;
     // What the last answers refer to.
-    std::vector<spc::UvNeed> needs{};
-    std::vector<spc_uv_need> needed_layers{};
+    std::vector<spc::AttributeNeed> needs{};
+    std::vector<spc_attribute_need> needed_attributes{};
     spc::CausticsPart part{};
     std::string glints{}, no_glints{};
     // Of the sessions so far, if the scene is one of a series.

@@ -85,6 +85,9 @@ void exchange(const Way& way, Host& host, Core& core) {
         way.number("filter_width", host.filter_width, core.filter_width, kNarrowestFilter,
                    kWidestFilter);
     way.flag(host.transparent_film, integrator.transparent_film);
+    way.flag(host.transparent_glass, integrator.transparent_glass);
+    way.number("transparent_glass_roughness", host.transparent_glass_roughness,
+               integrator.transparent_glass_alpha, 0.0f, 1.0f);
     way.number("total_samples", host.total_samples, core.total_samples, 0, kMost);
     way.number("mist_start", host.mist_start, core.mist.start, 0.0f, kLongest);
     way.number("mist_depth", host.mist_depth, core.mist.depth, 0.0f, kLongest);

@@ -86,6 +86,8 @@ Graph to_graph(const spc_material_desc& desc) {
     graph.pass_index = desc.pass_index;
     graph.crypto = desc.crypto;
     const std::string owner = named("material", graph.name);
+    graph.displacement = checked_enum<DisplacementMode>(desc.displacement, SPC_DISPLACEMENT_BOTH,
+                                                        owner, "choice of displacement");
     graph.glints = checked_enum<GlintsMode>(desc.glints, SPC_GLINTS_OFF, owner, "choice of glints");
     graph.bump_correction = checked_enum<BumpCorrection>(
         desc.bump_correction, SPC_BUMP_CORRECTION_MICROFACET, owner, "bump correction");
@@ -145,22 +147,43 @@ Graph to_graph(const spc_material_desc& desc) {
     return graph;
 }
 
-UvLayer to_uv_layer(const spc_uv_layer& desc, size_t corners, const std::string& owner) {
-    UvLayer layer;
-    layer.name = name_or(desc.name, "");
-    layer.uv = copied<Vec2>(desc.uv, corners, owner, "uv of a layer");
-    if (desc.tangents == nullptr) return layer;
-    layer.tangents.resize(corners);
-    layer.tangent_signs.resize(corners);
-    for (size_t i = 0; i < corners; ++i) {
+// `elements`: of the domains of spc_attribute_domain; 0: the owner has none of that domain.
+Attribute to_attribute(const spc_attribute& desc, const std::array<size_t, 4>& elements,
+                       const std::string& owner) {
+    Attribute attribute;
+    attribute.called.name = name_or(desc.name, "");
+    const std::string who = fmt::format("{}: attribute \"{}\"", owner, attribute.called.name);
+    attribute.called.kind =
+        checked_enum<AttributeKind>(desc.kind, SPC_ATTRIBUTE_VIEW_LAYER, who, "kind of attribute");
+    attribute.domain = checked_enum<AttributeDomain>(desc.domain, SPC_DOMAIN_OBJECT, who, "domain");
+    require(is_of_object(attribute.called.kind) == (attribute.domain == AttributeDomain::object),
+            who + ": kind and domain do not belong together");
+    const size_t count = elements[desc.domain];
+    require(count > 0, who + ": the domain is not one of its owner");
+    require(desc.components >= 1 && desc.components <= 4, who + ": has 1 to 4 components");
+    attribute.components = desc.components;
+    attribute.values = copied<float>(desc.values, count * desc.components, who, "values");
+    if (desc.tangents == nullptr) return attribute;
+    require(attribute.is_uv_layer(), who + ": only UV layers have tangents");
+    attribute.tangents.resize(count);
+    attribute.tangent_signs.resize(count);
+    for (size_t i = 0; i < count; ++i) {
         const float* t = desc.tangents + 4 * i;
-        require(
-            std::isfinite(t[3]),
-            fmt::format("{}: UV layer \"{}\": tangent sign {} is not finite", owner, layer.name, i));
-        layer.tangents[i] = {t[0], t[1], t[2]};
-        layer.tangent_signs[i] = t[3] < 0.0f ? -1.0f : 1.0f;
+        require(std::isfinite(t[3]), fmt::format("{}: tangent sign {} is not finite", who, i));
+        attribute.tangents[i] = {t[0], t[1], t[2]};
+        attribute.tangent_signs[i] = t[3] < 0.0f ? -1.0f : 1.0f;
     }
-    return layer;
+    return attribute;
+}
+
+std::vector<Attribute> to_attributes(const spc_attribute* descs, uint32_t count,
+                                     const std::array<size_t, 4>& elements,
+                                     const std::string& owner) {
+    require(descs != nullptr || count == 0, owner + ": attributes is null");
+    std::vector<Attribute> attributes;
+    for (uint32_t i = 0; i < count; ++i)
+        attributes.push_back(to_attribute(descs[i], elements, owner));
+    return attributes;
 }
 
 Mesh to_mesh(const spc_mesh_desc& desc) {
@@ -174,13 +197,14 @@ Mesh to_mesh(const spc_mesh_desc& desc) {
     mesh.triangles = copied<std::array<uint32_t, 3>>(desc.triangles, triangles, owner, "triangles");
     if (desc.normals != nullptr)
         mesh.normals = copied<Vec3>(desc.normals, 3 * triangles, owner, "normals");
+    mesh.shaded_smooth = desc.normals != nullptr;
+    if (desc.flat_faces != nullptr)
+        mesh.flat_faces = copied<uint32_t>(desc.flat_faces, triangles, owner, "flat_faces");
     if (desc.material_slots != nullptr)
         mesh.slots = copied<uint32_t>(desc.material_slots, triangles, owner, "material_slots");
     mesh.slot_count = desc.slot_count;
-    require(desc.uv_layers != nullptr || desc.uv_layer_count == 0, owner + ": uv_layers is null");
-    for (uint32_t i = 0; i < desc.uv_layer_count; ++i)
-        mesh.uv_layers.push_back(to_uv_layer(desc.uv_layers[i], 3 * triangles, owner));
-    mesh.active_uv_layer = desc.active_uv_layer;
+    mesh.attributes = to_attributes(desc.attributes, desc.attribute_count,
+                                    {3 * triangles, desc.vertex_count, triangles, 0}, owner);
     return mesh;
 }
 
@@ -198,6 +222,8 @@ Instance to_instance(const spc_instance_desc& desc) {
     instance.crypto_asset = desc.crypto_asset;
     instance.role =
         checked_enum<CausticsRole>(desc.caustics_role, SPC_CAUSTICS_BOTH, owner, "caustics role");
+    instance.holdout = desc.holdout != 0;
+    instance.attributes = to_attributes(desc.attributes, desc.attribute_count, {0, 0, 0, 1}, owner);
     require(desc.terminator_offset >= 0.0f && desc.terminator_offset <= 1.0f,
             owner + ": terminator_offset is not within 0 and 1");
     instance.terminator_stretch = 1.0f / (1.0f - 0.5f * desc.terminator_offset);
@@ -228,13 +254,14 @@ LightDesc to_light(const spc_light_desc& desc) {
 
 Camera to_camera(const spc_camera_desc& desc) {
     Camera camera;
-    camera.projection = checked_enum<Projection>(desc.projection, SPC_PROJECTION_ORTHOGRAPHIC,
-                                                 "camera", "projection");
+    camera.projection = checked_enum<Projection>(
+        desc.projection, SPC_PROJECTION_CENTRAL_CYLINDRICAL, "camera", "projection");
     camera.to_world = transform_of(desc.transform, "camera");
     camera.width = desc.width;
     camera.height = desc.height;
     std::copy(std::begin(desc.crop), std::end(desc.crop), camera.crop.begin());
     std::copy(std::begin(desc.viewplane), std::end(desc.viewplane), camera.viewplane.begin());
+    std::copy(std::begin(desc.panorama), std::end(desc.panorama), camera.panorama.begin());
     camera.clip_near = desc.clip_near;
     camera.clip_far = desc.clip_far;
     camera.aperture_radius = desc.aperture_radius;
@@ -280,9 +307,9 @@ void fill_stats(const spc_scene& handle, spc_scene_stats& stats) {
                               mesh.triangles.size() * sizeof(mesh.triangles[0]) +
                               mesh.normals.size() * sizeof(Vec3) +
                               mesh.slots.size() * sizeof(uint32_t);
-        for (const UvLayer& layer : mesh.uv_layers)
-            stats.memory_bytes += layer.uv.size() * sizeof(Vec2) +
-                                  layer.tangents.size() * (sizeof(Vec3) + sizeof(float));
+        for (const Attribute& attribute : mesh.attributes)
+            stats.memory_bytes += attribute.values.size() * sizeof(float) +
+                                  attribute.tangents.size() * (sizeof(Vec3) + sizeof(float));
     }
     for (const Image& image : scene.images) stats.memory_bytes += image.memory_bytes();
     stats.memory_bytes += world.glints.memory_bytes();
@@ -381,12 +408,23 @@ spc_status spc_scene_material_needs(spc_scene* scene, uint32_t material_index,
     return gate("spc_scene_material_needs", [&] {
         const spc::SceneBuilder& builder = builder_of(scene);
         checked(needs, "needs");
-        scene->needs = spc::uv_needs(builder.material(material_index));
-        scene->needed_layers.clear();
-        for (const auto& [layer, tangents] : scene->needs)
-            scene->needed_layers.push_back({layer.c_str(), tangents ? 1u : 0u});
-        needs->uv_layers = scene->needed_layers.data();
-        needs->uv_layer_count = static_cast<uint32_t>(scene->needed_layers.size());
+        scene->needs = spc::attribute_needs(builder.material(material_index));
+        scene->needed_attributes.clear();
+        for (const auto& [attribute, tangents] : scene->needs)
+            scene->needed_attributes.push_back(
+                {attribute.name.c_str(), static_cast<uint32_t>(attribute.kind), tangents ? 1u : 0u});
+        needs->attributes = scene->needed_attributes.data();
+        needs->attribute_count = static_cast<uint32_t>(scene->needed_attributes.size());
+    });
+}
+
+spc_status spc_scene_material_emission(spc_scene* scene, uint32_t material_index, float* mean,
+                                       uint32_t* varies) {
+    return gate("spc_scene_material_emission", [&] {
+        const spc::Material& material = builder_of(scene).material(material_index);
+        require(mean != nullptr && varies != nullptr, "mean or varies is null");
+        for (int i = 0; i < 3; ++i) mean[i] = material.mean_emission[i];
+        *varies = material.constant_emission ? 0 : 1;
     });
 }
 

@@ -320,15 +320,21 @@ Spectrum albedo_of(const Lambert&, const Vec3&) { return Spectrum(1.0f); }
 Spectrum albedo_of(const Translucent&, const Vec3&) { return Spectrum(1.0f); }
 Spectrum albedo_of(const Transparent&, const Vec3&) { return Spectrum(1.0f); }
 
-Spectrum albedo_of(const MicrofacetReflection& c, const Vec3& wo) {
+// `lossless`: an uncompensated lobe counts as if no light were lost between facets.
+Spectrum reflection_albedo(const MicrofacetReflection& c, const Vec3& wo, bool lossless) {
     const float cos_o = std::min(dot(c.n, wo), 1.0f);
     if (!(cos_o > 0.0f)) return Spectrum(0.0f);
     if (c.alpha <= kDeltaAlpha) return fresnel(c.fresnel, cos_o);
     const ReflectionTable& table = reflection_table(c.model);
     const ReflectionTable::Entry entry = table(c.mean_alpha(), cos_o);
-    const Spectrum once = lobe_mean(c.fresnel, c.model, c.mean_alpha(), cos_o, entry) * entry.energy;
-    if (!compensated(c)) return once;
-    return once * compensation(hemisphere_mean(c.fresnel), entry.energy, table.mean(c.mean_alpha()));
+    const Spectrum mean = lobe_mean(c.fresnel, c.model, c.mean_alpha(), cos_o, entry);
+    if (!compensated(c)) return lossless ? mean : mean * entry.energy;
+    return mean * entry.energy *
+           compensation(hemisphere_mean(c.fresnel), entry.energy, table.mean(c.mean_alpha()));
+}
+
+Spectrum albedo_of(const MicrofacetReflection& c, const Vec3& wo) {
+    return reflection_albedo(c, wo, false);
 }
 
 Spectrum albedo_of(const MicrofacetDielectric& c, const Vec3& wo) {
@@ -379,6 +385,10 @@ Spectrum compensation_of(const MicrofacetDielectric& c, const Vec3& wo) {
 
 Spectrum energy_compensation(const ClosureKind& kind, const Vec3& wo) {
     return std::visit([&](const auto& c) { return compensation_of(c, wo); }, kind);
+}
+
+Spectrum kept_from_below(const MicrofacetReflection& layer, const Vec3& wo) {
+    return reflection_albedo(layer, wo, true);
 }
 
 Spectrum albedo(const ClosureKind& kind, const Vec3& wo) {

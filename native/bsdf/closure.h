@@ -96,8 +96,8 @@ struct Transparent {  // a delta
 };
 
 using ClosureKind = std::variant<Lambert, MicrofacetReflection, MicrofacetDielectric, Transparent,
-                                 Translucent, OrenNayar, Sheen, Velvet, SchlickSheen, DiffuseToon,
-                                 GlossyToon, AshikhminShirley, Subsurface>;
+                                 Translucent, OrenNayar, Sheen, Velvet, BurleyDiffuse, SchlickSheen,
+                                 DiffuseToon, GlossyToon, AshikhminShirley, Subsurface>;
 inline const ClosureTraits& traits(const ClosureKind& kind) {
     return *std::visit([](const auto& c) { return &c.kTraits; }, kind);
 }

@@ -153,6 +153,20 @@ LobeEval eval_lobe(const Velvet& c, const Vec3& wo, const Vec3& wi, bool crosses
     return {Spectrum(0.25f * velvet_density(n_h, c.sigma) * grooves / cos_o), pdf};
 }
 
+// [Burley12 Sec. 5.3], in the form that tells apart what Schlick's curves take away and what roughness
+// gives back.
+LobeEval eval_lobe(const BurleyDiffuse& c, const Vec3& wo, const Vec3& wi, bool crosses) {
+    const float cos_i = dot(c.n, wi), cos_o = dot(c.n, wo);
+    if (crosses || !(cos_i > 0.0f) || !(cos_o > 0.0f)) return {};
+    const float grazing_i = fifth_power_from_grazing(cos_i),
+                grazing_o = fifth_power_from_grazing(cos_o);
+    const float back = c.roughness * (1.0f + dot(wi, wo));  // 2 roughness cos^2 of wi to h
+    const float f = (1.0f - 0.5f * grazing_i) * (1.0f - 0.5f * grazing_o) +
+                    back * (grazing_i + grazing_o + grazing_i * grazing_o * (back - 1.0f));
+    const float pdf = cosine_hemisphere_pdf(cos_i);
+    return {Spectrum(f * pdf), pdf};
+}
+
 LobeEval eval_lobe(const SchlickSheen& c, const Vec3& wo, const Vec3& wi, bool crosses) {
     const float cos_i = dot(c.n, wi);
     if (crosses || !(cos_i > 0.0f) || !(dot(c.n, wo) > 0.0f)) return {};
@@ -199,6 +213,11 @@ std::optional<LobeSample> sample_lobe(const Velvet& c, const Vec3& wo, float, co
     return LobeSample{Frame::around(c.n).to_world(uniform_cone(u, 1.0f)), BounceKind::diffuse};
 }
 
+std::optional<LobeSample> sample_lobe(const BurleyDiffuse& c, const Vec3& wo, float, const Vec2& u) {
+    if (!(dot(c.n, wo) > 0.0f)) return std::nullopt;
+    return around_normal(c.n, u);
+}
+
 std::optional<LobeSample> sample_lobe(const SchlickSheen& c, const Vec3& wo, float, const Vec2& u) {
     if (!(dot(c.n, wo) > 0.0f)) return std::nullopt;
     return around_normal(c.n, u);
@@ -243,6 +262,11 @@ Spectrum albedo_of(const Sheen& c, const Vec3& wo) {
 
 Spectrum albedo_of(const Velvet& c, const Vec3& wo) {
     return Spectrum(dot(c.n, wo) > 0.0f ? 1.0f : 0.0f);
+}
+
+Spectrum albedo_of(const BurleyDiffuse& c, const Vec3& wo) {
+    const float grazing = fifth_power_from_grazing(dot(c.n, wo));
+    return Spectrum(1.0f + (c.roughness - 0.5f) * grazing);  // as if light came from along the normal
 }
 
 Spectrum albedo_of(const SchlickSheen& c, const Vec3& wo) {

@@ -48,7 +48,16 @@ struct Velvet {
     float sigma;
 };
 
-// The Principled BSDF's sheen until Blender 3.6: Schlick's curve alone [Burley12].
+// The Principled BSDF's base until Blender 3.6 [Burley12]: at grazing angles darker than Lambert's where it is
+// smooth, brighter where it is rough. It is not bound to keep the energy.
+struct BurleyDiffuse {
+    static constexpr ClosureTraits kTraits{
+        .reflected = BounceKind::diffuse, .transmitted = BounceKind::diffuse, .albedo_varies = true};
+    Vec3 n;
+    float roughness;  // in [0, 1]
+};
+
+// Its sheen: Schlick's curve alone [Burley12].
 struct SchlickSheen {
     static constexpr ClosureTraits kTraits{
         .reflected = BounceKind::diffuse, .transmitted = BounceKind::diffuse, .albedo_varies = true};
@@ -72,6 +81,7 @@ LobeEval eval_lobe(const Translucent& c, const Vec3& wo, const Vec3& wi, bool cr
 LobeEval eval_lobe(const OrenNayar& c, const Vec3& wo, const Vec3& wi, bool crosses);
 LobeEval eval_lobe(const Sheen& c, const Vec3& wo, const Vec3& wi, bool crosses);
 LobeEval eval_lobe(const Velvet& c, const Vec3& wo, const Vec3& wi, bool crosses);
+LobeEval eval_lobe(const BurleyDiffuse& c, const Vec3& wo, const Vec3& wi, bool crosses);
 LobeEval eval_lobe(const SchlickSheen& c, const Vec3& wo, const Vec3& wi, bool crosses);
 LobeEval eval_lobe(const DiffuseToon& c, const Vec3& wo, const Vec3& wi, bool crosses);
 LobeEval eval_lobe(const GlossyToon& c, const Vec3& wo, const Vec3& wi, bool crosses);
@@ -83,6 +93,8 @@ std::optional<LobeSample> sample_lobe(const OrenNayar& c, const Vec3& wo, float 
                                       const Vec2& u);
 std::optional<LobeSample> sample_lobe(const Sheen& c, const Vec3& wo, float u_lobe, const Vec2& u);
 std::optional<LobeSample> sample_lobe(const Velvet& c, const Vec3& wo, float u_lobe, const Vec2& u);
+std::optional<LobeSample> sample_lobe(const BurleyDiffuse& c, const Vec3& wo, float u_lobe,
+                                      const Vec2& u);
 std::optional<LobeSample> sample_lobe(const SchlickSheen& c, const Vec3& wo, float u_lobe,
                                       const Vec2& u);
 std::optional<LobeSample> sample_lobe(const DiffuseToon& c, const Vec3& wo, float u_lobe,
@@ -95,6 +107,7 @@ std::optional<LobeSample> sample_lobe(const GlossyToon& c, const Vec3& wo, float
 Spectrum albedo_of(const OrenNayar& c, const Vec3& wo);
 Spectrum albedo_of(const Sheen& c, const Vec3& wo);
 Spectrum albedo_of(const Velvet& c, const Vec3& wo);
+Spectrum albedo_of(const BurleyDiffuse& c, const Vec3& wo);
 Spectrum albedo_of(const SchlickSheen& c, const Vec3& wo);
 Spectrum albedo_of(const DiffuseToon& c, const Vec3& wo);
 Spectrum albedo_of(const GlossyToon& c, const Vec3& wo);

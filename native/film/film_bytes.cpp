@@ -51,7 +51,8 @@ public:
     template <class T>
     void many(T* values, size_t count) {
         if (bytes_.size() < count * sizeof(T)) refuse("sums end too early");
-        std::memcpy(static_cast<void*>(values), bytes_.data(), count * sizeof(T));
+        if (count > 0)  // of none there is no address
+            std::memcpy(static_cast<void*>(values), bytes_.data(), count * sizeof(T));
         bytes_ = bytes_.subspan(count * sizeof(T));
     }
     bool at_end() const { return bytes_.empty(); }

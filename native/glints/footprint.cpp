@@ -13,8 +13,7 @@ namespace {
 constexpr float kFacetSpread = 0.25f;
 constexpr float kDiffuseSpread = 0.1f;
 
-template <class T>
-T interpolated(const std::vector<T>& corners, const SurfaceHit& hit) {
+Vec3 interpolated(const std::vector<Vec3>& corners, const SurfaceHit& hit) {
     const size_t first = 3 * static_cast<size_t>(hit.triangle);
     return corners[first] * (1.0f - hit.u - hit.v) + corners[first + 1] * hit.u +
            corners[first + 2] * hit.v;
@@ -24,19 +23,19 @@ T interpolated(const std::vector<T>& corners, const SurfaceHit& hit) {
 struct MapPoint {
     Vec2 at, by_u, by_v;
 };
-MapPoint map_point(const SlopeMap& map, const Vec2& size, const UvLayer& layer,
+MapPoint map_point(const SlopeMap& map, const Vec2& size, const Attribute& layer,
                    const SurfaceHit& hit) {
     const auto to_image = [&](const Vec2& v) {
         return Vec2(map.to_image[0].dot(v), map.to_image[1].dot(v)) * size;
     };
     const size_t first = 3 * static_cast<size_t>(hit.triangle);
-    return {to_image(interpolated(layer.uv, hit)) + map.offset * size - Vec2(0.5f, 0.5f),
-            to_image(layer.uv[first + 1] - layer.uv[first]),
-            to_image(layer.uv[first + 2] - layer.uv[first])};
+    const Vec2 a = layer.uv(first), b = layer.uv(first + 1), c = layer.uv(first + 2);
+    const Vec2 at = a * (1.0f - hit.u - hit.v) + b * hit.u + c * hit.v;
+    return {to_image(at) + map.offset * size - Vec2(0.5f, 0.5f), to_image(b - a), to_image(c - a)};
 }
 
 // The frame of a normal map's slopes, as map_normal() uses it.
-SlopeFrame tangent_frame(const Scene& scene, const UvLayer& layer, const Surface& surface) {
+SlopeFrame tangent_frame(const Scene& scene, const Attribute& layer, const Surface& surface) {
     const Instance& instance = scene.instances[surface.hit.instance];
     const Mesh& mesh = scene.meshes[instance.mesh];
     const Vec3 front = surface.backfacing ? surface.ng * -1.0f : surface.ng;
@@ -216,20 +215,23 @@ std::optional<Footprint> footprint_at(const Scene& scene, const SlopeMap& map, i
                                       const PathDifferential& path, double distance) {
     const Instance& instance = scene.instances[surface.hit.instance];
     const Mesh& mesh = scene.meshes[instance.mesh];
-    const std::vector<uint32_t>& layers = instance.uv_layers[mesh.slot_of(surface.hit.triangle)];
-    const uint32_t uv = layers[map.uv_layer], tangent = layers[map.tangent_layer];
+    const auto layer = [&](uint32_t of_material) {
+        return instance.attribute(
+            mesh, instance.attribute_indices[mesh.slot_of(surface.hit.triangle)][of_material]);
+    };
+    const Attribute *uv = layer(map.uv_layer), *tangent = layer(map.tangent_layer);
     const bool bumped = map.relief == Relief::heights;
-    if (uv == kNone || tangent == kNone || (!bumped && mesh.uv_layers[tangent].tangents.empty()))
-        return std::nullopt;
+    if (uv == nullptr || !uv->is_uv_layer()) return std::nullopt;
+    if (!bumped && (tangent == nullptr || tangent->tangents.empty())) return std::nullopt;
 
     const std::array<Vec3, 3> corner =
         scene.triangle_world(surface.hit.instance, surface.hit.triangle);
     const Vec3 dp_du = corner[1] - corner[0], dp_dv = corner[2] - corner[0];
     const Vec2 size(static_cast<float>(width), static_cast<float>(height));
-    const MapPoint point = map_point(map, size, mesh.uv_layers[uv], surface.hit);
+    const MapPoint point = map_point(map, size, *uv, surface.hit);
     Footprint result;
     result.frame = bumped ? raised_frame(map, point, dp_du, dp_dv, surface)
-                          : tangent_frame(scene, mesh.uv_layers[tangent], surface);
+                          : tangent_frame(scene, *tangent, surface);
     if (!std::isfinite(result.frame.det())) return std::nullopt;
     result.at =
         point.at - Vec2(std::floor(point.at.x / size.x), std::floor(point.at.y / size.y)) * size;

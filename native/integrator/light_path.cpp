@@ -160,6 +160,7 @@ private:
 
     // Splats what reaches the camera from a surface beyond the chain.
     void connect(const SurfaceHit& hit) {
+        if (scene_.instances[hit.instance].holdout) return;
         const Vec3 p = surface_position(scene_, hit);
         const Vec2 lens = sampler_.vertex(segment_)[Domain::lens].two();
         const std::optional<CameraView> view = scene_.camera.view(p, lens);
@@ -386,7 +387,7 @@ std::unique_ptr<const LightPilot> learn_emission(const RenderScene& world,
                                                  uint32_t paths, uint32_t seed, uint32_t threads,
                                                  const Budget& budget, LightPathStats& stats) {
     if (world.casters.aims().empty() || world.lights.caustic_selection.empty() ||
-        !world.scene->same_for_scattered_rays)
+        !world.scene->light_paths_reach_camera)
         return nullptr;
     auto result = std::make_unique<LightPilot>(
         aim_at_casters(*world.scene, world.lights, world.casters, Squares::of_beams), 1.0,

@@ -8,12 +8,14 @@ std::optional<Hit> PathTracer::go_to_surface(Surface& surface, PathLight& light)
     for (;;) {
         const std::optional<Hit> hit = intersect();
         if (!hit) {
-            const bool shows_film = settings.transparent_film && ray_kind == kVisibleCamera;
+            const bool shows_film = settings.transparent_film && sees_film;
             go_towards(ray.direction);
             if (!shows_film) add_from_afar(light);
             return hit;
         }
         if (hit->light == kNone) {
+            in_hole = is_held_out(*hit);
+            if (in_hole) return std::nullopt;
             evaluate(*hit, surface);
             come_to(surface.p);
             add_met(throughput * emission_of_surface(*hit, surface), Pass::emission, light);
@@ -70,6 +72,7 @@ bool PathTracer::scatter(const Hit& hit, const Surface& surface, const ClosureSa
     if (bounces.total == 0) lobes = only(lobe_of(next.kind));
     const BounceCounts before = bounces;
     bounces.add(next.kind);
+    sees_film = sees_film && lets_film_through(next);
     if (differential && !propagate_through_bounce(scene(), surface, next,
                                                   static_cast<double>(hit.t), *differential))
         differential.reset();
@@ -102,7 +105,7 @@ std::optional<Hit> PathTracer::intersect() {
 }
 
 void PathTracer::evaluate(const Hit& hit, Surface& surface) const {
-    evaluate_surface(scene(), hit.surface, ray.direction * -1.0f, surface);
+    evaluate_surface(scene(), hit.surface, ray.direction * -1.0f, surface, seen_by(hit.t));
     const Vec3 back = from - surface.p;
     if (dot(back, surface.ng) > 0.0f) surface.wo = normalize(back);
     const ManifoldSettings& caustics = settings.manifold;
@@ -121,6 +124,10 @@ bool PathTracer::look_through(const Hit& hit) {
 
 void PathTracer::spawn_ray(const Surface& surface, const ClosureSample& next) {
     ray_kind = ray_kind_after(next.kind);
+    ray_begins = 0.0f;
+    ray_kinds = (next.kind == BounceKind::diffuse ? kRayDiffuse : kRayGlossy) |
+                (next.kind == BounceKind::transmission ? kRayTransmission : kRayReflection) |
+                (next.delta ? kRaySingular : 0u);
     from = surface.p;
     if (dot(surface.ng, next.wi) < 0.0f) media.cross(scene(), surface.hit, next.wi);
     ray = {offset_origin({surface.p, surface.ng, surface.p_error}, next.wi), next.wi, 0.0f,
@@ -190,12 +197,11 @@ PathSample path_radiance(const RenderScene& world, const IntegratorSettings& set
         const std::optional<Hit> hit = path.go_to_surface(surface, light);
         if (!hit) {
             const Spectrum& t = path.throughput;
-            if (settings.transparent_film && path.ray_kind == kVisibleCamera) out.alpha -= mean(t);
-            if (features) features->look_at_world(path.world_seen(), *values);
+            if (path.in_hole || (settings.transparent_film && path.sees_film)) out.alpha -= mean(t);
+            if (features && !path.in_hole) features->look_at_world(path.world_seen(), *values);
             break;
         }
-        if (path.ray_kind == kVisibleCamera)
-            out.alpha -= mean(path.throughput * surface.closures.holdout);
+        if (path.sees_film) out.alpha -= mean(path.throughput * surface.closures.holdout);
         if (values != nullptr && path.bounces.total == 0) path.tell_surface(surface, *values);
         if (features && features->look(*world.scene, surface, hit->t, *values)) features.reset();
         if (path.bounces.exhausted(settings.limits)) {

@@ -24,6 +24,8 @@ RenderScene prepare(std::unique_ptr<Scene> scene, uint32_t threads = 0,
 struct IntegratorSettings {
     BounceLimits limits;
     bool transparent_film = false;
+    bool transparent_glass = false;        // the film is seen through clear glass, too,
+    float transparent_glass_alpha = 0.1f;  // of at most this roughness
     ManifoldSettings manifold;
     LightTracing light_tracing;
     const CameraChains* camera_chains = nullptr;  // null: path tracing alone finds them

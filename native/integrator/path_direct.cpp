@@ -12,9 +12,10 @@ void PathTracer::add_direct(const Surface& surface, const CameraSubpath& camera_
             add_scattered(throughput * direct_radiance(surface, camera_subpath, *one), surface,
                           one->wi, light, bounces.total == 0);
     };
-    add(sample_direct_first(world.lights, scene(), at, sampler[Domain::light].three()));
+    add(sample_direct_first(world.lights, scene(), at, sampler[Domain::light].three(), to_light(0)));
     if (world.lights.tree.has_second())
-        add(sample_direct_second(world.lights, scene(), at, sampler[Domain::even_light].three()));
+        add(sample_direct_second(world.lights, scene(), at, sampler[Domain::even_light].three(),
+                                 to_light(0)));
 }
 
 Spectrum PathTracer::direct_radiance(const Surface& surface, const CameraSubpath& camera_subpath,
@@ -74,7 +75,7 @@ Spectrum PathTracer::unblocked(const Surface& surface, const DirectSample& light
     Media along = media;
     if (dot(surface.ng, light.wi) < 0.0f) along.cross(scene(), surface.hit, light.wi);
     return transmittance(scene(), {surface.p, surface.ng, surface.p_error}, end, kVisibleShadow,
-                         transparent_left, along, stats.rays);
+                         to_light(kRayShadow), transparent_left, along, stats.rays);
 }
 
 }  // namespace spc

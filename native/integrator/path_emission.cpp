@@ -21,7 +21,7 @@ void PathTracer::add_from_afar(PathLight& light) const {
 Spectrum PathTracer::world_seen() const {
     if (!world.lights.has_world || (scene().environment.visibility & ray_kind) == 0)
         return Spectrum(0.0f);
-    return world_radiance(world.lights, scene(), ray.direction);
+    return world_radiance(world.lights, scene(), ray.direction, seen_by(0.0f));
 }
 
 Spectrum PathTracer::emission_of_world() const {

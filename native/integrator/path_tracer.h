@@ -61,6 +61,10 @@ struct PathTracer {
     PathHistory history{};
     BounceCounts bounces{};
     uint32_t ray_kind = kVisibleCamera;
+    bool sees_film = true;            // through nothing but what lets it through
+    bool in_hole = false;             // has come to a hole in the picture
+    uint32_t ray_kinds = kRayCamera;  // of RayKind
+    float ray_begins = ray.t_near;    // where graphs count the ray's length from, as Cycles does
     // Set while the path may meet glints: its differential, and the footprint on its last surface.
     std::optional<PathDifferential> differential{};
     std::optional<GlintPoint> glints{};
@@ -82,8 +86,16 @@ struct PathTracer {
     // ---- path.cpp: from surface to surface
 
     // Follows the ray to the next surface and evaluates it. Adds the emission that the ray meets on the
-    // way and at the surface. Empty if the ray leaves the scene.
+    // way and at the surface. Empty if the ray leaves the scene, or the picture in a hole.
     std::optional<Hit> go_to_surface(Surface& surface, PathLight& light);
+    bool is_held_out(const Hit& hit) const {
+        return sees_film && scene().instances[hit.surface.instance].holdout;
+    }
+    // Whether the film is seen past such a scattering.
+    bool lets_film_through(const ClosureSample& next) const {
+        return settings.transparent_glass && next.kind == BounceKind::transmission &&
+               next.alpha <= settings.transparent_glass_alpha;
+    }
     CameraSubpath camera_subpath_to(const Surface& surface) const;
     // Adds the light that techniques other than the path's own rays find at the surface; how it goes on.
     struct Onward {
@@ -99,6 +111,21 @@ struct PathTracer {
                  const CameraSubpath& camera_subpath, const Sampler& sampler);
     bool look_for_lights_behind(const Hit& hit, const Surface& surface);
 
+    // What graphs are told of the path's ray, and of one of these `kinds` from its last vertex to a
+    // light, which is a bounce further.
+    RayState seen_by(float length) const {
+        return ray_state(ray_kinds, length - ray_begins, bounces.total);
+    }
+    RayState to_light(uint32_t kinds) const { return ray_state(kinds, 0.0f, bounces.total + 1); }
+    RayState ray_state(uint32_t kinds, float length, uint32_t depth) const {
+        return {kinds,
+                length,
+                depth,
+                bounces.diffuse,
+                bounces.glossy,
+                bounces.transparent,
+                bounces.transmission};
+    }
     std::optional<Hit> intersect();
     void evaluate(const Hit& hit, Surface& surface) const;
     void go_towards(const Vec3& wi) {

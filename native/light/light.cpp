@@ -11,6 +11,8 @@ namespace {
 // Share of the choice for casters that goes to all lights alike: power says nothing of where a
 // light stands.
 constexpr double kEvenShare = 0.2;
+// Length of a ray that leaves the scene, m: as good as infinite, but can be reckoned with.
+constexpr float kFromAfar = std::numeric_limits<float>::max();
 // Most parts of emissive meshes that are leaves of the tree: of all meshes, and of one. More take
 // long to build.
 constexpr uint32_t kMostParts = 1u << 16, kMostPartsOfOne = 1u << 10;
@@ -52,7 +54,7 @@ LightBounds bounds_of(const LightDesc& desc, const Lamp& lamp, double flux) {
 
 std::optional<DirectSample> sample_part_from(const LightSet& lights, const Scene& scene,
                                              const LightSet::Leaf& leaf, const Vec3& p,
-                                             const Vec2& u) {
+                                             const Vec2& u, RayState ray) {
     const EmissiveInstance& emitter = lights.emissive[leaf.light - lights.lamps.size()];
     const EmitterPoint q = sample_emitter_part(emitter, leaf.part, scene, u);
     const Vec3 to_q = q.p - p;
@@ -62,7 +64,8 @@ std::optional<DirectSample> sample_part_from(const LightSet& lights, const Scene
     const Vec3 wi = to_q * (1.0f / d);
     const float cos = std::abs(dot(q.n, wi));
     if (!(cos > 0.0f)) return std::nullopt;
-    const Spectrum radiance = surface_emission(scene, q.hit, wi * -1.0f);
+    ray.length = d;
+    const Spectrum radiance = surface_emission(scene, q.hit, wi * -1.0f, ray);
     if (is_black(radiance)) return std::nullopt;
     return DirectSample{wi, d, radiance, q.pdf_area * d2 / cos, false, leaf.light, q.hit};
 }
@@ -143,7 +146,7 @@ namespace {
 
 std::optional<DirectSample> sample_leaf(const LightSet& lights, const Scene& scene,
                                         const LitPoint& at, const LightTree::Sample& chosen,
-                                        const Vec2& u) {
+                                        const Vec2& u, const RayState& ray) {
     const LightSet::Leaf& leaf = lights.leaves[chosen.light];
     std::optional<DirectSample> sample;
     if (leaf.light < lights.lamps.size()) {
@@ -151,10 +154,10 @@ std::optional<DirectSample> sample_leaf(const LightSet& lights, const Scene& sce
             sample = {s->wi, s->distance, s->radiance, s->density, s->delta, leaf.light};
     } else if (leaf.light == lights.of_world()) {
         if (const std::optional<WorldSample> s = sample_world(lights, u))
-            sample = {s->wi,        kInfinity, world_radiance(lights, scene, s->wi),
+            sample = {s->wi,        kInfinity, world_radiance(lights, scene, s->wi, ray),
                       s->pdf_omega, false,     leaf.light};
     } else {
-        sample = sample_part_from(lights, scene, leaf, at.p, u);
+        sample = sample_part_from(lights, scene, leaf, at.p, u, ray);
     }
     if (!sample) return std::nullopt;
     sample->density *= chosen.probability;
@@ -165,22 +168,24 @@ std::optional<DirectSample> sample_leaf(const LightSet& lights, const Scene& sce
 }  // namespace
 
 std::optional<DirectSample> sample_direct(const LightSet& lights, const Scene& scene,
-                                          const LitPoint& at, const Vec3& u) {
+                                          const LitPoint& at, const Vec3& u, const RayState& ray) {
     if (lights.tree.empty()) return std::nullopt;
-    return sample_leaf(lights, scene, at, lights.tree.sample(at, u.x), {u.y, u.z});
+    return sample_leaf(lights, scene, at, lights.tree.sample(at, u.x), {u.y, u.z}, ray);
 }
 
 std::optional<DirectSample> sample_direct_first(const LightSet& lights, const Scene& scene,
-                                                const LitPoint& at, const Vec3& u) {
+                                                const LitPoint& at, const Vec3& u,
+                                                const RayState& ray) {
     if (lights.tree.empty()) return std::nullopt;
-    return sample_leaf(lights, scene, at, lights.tree.first_of_two(at, u.x), {u.y, u.z});
+    return sample_leaf(lights, scene, at, lights.tree.first_of_two(at, u.x), {u.y, u.z}, ray);
 }
 
 std::optional<DirectSample> sample_direct_second(const LightSet& lights, const Scene& scene,
-                                                 const LitPoint& at, const Vec3& u) {
+                                                 const LitPoint& at, const Vec3& u,
+                                                 const RayState& ray) {
     const float chosen = u.x / LightTree::kSecond;
     if (!(chosen < 1.0f)) return std::nullopt;
-    return sample_leaf(lights, scene, at, lights.tree.second_of_two(at, chosen), {u.y, u.z});
+    return sample_leaf(lights, scene, at, lights.tree.second_of_two(at, chosen), {u.y, u.z}, ray);
 }
 
 float pdf_direct_lamp(const LightSet& lights, const LitPoint& at, const Vec3& wi, const Hit& hit) {
@@ -216,10 +221,13 @@ float pdf_direct_sun(const LightSet& lights, const LitPoint& at, uint32_t light,
            lamp_pdf(lights.lamps[light], Vec3(0.0f), wi, kInfinity);
 }
 
-Spectrum world_radiance(const LightSet& lights, const Scene& scene, const Vec3& direction) {
+Spectrum world_radiance(const LightSet& lights, const Scene& scene, const Vec3& direction,
+                        RayState ray) {
     if (lights.world_is_constant) return lights.world_constant;
     if (scene.environment.material == kNone) return Spectrum(0.0f);
-    return evaluate_background(scene.materials[scene.environment.material], scene.images, direction);
+    ray.length = kFromAfar;
+    return evaluate_background(scene.materials[scene.environment.material], scene.images, direction,
+                               ray, scene.view);
 }
 
 std::optional<LightPoint> sample_point_of_light(const LightSet& lights, const Scene& scene,

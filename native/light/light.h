@@ -97,15 +97,19 @@ struct DirectSample {
     SurfaceHit surface{kNone, 0, 0, 0};  // for emissive meshes
     float weight = 1.0f;                 // LightTree::Sample::weight
 };
+// `ray`: what a light's graph is told of the ray to it; its length is found.
 std::optional<DirectSample> sample_direct(const LightSet& lights, const Scene& scene,
-                                          const LitPoint& at, const Vec3& u);
+                                          const LitPoint& at, const Vec3& u,
+                                          const RayState& ray = {});
 // Two samples instead of one, with less noise from the choice of the light. The sum of weight
 // radiance / density has the same mean. The second exists if lights.tree.has_second(), and is
 // mostly empty.
 std::optional<DirectSample> sample_direct_first(const LightSet& lights, const Scene& scene,
-                                                const LitPoint& at, const Vec3& u);
+                                                const LitPoint& at, const Vec3& u,
+                                                const RayState& ray = {});
 std::optional<DirectSample> sample_direct_second(const LightSet& lights, const Scene& scene,
-                                                 const LitPoint& at, const Vec3& u);
+                                                 const LitPoint& at, const Vec3& u,
+                                                 const RayState& ray = {});
 
 // Density (1/sr) with which sample_direct() at `at` takes the direction `wi` to the point that a
 // ray has hit. A ray that leaves the scene meets the world and each of LightSet::disc_suns that it
@@ -117,7 +121,8 @@ float pdf_direct_world(const LightSet& lights, const LitPoint& at, const Vec3& w
 // 0 outside the sun's disc.
 float pdf_direct_sun(const LightSet& lights, const LitPoint& at, uint32_t light, const Vec3& wi);
 
-Spectrum world_radiance(const LightSet& lights, const Scene& scene, const Vec3& direction);
+Spectrum world_radiance(const LightSet& lights, const Scene& scene, const Vec3& direction,
+                        RayState ray = {});
 
 // ---- from the light
 

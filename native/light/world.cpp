@@ -65,8 +65,8 @@ Table tabulate(const Scene& scene, const Material& material, uint32_t threads) {
         const Vec2 position(
             (static_cast<float>(fine_x) + 0.5f) / static_cast<float>(width * finer),
             (static_cast<float>(fine_y) + 0.5f) / static_cast<float>(height * finer));
-        const float value =
-            luminance(evaluate_background(material, scene.images, to_direction(position)));
+        const float value = luminance(
+            evaluate_background(material, scene.images, to_direction(position), {}, scene.view));
         return std::isfinite(value) ? std::clamp(value, 0.0f, kLargestNumber) : 0.0f;
     };
     parallel_for(threads, height, [&](uint32_t y) {
@@ -156,7 +156,7 @@ void build_world(const Scene& scene, LightSet& lights, uint32_t threads, const L
         return;
     }
     lights.world_material = &material;
-    if (material.constant_background) {
+    if (material.constant_emission) {
         lights.world_is_constant = true;
         lights.world_constant = evaluate_background(material, scene.images, Vec3(0.0f, 0.0f, 1.0f));
         lights.has_world = luminance(lights.world_constant) > 0.0f;

@@ -11,10 +11,15 @@ namespace {
 // On the mesh's active layer; the third is 1 where there is one.
 Vec3 uv_seen(const Scene& scene, const SurfaceHit& hit) {
     const Mesh& mesh = scene.meshes[scene.instances[hit.instance].mesh];
-    if (mesh.uv_layers.empty()) return Vec3(0.0f);
-    const Vec2* uv = &mesh.uv_layers[mesh.active_uv_layer].uv[size_t{3} * hit.triangle];
-    const Vec2 at = uv[0] * (1.0f - hit.u - hit.v) + uv[1] * hit.u + uv[2] * hit.v;
-    return {at.x, at.y, 1.0f};
+    const AttributeName active{AttributeKind::uv, ""};
+    for (const Attribute& layer : mesh.attributes) {
+        if (!layer.is_uv_layer() || !layer.called.answers(active)) continue;
+        const size_t first = size_t{3} * hit.triangle;
+        const Vec2 at = layer.uv(first) * (1.0f - hit.u - hit.v) + layer.uv(first + 1) * hit.u +
+                        layer.uv(first + 2) * hit.v;
+        return {at.x, at.y, 1.0f};
+    }
+    return Vec3(0.0f);
 }
 
 }  // namespace
@@ -106,11 +111,14 @@ FilmSample Session::take_sample(uint32_t x, uint32_t y, uint32_t index,
     const Vec2 offset = filter_.sample(sampler[Domain::film].two());
     const Vec2 lens = camera.aperture_radius > 0.0f ? sampler[Domain::lens].two() : Vec2(0.0f, 0.0f);
     const Vec2 film = Vec2(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f) + offset;
-    const Ray ray = camera.ray(film.x, film.y, lens);
     const PixelKernel pixel{&filter_, film, offset};
     const ManifoldStats before = stats.path.manifold;
-    PathSample path =
-        path_radiance(world_, integrator, state, ray, lens, sampler, stats.path, &pixel, values);
+    PathSample path;
+    if (camera.sees(film))
+        path = path_radiance(world_, integrator, state, camera.ray(film.x, film.y, lens), lens,
+                             sampler, stats.path, &pixel, values);
+    else
+        path.alpha = 0.0f;
     ++stats.samples;
     if (!can_be_held(path.radiance) || !can_be_held(path.caustics) || !is_finite(path.position) ||
         !is_finite(path.normal) || !std::isfinite(path.alpha)) {

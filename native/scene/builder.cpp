@@ -3,7 +3,8 @@
 
 #include "core/error.h"
 #include "core/limits.h"
-#include "math/triangle.h"
+#include "scene/clean_mesh.h"
+#include "scene/displace.h"
 
 #include <fmt/format.h>
 
@@ -39,65 +40,13 @@ void require_all_within(const std::vector<Vec3>& values, float most, const std::
             require_within(values[i], most, owner, fmt::format("{} {}", what, i));
 }
 
-// Twice the area, relative to the longest edge squared, below which a triangle has no direction in
-// single precision.
-constexpr double kRelativeZeroArea = 1e-12;
-
-bool has_area(const Vec3& a, const Vec3& b, const Vec3& c) {
-    const Vec3d e1 = Vec3d(b) - Vec3d(a), e2 = Vec3d(c) - Vec3d(a), e3 = e2 - e1;
-    const double longest = std::max({length_squared(e1), length_squared(e2), length_squared(e3)});
-    if (!(length(cross(e1, e2)) > kRelativeZeroArea * longest && longest > 0.0)) return false;
-    // Its normal must exist in single precision, without denormals.
-    const float n2 = length_squared(cross(b - a, c - a));
-    return n2 >= std::numeric_limits<float>::min() && n2 < kInfinity;
-}
-
-// Keeps the entries whose triangle survives, `per` values a triangle.
-template <class T>
-void keep(std::vector<T>& values, const std::vector<char>& survives, size_t per) {
-    if (values.empty()) return;
-    size_t out = 0;
-    for (size_t t = 0; t < survives.size(); ++t)
-        if (survives[t])
-            for (size_t k = 0; k < per; ++k) values[out++] = values[t * per + k];
-    values.resize(out);
-}
-
-void drop_degenerate_triangles(Mesh& mesh) {
-    std::vector<char> survives(mesh.triangles.size());
-    size_t count = 0;
-    for (size_t t = 0; t < survives.size(); ++t) {
-        const auto& [a, b, c] = mesh.triangles[t];
-        survives[t] = has_area(mesh.positions[a], mesh.positions[b], mesh.positions[c]);
-        count += survives[t] ? 1 : 0;
-    }
-    mesh.dropped_triangles = static_cast<uint32_t>(survives.size() - count);
-    if (mesh.dropped_triangles == 0) return;
-    keep(mesh.triangles, survives, 1);
-    keep(mesh.normals, survives, 3);
-    keep(mesh.slots, survives, 1);
-    for (UvLayer& layer : mesh.uv_layers) {
-        keep(layer.uv, survives, 3);
-        keep(layer.tangents, survives, 3);
-        keep(layer.tangent_signs, survives, 3);
-    }
-}
-
-// Drops them where they are those of the faces: flat meshes are evaluated faster.
-void normalize_corner_normals(Mesh& mesh) {
-    constexpr float kRounding = 1e-6f;
-    bool flat = true;
-    for (size_t t = 0; t < mesh.triangles.size() && !mesh.normals.empty(); ++t) {
-        const auto& [a, b, c] = mesh.triangles[t];
-        const Vec3 face = unit_normal(mesh.positions[b] - mesh.positions[a],
-                                      mesh.positions[c] - mesh.positions[a]);
-        for (size_t k = 0; k < 3; ++k) {
-            Vec3& normal = mesh.normals[3 * t + k];
-            normal = safe_normalize(normal, face);
-            flat = flat && length(normal - face) <= kRounding;
-        }
-    }
-    if (flat) mesh.normals.clear();
+void require_numbers_within(const Attribute& attribute, const std::string& name) {
+    const std::string owner = fmt::format("{}: attribute \"{}\"", name, attribute.called.name);
+    for (size_t i = 0; i < attribute.values.size(); ++i)
+        if (!(std::abs(attribute.values[i]) <= kLargestNumber))
+            require_within(Vec3(attribute.values[i]), kLargestNumber, owner,
+                           fmt::format("value {}", i / attribute.components));
+    require_all_within(attribute.tangents, kLargestNumber, owner, "tangent");
 }
 
 Transform checked_inverse(const Transform& transform, const std::string& name) {
@@ -184,18 +133,7 @@ uint32_t SceneBuilder::add_mesh(Mesh mesh) {
         if (mesh.slots[t] >= mesh.slot_count)
             invalid(fmt::format("{}: triangle {} names material slot {} of {}", name, t,
                                 mesh.slots[t], mesh.slot_count));
-    for (const UvLayer& layer : mesh.uv_layers) {
-        const std::string of_layer = fmt::format("{}: UV layer \"{}\"", name, layer.name);
-        for (size_t i = 0; i < layer.uv.size(); ++i) {
-            const Vec3 uv(layer.uv[i].x, layer.uv[i].y, 0.0f);
-            if (!is_within(uv, kLargestNumber))
-                require_within(uv, kLargestNumber, of_layer, fmt::format("coordinate {}", i));
-        }
-        require_all_within(layer.tangents, kLargestNumber, of_layer, "tangent");
-    }
-    if (!mesh.uv_layers.empty() && mesh.active_uv_layer >= mesh.uv_layers.size())
-        invalid(fmt::format("{}: active UV layer {} of {}", name, mesh.active_uv_layer,
-                            mesh.uv_layers.size()));
+    for (const Attribute& attribute : mesh.attributes) require_numbers_within(attribute, name);
     if (mesh.slot_count == 1) mesh.slots.clear();
     drop_degenerate_triangles(mesh);
     normalize_corner_normals(mesh);
@@ -270,6 +208,7 @@ uint32_t SceneBuilder::add_instance(Instance instance) {
         if (material != kNone && material >= scene_->materials.size())
             invalid(fmt::format("{}: material index {} of {}", name, material,
                                 scene_->materials.size()));
+    for (const Attribute& attribute : instance.attributes) require_numbers_within(attribute, name);
     instance.world_to_object = checked_inverse(instance.object_to_world, name);
     require_bounds_within(scene_->meshes[instance.mesh], instance.object_to_world, name);
     instance.mirrored = instance.object_to_world.determinant() < 0.0f;
@@ -330,6 +269,10 @@ Camera checked_camera(const Camera& camera) {
         require_within(edge, kFarthest, "camera", "the viewplane");
     if (!(camera.clip_near >= 0.0f && camera.clip_near < camera.clip_far))
         invalid("camera: clipping needs 0 <= near < far");
+    for (const float number : camera.panorama)
+        require_within(number, kLargestNumber, "camera", "a number of the panorama");
+    if (camera.projection == Projection::fisheye_equisolid && !(camera.panorama[1] > 0.0f))
+        invalid("camera: the fisheye's focal length must be positive");
     require_within(camera.clip_near, kFarthest, "camera", "the near clip");
     check_aperture(camera);
     // Scale would otherwise change depths.
@@ -367,13 +310,15 @@ std::unique_ptr<Scene> SceneBuilder::freeze(uint32_t threads) {
     for (const Material& material : scene_->materials)
         for (const std::string& warning : material.warnings) scene_->report.push_back(warning);
     report_images(*scene_);
-    resolve_uv_layers(*scene_);
+    resolve_attributes(*scene_);
+    displace(*scene_, threads);
     note_materials(*scene_);
     find_media(*scene_);
     assign_caustics_roles(*scene_);
     check_light_tracing(*scene_);
     center_on_casters(*scene_);
-    bake_single_users(*scene_, before_.get());
+    scene_->view = view_space(scene_->camera, scene_->origin);
+    bake_positions(*scene_, before_.get());
     bound_scene(*scene_);
     scene_->accel =
         std::make_unique<Accel>(*scene_, threads, before_ ? before_->accel.get() : nullptr);

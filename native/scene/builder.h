@@ -50,15 +50,15 @@ Camera checked_camera(const Camera& camera);
 
 // Steps of freeze(). Each may append to scene.report.
 void report_images(Scene& scene);
-void resolve_uv_layers(Scene& scene);  // layer names -> indices, fallback tangents
-void note_materials(Scene& scene);     // sets flags of instances and scene by their materials
-void find_media(Scene& scene);         // which instances absorb
+void resolve_attributes(Scene& scene);  // names -> indices, fallback tangents
+void note_materials(Scene& scene);      // sets flags of instances and scene by their materials
+void find_media(Scene& scene);          // which instances absorb
 void assign_caustics_roles(Scene& scene);
 void check_light_tracing(Scene& scene);  // after the roles
 void center_on_casters(Scene& scene);    // after the roles
-// World-space vertices for meshes with one instance; those of `before`, if it is not null, where
+// World-space vertices for meshes with one instance, and for copies of small ones; those of `before`, if it is not null, where
 // neither mesh nor place has changed.
-void bake_single_users(Scene& scene, const Scene* before);
+void bake_positions(Scene& scene, const Scene* before);
 void bound_scene(Scene& scene);
 
 }  // namespace spc

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "math/warp.h"
-#include "scene/description.h"
+#include "scene/panorama.h"
 
 namespace spc {
 
@@ -41,6 +41,12 @@ Vec2 pixel_scale(const Camera& camera) {
             static_cast<float>(camera.height) / (top - bottom)};
 }
 
+Vec2 on_viewplane(const Camera& camera, const Vec2& pixels) {
+    const auto& [left, right, bottom, top] = camera.viewplane;
+    return {lerp(left, right, pixels.x / static_cast<float>(camera.width)),
+            lerp(bottom, top, pixels.y / static_cast<float>(camera.height))};
+}
+
 // The ray of a point of the viewplane, in camera space.
 struct LocalRay {
     Vec2 origin;    // on the plane z = 0
@@ -55,10 +61,36 @@ LocalRay local_ray(Projection projection, const Vec2& film, const LensPoint& len
     return {origin, slope, length(Vec3(slope.x, slope.y, -1.0f))};
 }
 
+// The lens of a panoramic camera turns to face each ray; all rays of a point of the film meet on it.
+Ray panoramic_ray(const Camera& camera, const Vec2& pixels, const Vec2& lens) {
+    const Vec3 ahead =
+        panoramic_direction(camera, on_viewplane(camera, pixels)).value_or(Vec3(0, 0, -1));
+    const Vec2 at = lens_point(camera, lens).at;
+    const Vec3 along = safe_normalize(Vec3(0, 0, -1) + ahead * ahead.z, Vec3(1, 0, 0));
+    const Vec3 origin = along * at.x + cross(ahead, along) * at.y;
+    const Vec3 d =
+        camera.aperture_radius > 0.0f ? normalize(ahead * camera.focus_distance - origin) : ahead;
+    return {camera.to_world.point(origin), camera.to_world.vector(d), camera.clip_near,
+            camera.clip_far};
+}
+
+// By differences across a pixel.
+RayChange panoramic_change(const Camera& camera, const Vec2& pixels, const Vec2& lens) {
+    RayChange change{{Vec3(0.0f), Vec3(0.0f)}, {Vec3(0.0f), Vec3(0.0f)}};
+    for (int i = 0; i < 2; ++i) {
+        Vec2 half(0.0f, 0.0f);
+        half[i] = 0.5f;
+        if (!camera.sees(pixels + half) || !camera.sees(pixels - half)) continue;
+        const Ray after = panoramic_ray(camera, pixels + half, lens),
+                  before = panoramic_ray(camera, pixels - half, lens);
+        change.origin[static_cast<size_t>(i)] = after.origin - before.origin;
+        change.direction[static_cast<size_t>(i)] = after.direction - before.direction;
+    }
+    return change;
+}
+
 Ray ray_through(const Camera& camera, const Vec2& pixels, const LensPoint& lens) {
-    const auto& [left, right, bottom, top] = camera.viewplane;
-    const Vec2 film(lerp(left, right, pixels.x / static_cast<float>(camera.width)),
-                    lerp(bottom, top, pixels.y / static_cast<float>(camera.height)));
+    const Vec2 film = on_viewplane(camera, pixels);
     const auto [origin, slope, stretch] = local_ray(camera.projection, film, lens);
     return {camera.to_world.point(Vec3(origin.x, origin.y, 0.0f)),
             camera.to_world.vector(Vec3(slope.x, slope.y, -1.0f) * (1.0f / stretch)),
@@ -73,7 +105,25 @@ LensPoint point_of_lens(const Camera& camera, const Vec3& x) {
 
 }  // namespace
 
+ViewSpace view_space(const Camera& camera, const Vec3& origin) {
+    ViewSpace view;
+    view.to_world = camera.to_world;
+    view.to_world.translation += origin;
+    for (Vec3& row : view.to_world.row) row.z *= -1.0f;
+    view.from_world = view.to_world.inverse();
+    view.perspective = camera.projection == Projection::perspective;
+    view.viewplane = camera.viewplane;
+    view.pixel = (camera.viewplane[1] - camera.viewplane[0]) / static_cast<float>(camera.width);
+    view.origin = origin;
+    return view;
+}
+
+bool Camera::sees(const Vec2& film) const {
+    return !is_panoramic() || panoramic_direction(*this, on_viewplane(*this, film)).has_value();
+}
+
 Ray Camera::ray(float x, float y, const Vec2& lens) const {
+    if (is_panoramic()) return panoramic_ray(*this, {x, y}, lens);
     return ray_through(*this, {x, y}, lens_point(*this, lens));
 }
 
@@ -89,6 +139,7 @@ Vec2 Camera::film_towards(const Vec3& x, const Vec3& w) const {
 }
 
 RayChange Camera::ray_change(float x, float y, const Vec2& lens) const {
+    if (is_panoramic()) return panoramic_change(*this, {x, y}, lens);
     const auto& [left, right, bottom, top] = viewplane;
     const std::array<Vec3, 2> across{Vec3((right - left) / static_cast<float>(width), 0.0f, 0.0f),
                                      Vec3(0.0f, (top - bottom) / static_cast<float>(height), 0.0f)};
@@ -97,9 +148,8 @@ RayChange Camera::ray_change(float x, float y, const Vec2& lens) const {
         for (size_t i = 0; i < 2; ++i) change.origin[i] = to_world.vector(across[i]);
         return change;
     }
-    const Vec2 film(lerp(left, right, x / static_cast<float>(width)),
-                    lerp(bottom, top, y / static_cast<float>(height)));
-    const LocalRay local = local_ray(projection, film, lens_point(*this, lens));
+    const LocalRay local =
+        local_ray(projection, on_viewplane(*this, {x, y}), lens_point(*this, lens));
     const Vec3 d = Vec3(local.slope.x, local.slope.y, -1.0f) * (1.0f / local.stretch);
     for (size_t i = 0; i < 2; ++i)
         change.direction[i] =
@@ -108,6 +158,7 @@ RayChange Camera::ray_change(float x, float y, const Vec2& lens) const {
 }
 
 std::optional<CameraView> Camera::view(const Vec3& p, const Vec2& lens) const {
+    if (is_panoramic()) return std::nullopt;
     const Vec3 local = to_world.transposed(p - to_world.translation);
     const float distance = -local.z;  // along the axis
     if (!(distance > 0.0f && distance >= clip_near && distance <= clip_far)) return std::nullopt;
@@ -141,6 +192,7 @@ bool Camera::is_near_crop(const Vec2& film, float margin) const {
 }
 
 float Camera::depth(const Vec3& p) const {
+    if (is_panoramic()) return length(p - to_world.translation);
     return -dot(p - to_world.translation, to_world.column(2));
 }
 

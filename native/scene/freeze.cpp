@@ -2,10 +2,12 @@
 #include "math/triangle.h"
 #include "scene/builder.h"
 #include "scene/caustics_part.h"
-#include "shading/uv_needs.h"
+#include "shading/attribute_needs.h"
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <numeric>
 #include <unordered_map>
 
 namespace spc {
@@ -42,18 +44,42 @@ SharedArray<Vec3> baked(const Mesh& mesh, const Transform& to_world) {
     return SharedArray(std::move(world));
 }
 
+// Copies of triangles that are made at most, some 0.1 kB each.
+constexpr size_t kMostCopies = 512 * 1024;
+
+// One tree over all triangles is faster than a tree of instances, whose boxes overlap: where leaves
+// are instances, by more than twice. The smallest meshes come first, an instance of which takes about
+// as much memory as its triangles. Trees that are shared are those of meshes.
+std::vector<char> meshes_to_bake(const Scene& scene) {
+    const size_t count = scene.meshes.size();
+    std::vector<size_t> users(count, 0), by_size(count);
+    for (const Instance& instance : scene.instances) ++users[instance.mesh];
+    std::iota(by_size.begin(), by_size.end(), size_t{0});
+    const auto triangles = [&](size_t mesh) { return scene.meshes[mesh]->triangles.size(); };
+    std::stable_sort(by_size.begin(), by_size.end(),
+                     [&](size_t a, size_t b) { return triangles(a) < triangles(b); });
+    std::vector<char> baked(count, 0);
+    size_t left = scene.has_trees_to_share ? 0 : kMostCopies;
+    for (const size_t mesh : by_size) {
+        const size_t copies = users[mesh] > 1 ? users[mesh] * triangles(mesh) : 0;
+        if (copies > left) continue;
+        baked[mesh] = 1;
+        left -= copies;
+    }
+    return baked;
+}
+
 }  // namespace
 
-void bake_single_users(Scene& scene, const Scene* before) {
+void bake_positions(Scene& scene, const Scene* before) {
     std::unordered_map<const Mesh*, const Instance*> baked_before;
     if (before != nullptr)
         for (const Instance& instance : before->instances)
             if (!instance.world_positions.empty())
                 baked_before[before->meshes[instance.mesh].get()] = &instance;
-    std::vector<uint32_t> users(scene.meshes.size(), 0);
-    for (const Instance& instance : scene.instances) ++users[instance.mesh];
+    const std::vector<char> to_bake = meshes_to_bake(scene);
     for (Instance& instance : scene.instances) {
-        if (users[instance.mesh] != 1) continue;
+        if (to_bake[instance.mesh] == 0) continue;
         const Shared<Mesh>& mesh = scene.meshes[instance.mesh];
         const auto known = baked_before.find(mesh.get());
         const bool stays = known != baked_before.end() &&
@@ -66,15 +92,15 @@ void bake_single_users(Scene& scene, const Scene* before) {
 namespace {
 
 // Tangents for a layer whose host gave none: the direction of growing u, constant on each triangle.
-void derive_tangents(const Mesh& mesh, UvLayer& layer) {
-    layer.tangents.resize(layer.uv.size());
-    layer.tangent_signs.resize(layer.uv.size());
+void derive_tangents(const Mesh& mesh, Attribute& layer) {
+    layer.tangents.resize(layer.size());
+    layer.tangent_signs.resize(layer.size());
     for (size_t t = 0; t < mesh.triangles.size(); ++t) {
         const auto& [a, b, c] = mesh.triangles[t];
         const Vec3 e1 = mesh.positions[b] - mesh.positions[a],
                    e2 = mesh.positions[c] - mesh.positions[a];
-        const Vec2 d1 = layer.uv[3 * t + 1] - layer.uv[3 * t],
-                   d2 = layer.uv[3 * t + 2] - layer.uv[3 * t];
+        const Vec2 d1 = layer.uv(3 * t + 1) - layer.uv(3 * t),
+                   d2 = layer.uv(3 * t + 2) - layer.uv(3 * t);
         const float det = d1.x * d2.y - d1.y * d2.x;
         const Vec3 fallback = Frame::around(unit_normal(e1, e2)).x;
         const Vec3 along_u = (e1 * d2.y - e2 * d1.y) * (det < 0.0f ? -1.0f : 1.0f);
@@ -88,35 +114,59 @@ void derive_tangents(const Mesh& mesh, UvLayer& layer) {
 Mesh with_derived_tangents(const Mesh& mesh, uint32_t layer) {
     Mesh derived = mesh;
     derived.positions.reserve(mesh.positions.size() + 1);  // as in SceneBuilder::add_mesh()
-    derive_tangents(derived, derived.uv_layers[layer]);
+    derive_tangents(derived, derived.attributes[layer]);
     return derived;
 }
 
-uint32_t find_layer(const Mesh& mesh, const std::string& name) {
-    if (mesh.uv_layers.empty()) return kNone;
-    if (name.empty()) return mesh.active_uv_layer;
-    for (uint32_t i = 0; i < mesh.uv_layers.size(); ++i)
-        if (mesh.uv_layers[i].name == name) return i;
+// The attribute that answers, of the mesh or, counted on from there, of the object; kNone without
+// one.
+uint32_t find_attribute(const Mesh& mesh, const Instance& instance, const AttributeName& wanted) {
+    uint32_t index = 0;
+    for (const std::vector<Attribute>* all : {&mesh.attributes, &instance.attributes})
+        for (const Attribute& attribute : *all) {
+            if (attribute.called.answers(wanted)) return index;
+            ++index;
+        }
     return kNone;
+}
+
+std::string text_of(const AttributeName& attribute) {
+    const std::string name = "\"" + attribute.name + "\"";
+    switch (attribute.kind) {
+        case AttributeKind::uv: return "UV layer " + name;
+        case AttributeKind::color: return "colour attribute " + name;
+        case AttributeKind::generated: return "Generated coordinates";
+        case AttributeKind::pointiness: return "Pointiness";
+        case AttributeKind::island: return "Random Per Island";
+        case AttributeKind::named:
+        case AttributeKind::object:
+        case AttributeKind::instancer:
+        case AttributeKind::object_info:
+        case AttributeKind::particle_info:
+        case AttributeKind::view_layer: break;
+    }
+    return "attribute " + name;
 }
 
 }  // namespace
 
-void resolve_uv_layers(Scene& scene) {
+void resolve_attributes(Scene& scene) {
     for (Instance& instance : scene.instances) {
         Shared<Mesh>& mesh = scene.meshes[instance.mesh];
-        instance.uv_layers.resize(instance.materials.size());
+        instance.attribute_indices.resize(instance.materials.size());
         for (size_t slot = 0; slot < instance.materials.size(); ++slot) {
             const Material& material = scene.materials[instance.materials[slot]];
-            for (const auto& [name, tangents] : uv_needs(material)) {
-                const uint32_t layer = find_layer(mesh, name);
-                instance.uv_layers[slot].push_back(layer);
-                if (layer == kNone)
-                    scene.report.push_back(
-                        fmt::format("{}: no UV layer \"{}\" for material {}: coordinates are 0",
-                                    instance.name, name, material.name));
-                else if (tangents && mesh->uv_layers[layer].tangents.empty())
-                    mesh = with_derived_tangents(mesh, layer);
+            for (const auto& [wanted, tangents] : attribute_needs(material)) {
+                const uint32_t index = find_attribute(mesh, instance, wanted);
+                instance.attribute_indices[slot].push_back(index);
+                if (index == kNone)
+                    scene.report.push_back(fmt::format("{}: no {} for material {}: it is 0",
+                                                       instance.name, text_of(wanted),
+                                                       material.name));
+                else if (tangents && index < mesh->attributes.size() &&
+                         mesh->attributes[index].is_uv_layer() &&
+                         mesh->attributes[index].tangents.empty())
+                    mesh = with_derived_tangents(mesh, index);
             }
         }
     }
@@ -187,12 +237,21 @@ void assign_caustics_roles(Scene& scene) {
 void check_light_tracing(Scene& scene) {
     const auto casts = [](const Instance& instance) { return instance.turns_light(); };
     if (std::none_of(scene.instances.begin(), scene.instances.end(), casts)) return;
+    if (scene.camera.is_panoramic()) {
+        scene.light_paths_reach_camera = false;
+        scene.report.push_back("camera: it is panoramic, so no light tracing");
+    }
     for (const Instance& instance : scene.instances) {
         const uint32_t seen = instance.visibility & kVisibleScattered;
-        if (seen == 0 || seen == kVisibleScattered) continue;
-        scene.same_for_scattered_rays = false;
-        scene.report.push_back(
-            fmt::format("{}: hidden from some kinds of rays, so no light tracing", instance.name));
+        const bool hidden = seen != 0 && seen != kVisibleScattered;
+        const bool varies = std::any_of(
+            instance.materials.begin(), instance.materials.end(),
+            [&](uint32_t material) { return scene.materials[material]->depends_on_ray; });
+        if (!hidden && !varies) continue;
+        scene.light_paths_reach_camera = false;
+        scene.report.push_back(fmt::format(
+            "{}: {}, so no light tracing", instance.name,
+            hidden ? "hidden from some kinds of rays" : "its look depends on the kind of ray"));
     }
 }
 

@@ -22,11 +22,12 @@ struct Scene {
     std::vector<LightDesc> lights;
     Vec3 origin{0.0f};  // of all world coordinates here, in the host's: see center_on_casters()
     Camera camera;
+    ViewSpace view;  // of the camera
     Environment environment;
     bool any_transparency = false;  // some material lets shadow rays through
     Bounds absorbing;               // around the instances that absorb, world
-    bool same_for_scattered_rays =
-        true;                         // diffuse, glossy and transmission rays see the same objects
+    // Diffuse, glossy and transmission rays see the same objects, and the camera's film has an inverse.
+    bool light_paths_reach_camera = true;
     float bounds_radius = 0.0f;       // half the diagonal of the box around all geometry and lamps
     std::vector<std::string> report;  // for the log
     // Whether each instance has a tree of its own, which the next snapshot shares if it has not changed;
@@ -38,6 +39,7 @@ struct Scene {
     void move_camera(const Camera& checked) {
         camera = checked;
         camera.to_world.translation -= origin;
+        view = view_space(camera, origin);
     }
     const Material& material_of(const SurfaceHit& hit) const {
         return materials[material_index(hit.instance, hit.triangle)];

@@ -9,8 +9,6 @@ namespace spc {
 
 namespace {
 
-constexpr size_t kMaxUvLayers = 8;  // compile() refuses materials that read more
-
 // Weighted sum of three corner values at barycentrics that may carry derivatives.
 template <class T>
 Vector3<T> interpolate(const Vec3& a, const Vec3& b, const Vec3& c, const T& u, const T& v) {
@@ -78,20 +76,72 @@ float position_error(const Instance& instance, const std::array<Vec3, 3>& corner
 template <class T>
 struct PointAt {
     ShadingPoint<T> point;
-    UninitializedArray<Vector3<T>, kMaxUvLayers> tangents;
-    UninitializedArray<float, kMaxUvLayers> signs;
-    UninitializedArray<std::array<T, 2>, kMaxUvLayers> uvs;
+    UninitializedArray<Vector3<T>, kMaxAttributes> tangents;
+    UninitializedArray<float, kMaxAttributes> signs;
+    UninitializedArray<std::array<T, 4>, kMaxAttributes> attributes;
 };
 
-// Fills in what `reads` asks for; ng, wo and backfacing are the caller's.
+// The attribute's value at a point of the triangle; black where there is none.
+template <class T>
+std::array<T, 4> attribute_at(const Attribute* attribute, const Mesh& mesh, uint32_t triangle,
+                              const T& u, const T& v) {
+    const auto constant = [](const std::array<float, 4>& a) {
+        return std::array<T, 4>{T(a[0]), T(a[1]), T(a[2]), T(a[3])};
+    };
+    if (attribute == nullptr) return constant({0.0f, 0.0f, 0.0f, 1.0f});
+    if (attribute->domain == AttributeDomain::object) return constant(attribute->value(0));
+    if (attribute->domain == AttributeDomain::triangle) return constant(attribute->value(triangle));
+    std::array<std::array<float, 4>, 3> corner;
+    for (size_t k = 0; k < 3; ++k)
+        corner[k] = attribute->value(attribute->domain == AttributeDomain::corner
+                                         ? 3 * static_cast<size_t>(triangle) + k
+                                         : mesh.triangles[triangle][k]);
+    const auto component = [&](size_t i) {
+        const float a = corner[0][i];
+        return T(a) + T(corner[1][i] - a) * u + T(corner[2][i] - a) * v;
+    };
+    return {component(0), component(1), component(2), component(3)};
+}
+
+template <class T>
+void fill_attributes(const Instance& instance, const Mesh& mesh, uint32_t triangle, const T& u,
+                     const T& v, bool with_tangents, PointAt<T>& at) {
+    const std::vector<uint32_t>& indices = instance.attribute_indices[mesh.slot_of(triangle)];
+    const size_t first = 3 * static_cast<size_t>(triangle);
+    for (size_t i = 0; i < indices.size(); ++i) {
+        const Attribute* attribute = instance.attribute(mesh, indices[i]);
+        at.attributes[i] = attribute_at(attribute, mesh, triangle, u, v);
+        if (!with_tangents) continue;
+        if (attribute == nullptr || attribute->tangents.empty()) {
+            // Constant on the triangle: a tangent that turned with the normal would need its
+            // derivative.
+            const Vec3 x = Frame::around(object_face_normal(mesh, triangle)).x;
+            at.tangents[i] = {T(x.x), T(x.y), T(x.z)};
+            at.signs[i] = 1.0f;
+            continue;
+        }
+        at.tangents[i] = interpolate(attribute->tangents[first], attribute->tangents[first + 1],
+                                     attribute->tangents[first + 2], u, v);
+        at.signs[i] = attribute->tangent_signs[first];
+    }
+    at.point.attributes = at.attributes.data();
+    at.point.tangent_object = at.tangents.data();
+    at.point.bitangent_sign = at.signs.data();
+}
+
+// Fills in what `reads` asks for; ng, wo and backfacing are the caller's. `corner` and `positions`,
+// of the mesh's vertices, say where the surface is: in the world and in object space.
 template <class T>
 void fill_point(const Scene& scene, const SurfaceHit& hit, const T& u, const T& v,
-                const std::array<Vec3, 3>& corner, const Vec3& front_ng, uint32_t reads,
-                PointAt<T>& at) {
+                const std::array<Vec3, 3>& corner, const std::vector<Vec3>& positions,
+                const Vec3& front_ng, uint32_t reads, PointAt<T>& at) {
     const Instance& instance = scene.instances[hit.instance];
     const Mesh& mesh = scene.meshes[instance.mesh];
     const size_t first = 3 * static_cast<size_t>(hit.triangle);
     ShadingPoint<T>& point = at.point;
+    point.u = u;
+    point.v = v;
+    point.view = &scene.view;
     point.object_to_world = &instance.object_to_world;
     point.world_to_object = &instance.world_to_object;
     if ((reads & kReadsPosition) != 0)
@@ -99,8 +149,8 @@ void fill_point(const Scene& scene, const SurfaceHit& hit, const T& u, const T& 
                                      corner[2] + scene.origin, u, v);
     if ((reads & kReadsObjectPosition) != 0) {
         const auto& index = mesh.triangles[hit.triangle];
-        point.position_object = interpolate(mesh.positions[index[0]], mesh.positions[index[1]],
-                                            mesh.positions[index[2]], u, v);
+        point.position_object =
+            interpolate(positions[index[0]], positions[index[1]], positions[index[2]], u, v);
     }
     if (mesh.normals.empty()) {
         const Vector3<float> n = to_vector(front_ng);
@@ -116,34 +166,18 @@ void fill_point(const Scene& scene, const SurfaceHit& hit, const T& u, const T& 
         point.normal =
             normalize(apply_rows(normal_rows(instance.world_to_object), point.normal_object));
     }
-    if ((reads & (kReadsUv | kReadsTangent)) != 0) {
-        const std::vector<uint32_t>& layers = instance.uv_layers[mesh.slot_of(hit.triangle)];
-        for (size_t i = 0; i < layers.size(); ++i) {
-            if (layers[i] == kNone) {
-                at.uvs[i] = {T(0.0f), T(0.0f)};
-                // Constant on the triangle: a tangent that turned with the normal would need its
-                // derivative.
-                const Vec3 x = Frame::around(object_face_normal(mesh, hit.triangle)).x;
-                at.tangents[i] = {T(x.x), T(x.y), T(x.z)};
-                at.signs[i] = 1.0f;
-                continue;
-            }
-            const UvLayer& layer = mesh.uv_layers[layers[i]];
-            const auto coordinate = [&](float a, float b, float c) {
-                return T(a) + T(b - a) * u + T(c - a) * v;
-            };
-            at.uvs[i] = {
-                coordinate(layer.uv[first].x, layer.uv[first + 1].x, layer.uv[first + 2].x),
-                coordinate(layer.uv[first].y, layer.uv[first + 1].y, layer.uv[first + 2].y)};
-            if ((reads & kReadsTangent) == 0 || layer.tangents.empty()) continue;
-            at.tangents[i] = interpolate(layer.tangents[first], layer.tangents[first + 1],
-                                         layer.tangents[first + 2], u, v);
-            at.signs[i] = layer.tangent_signs[first];
-        }
-        point.uv = at.uvs.data();
-        point.tangent_object = at.tangents.data();
-        point.bitangent_sign = at.signs.data();
-    }
+    if ((reads & (kReadsAttributes | kReadsTangent)) != 0)
+        fill_attributes(instance, mesh, hit.triangle, u, v, (reads & kReadsTangent) != 0, at);
+}
+
+// World positions of a triangle's corners before it was displaced.
+std::array<Vec3, 3> rest_corners(const Scene& scene, const SurfaceHit& hit) {
+    const Instance& instance = scene.instances[hit.instance];
+    const Mesh& mesh = scene.meshes[instance.mesh];
+    const auto& [a, b, c] = mesh.triangles[hit.triangle];
+    const std::vector<Vec3>& rest = mesh.rest_positions;
+    return {instance.object_to_world.point(rest[a]), instance.object_to_world.point(rest[b]),
+            instance.object_to_world.point(rest[c])};
 }
 
 // The same, with the storage for what a material's heights read.
@@ -158,16 +192,23 @@ void fill_point_seen_from(const Scene& scene, const SurfaceHit& hit, const T& u,
                           const Vec3& wo, uint32_t reads, const Material& material,
                           const std::array<Vec3, 3>& corner, const Vec3& front,
                           PointWithHeights<T>& at) {
-    fill_point(scene, hit, u, v, corner, front, reads, at);
+    const Mesh& mesh = scene.meshes[scene.instances[hit.instance].mesh];
+    fill_point(scene, hit, u, v, corner, mesh.positions, front, reads, at);
     ShadingPoint<T>& point = at.point;
     point.backfacing = dot(front, wo) < 0.0f;
     point.ng = point.backfacing ? front * -1.0f : front;
     point.wo = wo;
-    if ((reads & kReadsHeights) == 0) return;
     point.dp_du = corner[1] - corner[0];
     point.dp_dv = corner[2] - corner[0];
-    fill_point(scene, hit, Dual<T>(u, T(1.0f), T(0.0f)), Dual<T>(v, T(0.0f), T(1.0f)), corner,
-               front, material.height_reads, at.around.emplace());
+    if ((reads & kReadsHeights) == 0) return;
+    // A bump that goes with a displacement is of the surface before it.
+    const bool displaced = !mesh.rest_positions.empty();
+    const std::array<Vec3, 3> base = displaced ? rest_corners(scene, hit) : corner;
+    point.dp_du = base[1] - base[0];
+    point.dp_dv = base[2] - base[0];
+    fill_point(scene, hit, Dual<T>(u, T(1.0f), T(0.0f)), Dual<T>(v, T(0.0f), T(1.0f)), base,
+               displaced ? mesh.rest_positions : mesh.positions, front, material.height_reads,
+               at.around.emplace());
     at.around->point.backfacing = point.backfacing;
     point.around = &at.around->point;
 }
@@ -183,10 +224,11 @@ void point_seen_from(const Scene& scene, const SurfaceHit& hit, const Vec3& wo,
 // Evaluates one output of a material's program at a hit, without closures.
 template <class Evaluate>
 Spectrum evaluate_alone(const Evaluate& evaluate, const Scene& scene, const SurfaceHit& hit,
-                        const Vec3& wo) {
+                        const Vec3& wo, const RayState& ray) {
     const Material& material = scene.material_of(hit);
     PointWithHeights<float> at;
     point_seen_from(scene, hit, wo, material, scene.triangle_world(hit.instance, hit.triangle), at);
+    at.point.ray = ray;
     return evaluate(material, scene.images, at.point);
 }
 
@@ -220,12 +262,14 @@ Vec3 surface_position(const Scene& scene, const SurfaceHit& hit) {
     return value_of(interpolate(corner[0], corner[1], corner[2], hit.u, hit.v));
 }
 
-void evaluate_surface(const Scene& scene, const SurfaceHit& hit, const Vec3& wo, Surface& surface) {
+void evaluate_surface(const Scene& scene, const SurfaceHit& hit, const Vec3& wo, Surface& surface,
+                      const RayState& ray) {
     surface.hit = hit;
     const Material& material = scene.material_of(hit);
     const std::array<Vec3, 3> corner = scene.triangle_world(hit.instance, hit.triangle);
     PointWithHeights<float> at;
     point_seen_from(scene, hit, wo, material, corner, at);
+    at.point.ray = ray;
     surface.p = value_of(interpolate(corner[0], corner[1], corner[2], hit.u, hit.v));
     surface.p_error = position_error(scene.instances[hit.instance], corner);
     surface.ng = at.point.ng;
@@ -237,15 +281,27 @@ void evaluate_surface(const Scene& scene, const SurfaceHit& hit, const Vec3& wo,
     surface.closures.terminator.stretch = scene.instances[hit.instance].terminator_stretch;
 }
 
-Spectrum surface_emission(const Scene& scene, const SurfaceHit& hit, const Vec3& wo) {
+Spectrum surface_emission(const Scene& scene, const SurfaceHit& hit, const Vec3& wo,
+                          const RayState& ray) {
     const Material& material = scene.material_of(hit);
-    return material.emits ? evaluate_alone(evaluate_emission, scene, hit, wo) : Spectrum(0.0f);
+    return material.emits ? evaluate_alone(evaluate_emission, scene, hit, wo, ray) : Spectrum(0.0f);
 }
 
-Spectrum surface_transparency(const Scene& scene, const SurfaceHit& hit, const Vec3& wo) {
+Spectrum surface_transparency(const Scene& scene, const SurfaceHit& hit, const Vec3& wo,
+                              const RayState& ray) {
     const Material& material = scene.material_of(hit);
-    return material.may_be_transparent ? evaluate_alone(evaluate_transparency, scene, hit, wo)
+    return material.may_be_transparent ? evaluate_alone(evaluate_transparency, scene, hit, wo, ray)
                                        : Spectrum(0.0f);
+}
+
+Vec3 surface_displacement(const Scene& scene, const SurfaceHit& hit) {
+    const Material& material = scene.material_of(hit);
+    const std::array<Vec3, 3> corner = scene.triangle_world(hit.instance, hit.triangle);
+    const Vec3 front = front_normal_of(corner, scene.instances[hit.instance].mirrored);
+    PointWithHeights<float> at;
+    fill_point_seen_from(scene, hit, hit.u, hit.v, front, material.displacement_reads, material,
+                         corner, front, at);
+    return evaluate_displacement(material, scene.images, at.point);
 }
 
 DifferentialGeometry evaluate_caster(const Scene& scene, const SurfaceHit& hit, bool smooth_base) {

@@ -37,12 +37,18 @@ constexpr float kRayError = 0x1p-19f;
 // RayStart of the point p on the hit's triangle; ng is on its front side.
 RayStart ray_start(const Scene& scene, const SurfaceHit& hit, const Vec3& p);
 
-// Fills `surface`, closures included. `wo` = -direction of the ray that made the hit.
-void evaluate_surface(const Scene& scene, const SurfaceHit& hit, const Vec3& wo, Surface& surface);
+// Fills `surface`, closures included. `wo` = -direction of the ray that made the hit, `ray` what is
+// known of it: Material::depends_on_ray.
+void evaluate_surface(const Scene& scene, const SurfaceHit& hit, const Vec3& wo, Surface& surface,
+                      const RayState& ray = {});
 // The same for callers that need one value alone.
-Spectrum surface_emission(const Scene& scene, const SurfaceHit& hit, const Vec3& wo);
-Spectrum surface_transparency(const Scene& scene, const SurfaceHit& hit, const Vec3& wo);
+Spectrum surface_emission(const Scene& scene, const SurfaceHit& hit, const Vec3& wo,
+                          const RayState& ray = {});
+Spectrum surface_transparency(const Scene& scene, const SurfaceHit& hit, const Vec3& wo,
+                              const RayState& ray = {});
 Vec3 surface_position(const Scene& scene, const SurfaceHit& hit);
+// By how much the material displaces the point of a hit: m, world. Of materials that move vertices.
+Vec3 surface_displacement(const Scene& scene, const SurfaceHit& hit);
 // Unit geometric normal on the triangle's front side, world. A mirrored instance is taken into account.
 Vec3 front_normal(const Scene& scene, uint32_t instance, uint32_t triangle);
 

@@ -23,6 +23,13 @@ RayEnd end_on(const Scene& scene, const SurfaceHit& hit, const DifferentialGeome
 
 Spectrum transmittance(const Scene& scene, const RayStart& from, const RayEnd& end, uint32_t kind,
                        uint32_t& transparent_left, Media& media, uint64_t& rays, Opaque opaque) {
+    return transmittance(scene, from, end, kind, ray_seen_as(kind), transparent_left, media, rays,
+                         opaque);
+}
+
+Spectrum transmittance(const Scene& scene, const RayStart& from, const RayEnd& end, uint32_t kind,
+                       RayState seen_by, uint32_t& transparent_left, Media& media, uint64_t& rays,
+                       Opaque opaque) {
     ChainEnd aim = end.at;
     if (!aim.distant) aim.p = end.beside(from.p);
     float distance;
@@ -46,9 +53,11 @@ Spectrum transmittance(const Scene& scene, const RayStart& from, const RayEnd& e
             if (opaque == Opaque::casters_too && scene.instances[hit->surface.instance].turns_light())
                 return Spectrum(0.0f);
             --transparent_left;
-            through *= surface_transparency(scene, hit->surface, direction * -1.0f) *
+            seen_by.length = hit->t;
+            through *= surface_transparency(scene, hit->surface, direction * -1.0f, seen_by) *
                        media.transmittance(hit->t - passed);
             if (is_black(through)) return through;
+            ++seen_by.transparent_depth;
             media.cross(scene, hit->surface, direction);
             passed = hit->t;
         }

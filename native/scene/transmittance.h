@@ -50,5 +50,9 @@ enum class Opaque : uint8_t {
 Spectrum transmittance(const Scene& scene, const RayStart& from, const RayEnd& end, uint32_t kind,
                        uint32_t& transparent_left, Media& media, uint64_t& rays,
                        Opaque opaque = Opaque::by_material);
+// The same for a ray of which more is known than its kind; lengths are found.
+Spectrum transmittance(const Scene& scene, const RayStart& from, const RayEnd& end, uint32_t kind,
+                       RayState ray, uint32_t& transparent_left, Media& media, uint64_t& rays,
+                       Opaque opaque = Opaque::by_material);
 
 }  // namespace spc

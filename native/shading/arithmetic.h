@@ -312,6 +312,7 @@ void run_arithmetic(const Instruction& i, const Registers<T>& r) {
         case Op::equirectangular: return r.store(i.out, equirectangular(r.vector(i, 0)));
         case Op::curves: return run_curves(i, r);
         case Op::ramp: return run_ramp(i, r);
+        case Op::box_weights: return r.store(i.out, box_weights(r.vector(i, 0), r.scalar(i, 1)));
         case Op::absolute: return each_lane(r, i, [](T a) { return absolute(a); });
         case Op::exponent: return each_lane(r, i, [](T a) { return T(exp(a)); });
         case Op::sign:

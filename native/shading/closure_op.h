@@ -16,6 +16,7 @@ enum class ClosureOp : uint8_t {  // operands after weight and normal
     translucent,                  // colour
     sheen,                        // colour, roughness
     velvet,                       // colour, sigma
+    burley_diffuse,               // colour, roughness
     schlick_sheen,                // colour
     diffuse_toon,                 // colour, plateau, fade
     glossy_toon,                  // colour, plateau, fade
@@ -65,6 +66,7 @@ inline constexpr std::array<ClosureOpTraits, static_cast<size_t>(ClosureOp::coun
     {.op = ClosureOp::translucent, .arity = 3, .diffuse = 2},
     {.op = ClosureOp::sheen, .arity = 4, .diffuse = 2},
     {.op = ClosureOp::velvet, .arity = 4, .diffuse = 2},
+    {.op = ClosureOp::burley_diffuse, .arity = 4, .diffuse = 2},
     {.op = ClosureOp::schlick_sheen, .arity = 3, .diffuse = 2},
     {.op = ClosureOp::diffuse_toon, .arity = 5, .diffuse = 2},
     {.op = ClosureOp::glossy_toon, .arity = 5, .diffuse = 2},

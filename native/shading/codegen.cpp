@@ -181,7 +181,7 @@ private:
 Program generate(const ExprBuilder& expr, const std::vector<ClosureTerm>& terms,
                  const ProgramRoots& roots, const std::string& material) {
     Generator generator(expr, material);
-    std::vector<ExprId> surface_roots{roots.emission};
+    std::vector<ExprId> surface_roots{roots.emission, roots.surface_normal};
     for (const ClosureTerm& term : terms) {
         surface_roots.insert(surface_roots.end(), term.in.begin(), term.in.end());
         surface_roots.insert(surface_roots.end(),
@@ -192,6 +192,7 @@ Program generate(const ExprBuilder& expr, const std::vector<ClosureTerm>& terms,
     }
     Section surface = generator.section(surface_roots);
     surface.result = generator.operand(roots.emission);
+    const Operand surface_normal = generator.operand(roots.surface_normal);
     for (const ClosureTerm& term : terms) {
         ClosureInstruction closure{term.op, term.modes, term.on_caster_normal, term.on_slope_map};
         closure.operands = generator.operands(term.in);
@@ -210,14 +211,17 @@ Program generate(const ExprBuilder& expr, const std::vector<ClosureTerm>& terms,
     const Section emission = generator.section(roots.emission),
                   transparency = generator.section(roots.transparency);
     const Section caster_normal = generator.section(roots.caster_normal),
-                  background = generator.section(roots.background);
+                  background = generator.section(roots.background),
+                  displacement = generator.section(roots.displacement);
     generator.append_heights();
     Program program = generator.take();
     program.surface = surface;
+    program.surface_normal = surface_normal;
     program.emission = emission;
     program.transparency = transparency;
     program.caster_normal = caster_normal;
     program.background = background;
+    program.displacement = displacement;
     return program;
 }
 
@@ -230,10 +234,16 @@ uint32_t reads_of(const Program& program, const Section& section) {
 
 std::vector<uint32_t> images_of(const Program& program) {
     std::vector<uint32_t> images;
-    for (const Instruction& i : program.instructions)
-        if (traits(i.op).index == IndexOf::image &&
-            std::find(images.begin(), images.end(), i.index) == images.end())
-            images.push_back(i.index);
+    const auto add = [&](uint32_t image) {
+        if (std::find(images.begin(), images.end(), image) == images.end()) images.push_back(image);
+    };
+    for (const Instruction& i : program.instructions) {
+        if (traits(i.op).index == IndexOf::image) add(i.index);
+        if (i.op != Op::tiled_image) continue;
+        const float* block = program.blocks.data() + i.index;
+        for (size_t k = 0; k < static_cast<size_t>(*block); ++k)
+            add(static_cast<uint32_t>(block[2 * k + 2]));
+    }
     return images;
 }
 

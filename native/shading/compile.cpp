@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/error.h"
 #include "shading/compiler.h"
+#include "shading/nodes.h"
 
 #include <fmt/format.h>
 
@@ -23,6 +24,7 @@ Compiler::Compiler(const Graph& graph, std::span<const Image> images)
       images_(images),
       outputs_(graph_.nodes.size()),
       absorption_(emission),
+      displacement_(graph.displacement),
       is_world_(has_background(graph_)) {
     for (size_t i = 0; i < outputs_.size(); ++i)
         outputs_[i].assign(graph_.nodes[i].kind->outputs.size(), kNoExpr);
@@ -59,11 +61,19 @@ ExprId Compiler::output(uint32_t index, int socket) {
     return known;
 }
 
-uint32_t Compiler::uv_layer(const std::string& name) {
-    const auto found = std::find(uv_layers_.begin(), uv_layers_.end(), name);
-    const uint32_t index = static_cast<uint32_t>(found - uv_layers_.begin());
-    if (found == uv_layers_.end()) uv_layers_.push_back(name);
+namespace {
+
+uint32_t index_in(std::vector<AttributeName>& attributes, const AttributeName& wanted) {
+    const auto found = std::find(attributes.begin(), attributes.end(), wanted);
+    const auto index = static_cast<uint32_t>(found - attributes.begin());
+    if (found == attributes.end()) attributes.push_back(wanted);
     return index;
+}
+
+}  // namespace
+
+uint32_t Compiler::attribute(AttributeKind kind, const std::string& name) {
+    return index_in(attributes_, {kind, name});
 }
 
 void Compiler::warn(uint32_t index, const std::string& text) {
@@ -98,7 +108,8 @@ void Compiler::add_term(ClosureTerm term) {
         term.in.pop_back();
         term.op = ClosureOp::lambert;
     }
-    if (term.grain.exists() && expr.is_constant(term.alpha(), 0.0f)) term.grain = {};  // a mirror
+    const bool brushed = term.row().has_facets() && !expr.is_constant(term.alpha(), 0.0f);
+    if (!brushed) term.grain = {};
     terms_.push_back(std::move(term));
 }
 
@@ -129,6 +140,8 @@ void Compiler::describe(Material& material) {
     };
     for (const ClosureTerm& term : terms_) {
         const ClosureOpTraits& row = term.row();
+        for (const ExprId operand : term.in)
+            material.depends_on_ray |= operand != kNoExpr && (expr.reads(operand) & kReadsRay) != 0;
         if (material.narrow_lobe.empty()) material.narrow_lobe = narrow_lobe(term);
         material.has_subsurface |= term.below.exists();
         material.may_be_transparent |= row.straight != kAbsent;
@@ -137,7 +150,7 @@ void Compiler::describe(Material& material) {
     }
     material.bump_correction = bump_correction_;
     material.is_background = is_world_;
-    material.constant_background = is_world_ && expr.is_constant(emission);
+    material.constant_emission = expr.is_constant(emission);
     material.emits = !is_black(emission);
     if (material.emits) material.mean_emission = Spectrum(expr.mean_value(emission, images_));
     material.absorption = medium();
@@ -175,25 +188,60 @@ void Compiler::gather(ShaderPart part) {
     }
 }
 
-Material Compiler::run() {
-    // Values from the leaves up, so that every input is known when it is asked for, however long
-    // the chain.
+// From the leaves up, so that every input is known when it is asked for, however long the chain.
+void Compiler::evaluate_values() {
+    for (std::vector<ExprId>& known : outputs_) std::fill(known.begin(), known.end(), kNoExpr);
     for (auto index = graph_.order.rbegin(); index != graph_.order.rend(); ++index) {
         const ResolvedNode& node = graph_.nodes[*index];
         for (size_t i = 0; i < node.used_outputs.size(); ++i)
             if (node.kind->value != nullptr && node.used_outputs[i])
                 output(*index, static_cast<int>(i));
     }
+}
+
+// A bump turns the normal before any node of the surface reads it, but what displaces sees the
+// surface as it was.
+void Compiler::displace(DisplacementMode mode, Material& material, ProgramRoots& roots) {
+    const ExprId displacement = input(graph_.output, nodes::kDisplacementOfOutput);
+    if (is_world_ || is_black(displacement)) return;
+    material.displacement = mode;
+    material.moves_vertices = mode != DisplacementMode::bump;
+    if (material.moves_vertices) roots.displacement = displacement;
+    if (mode == DisplacementMode::vertices) return;
+    surface_normal_ = roots.surface_normal = bump_of(displacement);
+    evaluate_values();
+}
+
+// The normal of a surface whose points stand where `displacement` moves them along the normal.
+ExprId Compiler::bump_of(ExprId displacement) {
+    const ExprId height = expr.make(Op::dot, {displacement, expr.make(Op::normal, {}, kHeldStill)});
+    if (expr.derivatives(height) < 2) {
+        warn(graph_.output,
+             "a displacement that depends on a bump is not supported; the surface is flat");
+        return kNoExpr;
+    }
+    const ExprId one = expr.constant(1.0f);
+    return expr.make(Op::bump, {one, one, kNoExpr}, 0, static_cast<uint32_t>(height));
+}
+
+Material Compiler::run() {
+    Material material;
+    material.name = graph_.name;
+    ProgramRoots roots;
+    evaluate_values();
+    displace(displacement_, material, roots);
     gather(ShaderPart::surface);
     gather(ShaderPart::volume);
     check_closure_count();
 
-    Material material;
-    material.name = graph_.name;
     describe(material);
-    ProgramRoots roots;
-    find_specular_interfaces(expr, graph_, terms_, material, roots.caster_normal, warnings_);
-    material.slopes = find_slope_map(expr, glints_, images_, terms_);
+    if (material.depends_on_ray) {
+        material.specular.why_not = "its look depends on the kind of ray";
+        material.narrow_lobe.clear();
+    } else {
+        find_specular_interfaces(expr, graph_, terms_, material, roots.caster_normal, warnings_);
+    }
+    material.slopes = find_slope_map(expr, glints_, images_, attributes_, terms_);
     if (material.emits) (is_world_ ? roots.background : roots.emission) = emission;
     for (const ClosureTerm& term : terms_) {
         if (term.row().straight == kAbsent) continue;
@@ -206,30 +254,29 @@ Material Compiler::run() {
     material.reads =
         reads_of(program, {0, static_cast<uint32_t>(program.instructions.size()), kNoOperand});
     material.normal_reads = reads_of(program, program.caster_normal);
+    material.displacement_reads = reads_of(program, program.displacement);
     for (const Section& height : program.heights)
         material.height_reads |= reads_of(program, height);
     material.images = images_of(program);
-    material.uv_layers = keep_used_layers(program, material.slopes);
+    material.attributes = keep_used_attributes(program, material.slopes);
     material.warnings = std::move(warnings_);
     return material;
 }
 
-// Layers of values that came to nothing are not read.
-std::vector<std::string> Compiler::keep_used_layers(Program& program, SlopeMap& slopes) const {
-    std::vector<std::string> kept;
-    const auto keep = [&](uint32_t layer) {
-        const std::string& name = uv_layers_[layer];
-        const auto found = std::find(kept.begin(), kept.end(), name);
-        const auto index = static_cast<uint32_t>(found - kept.begin());
-        if (found == kept.end()) kept.push_back(name);
-        return index;
-    };
+// Attributes of values that came to nothing are not read.
+std::vector<AttributeName> Compiler::keep_used_attributes(Program& program, SlopeMap& slopes) const {
+    std::vector<AttributeName> kept;
+    const auto keep = [&](uint32_t& index) { index = index_in(kept, attributes_[index]); };
     for (Instruction& i : program.instructions)
-        if (traits(i.op).index == IndexOf::uv_layer) i.index = keep(i.index);
+        if (traits(i.op).index == IndexOf::attribute) keep(i.index);
     if (slopes.image != kNone) {
-        slopes.uv_layer = keep(slopes.uv_layer);
-        slopes.tangent_layer = keep(slopes.tangent_layer);
+        keep(slopes.uv_layer);
+        keep(slopes.tangent_layer);
     }
+    if (kept.size() > kMaxAttributes)
+        throw Error(ErrorKind::invalid_argument,
+                    fmt::format("{}: reads {} attributes; at most {}",
+                                named("material", graph_.name), kept.size(), kMaxAttributes));
     return kept;
 }
 

@@ -58,6 +58,12 @@ struct ClosureTerm {
     bool refracts() const { return row().refraction != kAbsent && modes.refracts; }
 };
 
+// What was asked of a program (codegen.cpp). kNoExpr for zero.
+struct ProgramRoots {
+    ExprId emission = kNoExpr, transparency = kNoExpr, caster_normal = kNoExpr,
+           background = kNoExpr, displacement = kNoExpr, surface_normal = kNoExpr;
+};
+
 class Compiler {
 public:
     Compiler(const Graph& graph, std::span<const Image> images);
@@ -71,7 +77,7 @@ public:
     bool is_world() const { return is_world_; }
     ShaderPart part() const { return part_; }  // whose shaders are asked
     std::span<const Image> images() const { return images_; }
-    uint32_t uv_layer(const std::string& name);
+    uint32_t attribute(AttributeKind kind, const std::string& name = "");
     void warn(uint32_t node, const std::string& text);
 
     void add_weight(uint32_t node, ExprId weight);  // to a shader that another one uses
@@ -84,12 +90,18 @@ public:
         absorption_ = expr.add(absorption_, expr.scale(coefficient, weight));
     }
 
+    // The normal that stands where none is linked; kNoExpr: the interpolated one.
+    ExprId surface_normal() const { return surface_normal_; }
+
     ExprBuilder expr;
     ExprId emission;  // of a surface or of the world
 
 private:
     ExprId output(uint32_t node, int index);
     ExprId convert(ExprId value, SocketType from, SocketType to);
+    void evaluate_values();
+    void displace(DisplacementMode mode, Material& material, ProgramRoots& roots);
+    ExprId bump_of(ExprId displacement);
     void gather(ShaderPart part);
     void check_closure_count() const;
     std::string narrow_lobe(const ClosureTerm& term) const;
@@ -101,7 +113,7 @@ private:
     }
     void describe(Material& material);
     Spectrum medium();
-    std::vector<std::string> keep_used_layers(Program& program, SlopeMap& slopes) const;
+    std::vector<AttributeName> keep_used_attributes(Program& program, SlopeMap& slopes) const;
 
     ResolvedGraph graph_;
     GlintsMode glints_;
@@ -110,9 +122,11 @@ private:
     std::vector<std::vector<ExprId>> outputs_;  // known values of [node][output]
     std::vector<ExprId> shader_weights_;
     std::vector<ClosureTerm> terms_;
-    std::vector<std::string> uv_layers_;
+    std::vector<AttributeName> attributes_;
     std::vector<std::string> warnings_;
     ExprId absorption_;  // 1/m
+    ExprId surface_normal_ = kNoExpr;
+    DisplacementMode displacement_;
     bool is_world_ = false;
     ShaderPart part_ = ShaderPart::surface;
 };
@@ -123,21 +137,32 @@ public:
     NodeContext(Compiler& compiler, uint32_t node) : c(compiler), e(compiler.expr), index(node) {}
 
     ExprId input(int i) { return c.input(index, i); }
-    // Of a shading normal: unit, on the side of wo; kNoExpr for the interpolated one, which also
-    // stands in for zero.
+    // Of a shading normal: unit, on the side of wo; kNoExpr for the interpolated one. The surface's
+    // own stands in for none and for zero.
     ExprId normal(int i) {
         const ExprId given = input(i);
-        if (given == kNoExpr || traits(e[given].op).gives_normal) return given;
-        if (e.is_constant(given, 0.0f)) return kNoExpr;
+        if (given == kNoExpr || e.is_constant(given, 0.0f)) return c.surface_normal();
+        if (traits(e[given].op).gives_normal) return given;
         return e.make(Op::shading_normal, {given});
+    }
+    ExprId attribute(AttributeKind kind, const std::string& name = "") {
+        return e.make(Op::attribute, {}, 0, c.attribute(kind, name));
     }
     bool linked(int i) const { return source(i).from_node != kNone; }
     const ResolvedInput& source(int i) const {
         return c.node(index).inputs[static_cast<size_t>(i)];
     }
     const std::string& option(int i) const { return c.node(index).options[static_cast<size_t>(i)]; }
+    bool has_array(int i) const { return c.node(index).arrays[static_cast<size_t>(i)] != nullptr; }
     const std::vector<float>& array(int i) const {
         return *c.node(index).arrays[static_cast<size_t>(i)];
+    }
+    // A table of colours, as Op::ramp looks it up.
+    uint32_t ramp(int array_index) {
+        const std::vector<float>& rows = array(array_index);
+        std::vector<float> block{static_cast<float>(rows.size() / 4)};
+        block.insert(block.end(), rows.begin(), rows.end());
+        return e.block(block);
     }
     bool enabled(int i) const { return option(i) == "True"; }
     bool output_used(int i) const { return c.node(index).used_outputs[static_cast<size_t>(i)]; }
@@ -159,14 +184,10 @@ void find_specular_interfaces(const ExprBuilder& expr, const ResolvedGraph& grap
                               ExprId& caster_normal, std::vector<std::string>& warnings);
 
 // Decides in which normal or height map glints are looked for, marks the terms that belong to it
-// (slope_map.cpp). Its layers are indices among those of the compiler, in order of first use.
+// (slope_map.cpp). Its layers are indices of `attributes`, as the expressions' are.
 SlopeMap find_slope_map(const ExprBuilder& expr, GlintsMode mode, std::span<const Image> images,
-                        std::vector<ClosureTerm>& terms);
+                        std::span<const AttributeName> attributes, std::vector<ClosureTerm>& terms);
 
-// What was asked of a program (codegen.cpp). kNoExpr for zero.
-struct ProgramRoots {
-    ExprId emission = kNoExpr, transparency = kNoExpr, caster_normal = kNoExpr, background = kNoExpr;
-};
 // Throws Error naming `material` if registers or constants do not suffice.
 Program generate(const ExprBuilder& expr, const std::vector<ClosureTerm>& terms,
                  const ProgramRoots& roots, const std::string& material);

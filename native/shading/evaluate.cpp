@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The interpreter: value instructions over T, then closures from their results.
+#include "bsdf/albedo.h"
 #include "bsdf/fresnel.h"
 #include "core/uninitialized_array.h"
 #include "shading/normal_map.h"
 #include "shading/program.h"
+#include "shading/spaces.h"
 
 namespace spc {
 namespace {
@@ -20,6 +22,44 @@ void run_image(const Instruction& i, const Registers<T>& r, std::span<const Imag
                                 mode_extension(i.mode), mode_straight(i.mode));
     r.store(i.out, Vector3<T>{c.r, c.g, c.b});
     r.store(static_cast<Operand>(i.out + 3), c.a);
+}
+
+// A block of pairs: a tile's number, counted from 0 in rows of ten, and its image; before them how
+// many there are. Where there is no tile it is magenta.
+template <class T>
+void run_tiled_image(const Program& program, const Instruction& i, const Registers<T>& r,
+                     std::span<const Image> images) {
+    const Vector3<T> at = r.vector(i, 0);
+    const float column = std::floor(value_of(at.x)), row = std::floor(value_of(at.y));
+    const float* block = program.blocks.data() + i.index;
+    Rgba<T> c{T(1.0f), T(0.0f), T(1.0f), T(1.0f)};
+    for (const float *tile = block + 1, *end = tile + 2 * static_cast<size_t>(*block); tile < end;
+         tile += 2) {
+        if (column < 0.0f || column >= 10.0f || *tile != 10.0f * row + column) continue;
+        c = lookup<T>(images[static_cast<size_t>(tile[1])], at.x - T(column), at.y - T(row),
+                      mode_interpolation(i.mode), mode_extension(i.mode), mode_straight(i.mode));
+        break;
+    }
+    r.store(i.out, Vector3<T>{c.r, c.g, c.b});
+    r.store(static_cast<Operand>(i.out + 3), c.a);
+}
+
+template <class T>
+void run_attribute(const Instruction& i, const Registers<T>& r, const ShadingPoint<T>& point) {
+    const std::array<T, 4>& value = point.attributes[i.index];
+    r.store(i.out, Vector3<T>{value[0], value[1], value[2]});
+    r.store(static_cast<Operand>(i.out + 3), value[3]);
+}
+
+uint32_t depth_of(const RayState& ray, RayDepth depth) {
+    switch (depth) {
+        case RayDepth::total: return ray.depth;
+        case RayDepth::diffuse: return ray.diffuse_depth;
+        case RayDepth::glossy: return ray.glossy_depth;
+        case RayDepth::transparent: return ray.transparent_depth;
+        case RayDepth::transmission: return ray.transmission_depth;
+    }
+    return 0;
 }
 
 template <class T>
@@ -72,18 +112,32 @@ void run(const Program& program, const Section& section, std::span<const Image> 
     for (uint32_t k = section.begin; k < section.end; ++k) {
         const Instruction& i = program.instructions[k];
         switch (i.op) {
-            case Op::uv:
-                r.store(i.out, point.uv == nullptr ? Vector3<T>{}
-                                                   : Vector3<T>{point.uv[i.index][0],
-                                                                point.uv[i.index][1], T(0.0f)});
-                break;
+            case Op::attribute: run_attribute(i, r, point); break;
             case Op::position: r.store(i.out, point.position); break;
             case Op::position_object: r.store(i.out, point.position_object); break;
-            case Op::normal_object:
-                r.store(i.out, safe_normalize(apply_transposed(point.object_to_world->row,
-                                                               facing_normal(point))));
+            case Op::normal_object: {
+                const Vector3<T> n =
+                    r.operand(i, 0) == kNoOperand ? facing_normal(point) : r.vector(i, 0);
+                const Vector3<T> held = i.mode == kHeldStill ? constant<T>(value_of(n)) : n;
+                r.store(i.out, safe_normalize(apply_transposed(point.object_to_world->row, held)));
                 break;
-            case Op::normal: r.store(i.out, facing_normal(point)); break;
+            }
+            case Op::normal: {
+                const Vector3<T> n = facing_normal(point);
+                r.store(i.out, i.mode == kHeldStill ? constant<T>(value_of(n)) : n);
+                break;
+            }
+            case Op::tangent_object: {
+                const bool known = point.tangent_object != nullptr;
+                r.store(i.out, known ? constant<T>(value_of(point.tangent_object[i.index]))
+                                     : Vector3<T>{});
+                r.store(static_cast<Operand>(i.out + 3),
+                        T(known ? point.bitangent_sign[i.index] : 1.0f));
+                break;
+            }
+            case Op::direction_to_world:
+                r.store(i.out, apply_rows(point.object_to_world->row, r.vector(i, 0)));
+                break;
             case Op::radial_tangent: r.store(i.out, radial_tangent(point)); break;
             case Op::true_normal: r.store(i.out, constant<T>(point.ng)); break;
             case Op::incoming: r.store(i.out, constant<T>(point.wo)); break;
@@ -94,6 +148,27 @@ void run(const Program& program, const Section& section, std::span<const Image> 
                 break;
             }
             case Op::backfacing: r.store(i.out, T(point.backfacing ? 1.0f : 0.0f)); break;
+            case Op::barycentric:
+                r.store(i.out, Vector3<T>{T(1.0f) - point.u - point.v, point.u, T(0.0f)});
+                break;
+            case Op::transform: r.store(i.out, transformed(i.mode, r.vector(i, 0), point)); break;
+            case Op::view_position: r.store(i.out, in_view(point)); break;
+            case Op::window: r.store(i.out, in_window(point)); break;
+            case Op::mesh_tangent:
+                r.store(i.out, apply(*point.object_to_world, point.tangent_object[i.index]));
+                break;
+            case Op::wireframe:
+                r.store(i.out, T(is_near_side(value_of(r.scalar(i, 0)), i.mode != 0, point)));
+                break;
+            case Op::tiled_image: run_tiled_image(program, i, r, images); break;
+            case Op::ray_kind:
+                r.store(i.out, T((point.ray.kinds & i.mode) != 0 ? 1.0f : 0.0f));
+                break;
+            case Op::ray_length: r.store(i.out, T(point.ray.length)); break;
+            case Op::ray_depth:
+                r.store(i.out,
+                        T(static_cast<float>(depth_of(point.ray, static_cast<RayDepth>(i.mode)))));
+                break;
             case Op::image: run_image(i, r, images); break;
             case Op::tangent_normal:
                 r.store(i.out, map_normal(NormalSpace::tangent, r.scalar(i, 0), r.vector(i, 1),
@@ -150,13 +225,14 @@ Spectrum evaluate_spectrum(const Program& program, const Section& section,
 class ClosureBuilder {
 public:
     ClosureBuilder(const Registers<float>& registers, const ShadingPoint<float>& point,
-                   BumpCorrection bump_correction, ClosureList& list)
+                   Operand surface_normal, BumpCorrection bump_correction, ClosureList& list)
         : r_(registers),
           point_(point),
           bump_correction_(bump_correction),
           list_(list),
-          facing_normal_(value_of(facing_normal(point))) {
-        list.terminator = {bump_correction, 1.0f, facing_normal_};
+          surface_normal_(value_of(surface_normal == kNoOperand ? facing_normal(point)
+                                                                : registers.vector(surface_normal))) {
+        list.terminator = {bump_correction, 1.0f, surface_normal_};
     }
 
     void add(const ClosureInstruction& c) {
@@ -178,6 +254,9 @@ public:
                 const float sigma = std::clamp(scalar(c, 3), 0.01f, 1.0f);  // Cycles' bounds
                 return add(c, color(c, 2) * weight, Velvet{diffuse_normal(c), sigma});
             }
+            case ClosureOp::burley_diffuse:
+                return add(c, color(c, 2) * weight,
+                           BurleyDiffuse{diffuse_normal(c), clamp01(scalar(c, 3))});
             case ClosureOp::schlick_sheen:
                 return add(c, color(c, 2) * weight, SchlickSheen{diffuse_normal(c)});
             case ClosureOp::diffuse_toon: return add_toon<BounceKind::diffuse>(c, weight);
@@ -226,7 +305,7 @@ private:
     }
     Vec3 normal(const ClosureInstruction& c) const {
         const Operand n = operand(c, kNormalOperand);
-        return n == kNoOperand ? facing_normal_ : value_of(r_.vector(n));
+        return n == kNoOperand ? surface_normal_ : value_of(r_.vector(n));
     }
     // Of closures that mirror or refract. Those that glint have the normals of their map.
     Vec3 glossy_normal(const ClosureInstruction& c) const {
@@ -331,7 +410,6 @@ private:
         add(c, weight, d);
     }
 
-    // What the reflection takes from wo's light, by its albedo, does not reach the layer below.
     void add_coated(const ClosureInstruction& c, const Spectrum& weight) {
         Fresnel fresnel;
         fresnel.kind = Fresnel::Kind::dielectric_f0;
@@ -339,9 +417,9 @@ private:
         fresnel.f0 = color(c, 4);
         Spectrum below = weight;
         if (fresnel.eta != 1.0f) {
-            const ClosureKind layer = reflection(c, fresnel);
+            const MicrofacetReflection layer = reflection(c, fresnel);
             add_reflection(c, weight, fresnel);
-            below *= clamp01(1.0f - max_component(albedo(layer, point_.wo)));
+            below *= clamp01(1.0f - max_component(kept_from_below(layer, point_.wo)));
         }
         add_rough_diffuse(c, below);
     }
@@ -350,7 +428,7 @@ private:
     const ShadingPoint<float>& point_;
     const BumpCorrection bump_correction_;
     ClosureList& list_;
-    Vec3 facing_normal_;
+    Vec3 surface_normal_;  // where a closure has none of its own
 };
 
 }  // namespace
@@ -361,7 +439,8 @@ void evaluate_closures(const Material& material, std::span<const Image> images,
     closures.clear();
     const RegisterFile<float> file(program);
     run(program, program.surface, images, point, file.registers);
-    ClosureBuilder builder(file.registers, point, material.bump_correction, closures);
+    ClosureBuilder builder(file.registers, point, program.surface_normal, material.bump_correction,
+                           closures);
     for (const ClosureInstruction& closure : program.closures) builder.add(closure);
     if (program.surface.result != kNoOperand)
         closures.emission = spectrum(file.registers.vector(program.surface.result));
@@ -377,12 +456,26 @@ Spectrum evaluate_transparency(const Material& material, std::span<const Image> 
     return evaluate_spectrum(*material.program, material.program->transparency, images, point);
 }
 
+Vec3 evaluate_displacement(const Material& material, std::span<const Image> images,
+                           const ShadingPoint<float>& point) {
+    return value_of(
+        evaluate_vector(*material.program, material.program->displacement, images, point));
+}
+
 Spectrum evaluate_background(const Material& material, std::span<const Image> images,
-                             const Vec3& direction) {
+                             const Vec3& direction, const RayState& ray, const ViewSpace& view) {
     const Section& section = material.program->background;
     if (section.begin == section.end && section.result == kNoOperand) return Spectrum(0.0f);
     ShadingPoint<float> point{};
     point.position = to_vector(direction);
+    point.ray = ray;
+    // Seen from the camera, wherever it stands.
+    ViewSpace turned;
+    if ((material.reads & kReadsView) != 0) {
+        turned = view;
+        turned.from_world.translation = turned.to_world.translation = Vec3(0.0f);
+    }
+    point.view = &turned;
     return evaluate_spectrum(*material.program, section, images, point);
 }
 

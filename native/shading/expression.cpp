@@ -98,6 +98,18 @@ int ExprBuilder::derivatives(ExprId id) const {
     return least.back();
 }
 
+uint32_t ExprBuilder::reads(ExprId id) const {
+    std::vector<uint32_t> bits(static_cast<size_t>(id) + 1);
+    for (size_t i = 0; i < bits.size(); ++i) {
+        const Expr& e = exprs_[i];
+        bits[i] = traits(e.op).reads;
+        for (ExprId in : e.in)
+            if (in != kNoExpr) bits[i] |= bits[static_cast<size_t>(in)];
+        if (traits(e.op).index == IndexOf::height) bits[i] |= bits[e.index];
+    }
+    return bits.back();
+}
+
 Vec3 ExprBuilder::mean_value(ExprId id, std::span<const Image> images) {
     // Inputs come before what they feed, so descending ids find what is needed and ascending ids
     // evaluate it.

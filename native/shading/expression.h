@@ -72,6 +72,9 @@ public:
     // How many derivatives a value has: as many as the operation with the fewest that it depends on.
     int derivatives(ExprId id) const;
 
+    // The bits of ProgramReads that a value depends on.
+    uint32_t reads(ExprId id) const;
+
     // What `id` comes to on average: textures at their means, whatever their coordinates; coats
     // clear; other things that vary over a surface at 0.
     Vec3 mean_value(ExprId id, std::span<const Image> images);

@@ -227,4 +227,38 @@ T smooth_min(const T& a, const T& b, const T& k) {
     return smaller(a, b) - h * h * h * k * T(1.0f / 6);
 }
 
+// Shares of the pictures on a box's sides, by the normal of what they are thrown on. Within a `blend`
+// of the edges two of them mix, at the corners all three.
+template <class T>
+Vector3<T> box_weights(const Vector3<T>& normal, const T& blend) {
+    std::array<T, 3> n{absolute(normal.x), absolute(normal.y), absolute(normal.z)};
+    const T sum = n[0] + n[1] + n[2], one(1.0f), half(0.5f);
+    for (T& a : n) a = safe_divide(a, sum);
+    const T limit = (one + blend) * half;
+    const float most = value_of(limit);
+    std::array<T, 3> weights{T(0.0f), T(0.0f), T(0.0f)};
+    const auto result = [&] { return Vector3<T>{weights[0], weights[1], weights[2]}; };
+    for (size_t i = 0; i < 3; ++i) {
+        const float own = value_of(n[i]), next = value_of(n[(i + 1) % 3]),
+                    last = value_of(n[(i + 2) % 3]);
+        if (!(own > most * (own + next) && own > most * (own + last))) continue;
+        weights[i] = one;
+        return result();
+    }
+    if (!(value_of(blend) > 0.0f)) {
+        weights[0] = one;
+        return result();
+    }
+    for (const auto& [a, b, without] : {std::array<size_t, 3>{0, 1, 2}, {1, 2, 0}, {0, 2, 1}}) {
+        const T both = n[a] + n[b];
+        if (!(value_of(n[without]) < (1.0f - most) * value_of(both))) continue;
+        weights[a] = clamped((n[a] / both - (one - blend) * half) / blend, T(0.0f), one);
+        weights[b] = one - weights[a];
+        return result();
+    }
+    for (size_t i = 0; i < 3; ++i)
+        weights[i] = (n[i] * (T(2.0f) - limit) + limit - one) / (limit * T(2.0f) - one);
+    return result();
+}
+
 }  // namespace spc

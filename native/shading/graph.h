@@ -42,8 +42,12 @@ struct GraphLink {
 // Whether narrow lobes on a normal or bump map are looked at through the pixel's footprint.
 enum class GlintsMode : uint8_t { automatic, on, off };
 
+// What the output's Displacement does: turns normals, moves vertices, or both.
+enum class DisplacementMode : uint8_t { bump, vertices, both };
+
 struct Graph {
     std::string name;
+    DisplacementMode displacement = DisplacementMode::bump;
     uint32_t pass_index = 0;  // what its pass shows
     float crypto = 0.0f;      // identifier, 0: none
     GlintsMode glints = GlintsMode::automatic;

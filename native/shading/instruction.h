@@ -13,6 +13,18 @@
 
 namespace spc {
 
+enum class RayDepth : uint8_t { total, diffuse, glossy, transparent, transmission };
+
+// Of Vector Transform.
+enum class VectorSpace : uint8_t { world, object, camera };
+enum class VectorMeaning : uint8_t { vector, point, normal };
+
+// Instruction::mode of a transform.
+inline uint8_t transform_mode(VectorSpace from, VectorSpace to, VectorMeaning meaning) {
+    return static_cast<uint8_t>(static_cast<int>(from) | static_cast<int>(to) << 2 |
+                                static_cast<int>(meaning) << 4);
+}
+
 enum class NormalSpace : uint8_t { tangent, object, world };  // of a Normal Map
 
 // Instruction::mode of an image.
@@ -37,7 +49,8 @@ inline constexpr int kMaxRegisters = 256;
 struct Instruction {
     Op op;
     uint8_t lanes;  // 1 or 3
-    uint8_t mode;  // image: image_mode(); textures: textures.h; ramp: Interpolation; space_normal: NormalSpace; bump: 1 where inverted
+    uint8_t mode;  // image: image_mode(); textures: textures.h; ramp: Interpolation; space_normal: NormalSpace; bump: 1 where inverted;
+                   // normal, normal_object: kHeldStill or 0
     Operand out;
     uint32_t operands;  // where its row's `arity` of them begin in Program::operands
     uint32_t index;     // of what its row's `index` says; a block by where it begins
@@ -66,6 +79,9 @@ struct ClosureInstruction {
     Operand coat = kNoOperand, coat_tint = kNoOperand;
 };
 
+// Mode of a normal that has no derivatives, as where a height is measured along it.
+inline constexpr uint8_t kHeldStill = 1;
+
 // A run of value instructions and where they leave what was asked for (kNoOperand: zero).
 struct Section {
     uint32_t begin = 0, end = 0;
@@ -80,6 +96,9 @@ struct Program {
     std::vector<ClosureInstruction> closures;
     Section surface;  // operands of the closures; its result is the emission
     Section emission, transparency, caster_normal, background;
+    Operand surface_normal =
+        kNoOperand;        // of the surface's section: after displacement; none: interpolated
+    Section displacement;  // by which vertices move: m, world
     std::vector<Section> heights;  // of bumps; what they need is not part of the other sections
 };
 

@@ -42,10 +42,11 @@ struct NodeOption {
     const char* values;  // "A|B|C", the first is the default; "" = any text, by default none
 };
 
-// Numbers that a node must be given, such as the colours of a ramp.
+// Numbers that a node is given, such as the colours of a ramp.
 struct NodeArray {
     const char* name;
     uint32_t columns;  // numbers of each row; at least two rows
+    bool optional = false;
 };
 
 struct NodeKind {

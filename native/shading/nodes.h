@@ -49,10 +49,33 @@ ExprId wave_texture(NodeContext& node, int output);
 ExprId magic_texture(NodeContext& node, int output);
 ExprId brick_texture(NodeContext& node, int output);
 
+// nodes_displacement.cpp
+inline constexpr int kDisplacementOfOutput = 2;  // input of the output that says where points move
+ExprId displacement(NodeContext& node, int output);
+ExprId vector_displacement(NodeContext& node, int output);
+
 // nodes_input.cpp
 ExprId fresnel(NodeContext& node, int output);
 ExprId layer_weight(NodeContext& node, int output);
 ExprId geometry(NodeContext& node, int output);
+ExprId attribute(NodeContext& node, int output);
+ExprId light_path(NodeContext& node, int output);
+ExprId light_falloff(NodeContext& node, int output);
+ExprId blackbody(NodeContext& node, int output);
+ExprId wavelength(NodeContext& node, int output);
+ExprId bevel(NodeContext& node, int output);
+ExprId ambient_occlusion(NodeContext& node, int output);
+ExprId absent_info(NodeContext& node, int output);
+ExprId vertex_color(NodeContext& node, int output);
+ExprId object_info(NodeContext& node, int output);
+ExprId particle_info(NodeContext& node, int output);
+
+// nodes_space.cpp
+ExprId radial_tangent(NodeContext& node, int axis);
+ExprId tangent(NodeContext& node, int output);
+ExprId camera_data(NodeContext& node, int output);
+ExprId vector_transform(NodeContext& node, int output);
+ExprId wireframe(NodeContext& node, int output);
 
 // nodes_volume.cpp
 void volume_absorption(NodeContext& node, ExprId weight);

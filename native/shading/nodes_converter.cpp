@@ -210,13 +210,10 @@ ExprId hue_saturation(NodeContext& node, int) {
 // As in Cycles a table of the ramp, which the host evaluates.
 ExprId color_ramp(NodeContext& node, int output) {
     enum { kColor, kAlpha };
-    const std::vector<float>& rows = node.array(0);
-    std::vector<float> block{static_cast<float>(rows.size() / 4)};
-    block.insert(block.end(), rows.begin(), rows.end());
     const Interpolation interpolation =
         node.option(0) == "CONSTANT" ? Interpolation::closest : Interpolation::linear;
-    const ExprId ramp = node.e.make(Op::ramp, {node.input(0)}, static_cast<uint8_t>(interpolation),
-                                    node.e.block(block));
+    const ExprId ramp =
+        node.e.make(Op::ramp, {node.input(0)}, static_cast<uint8_t>(interpolation), node.ramp(0));
     return output == kColor ? ramp : node.e.lane(ramp, 3);
 }
 

@@ -326,8 +326,8 @@ void principled(NodeContext& node, ExprId weight) {
     const ExprId share = e.clamp01(node.input(kCoatWeight));
     const ExprId sheen = e.non_negative(node.input(kSheenWeight)),
                  sheen_tint = e.non_negative(node.input(kSheenTint));
-    const bool old_sheen = node.option(1) == "SCHLICK";
-    if (!old_sheen)
+    const bool layered = node.option(1) == "LAYERED";
+    if (layered)
         weight = e.multiply(
             weight, sheen_layer(node, weight,
                                 between_normals(node, normal, node.normal(kCoatNormal), share),
@@ -361,11 +361,6 @@ void principled(NodeContext& node, ExprId weight) {
     node.c.add_term(glass);
     weight = e.multiply(weight, e.one_minus(transmission));
 
-    if (old_sheen)
-        node.c.add_term(
-            term(node, ClosureOp::schlick_sheen, " (sheen)",
-                 {e.multiply(weight, sheen), normal, hue_of(node, base, e.lane(sheen_tint, 0))}));
-
     const ExprId index = e.make(Op::dielectric_ior, {ior, node.input(kSpecularLevel)});
     const ExprId ratio =
         e.divide(e.subtract(index, e.constant(1.0f)), e.add(index, e.constant(1.0f)));
@@ -373,16 +368,33 @@ void principled(NodeContext& node, ExprId weight) {
     ClosureModes base_modes = modes;
     const std::string& method = node.option(2);
     const bool skin = method == "RANDOM_WALK_SKIN";
-    const BelowSurface below =
-        below_of(node, base_modes, method, e.clamp01(node.input(kSubsurface)),
-                 e.scale(node.input(kSubsurfaceRadius), node.input(kSubsurfaceScale)),
-                 node.input(kSubsurfaceAnisotropy), skin ? e.constant(1.0f) : rough_alpha,
-                 skin ? node.input(kSubsurfaceIor) : index);
-    ClosureTerm coated = term(
-        node, ClosureOp::coated, " (specular)",
-        {weight, normal, rough_alpha, index, f0, base, node.input(kDiffuseRoughness)}, base_modes);
+    const ExprId scattered = e.clamp01(node.input(kSubsurface));
+    const BelowSurface below = below_of(node, base_modes, method, scattered,
+                                  e.scale(node.input(kSubsurfaceRadius), node.input(kSubsurfaceScale)),
+                                  node.input(kSubsurfaceAnisotropy),
+                                  skin ? e.constant(1.0f) : rough_alpha,
+                                  skin ? node.input(kSubsurfaceIor) : index);
+    ClosureTerm coated =
+        term(node, ClosureOp::coated, " (specular)",
+             {weight, normal, rough_alpha, index, f0, layered ? base : e.constant(Vec3(0.0f)),
+              node.input(kDiffuseRoughness)},
+             layered ? base_modes : modes);
+    if (layered) {
+        coated.below = below;
+    } else {
+        node.c.add_term(
+            term(node, ClosureOp::schlick_sheen, " (sheen)",
+                 {e.multiply(weight, sheen), normal, hue_of(node, base, e.lane(sheen_tint, 0))}));
+        node.c.add_term(
+            term(node, ClosureOp::burley_diffuse, " (base)",
+                 {e.multiply(weight, e.one_minus(scattered)), normal, base, node.input(kRoughness)}));
+        ClosureTerm walks = term(node, ClosureOp::rough_diffuse, " (subsurface)",
+                                 {e.multiply(weight, scattered), normal, base, e.constant(0.0f)},
+                                 base_modes);
+        walks.below = {one, below.radius, below.entry};
+        node.c.add_term(walks);
+    }
     coated.coat = over;
-    coated.below = below;
     coated.grain = grain;
     node.c.add_term(coated);
     node.c.add_term(coat);

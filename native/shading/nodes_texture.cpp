@@ -13,9 +13,8 @@ namespace {
 ExprId coordinates(NodeContext& node, int input) {
     const ExprId linked = node.input(input);
     if (linked != kNoExpr) return linked;
-    if (node.c.is_world()) return node.e.make(Op::position, {});
-    node.warn("Generated coordinates are not supported on a mesh; Object is used");
-    return node.e.make(Op::position_object, {});
+    return node.c.is_world() ? node.e.make(Op::position, {})
+                             : node.attribute(AttributeKind::generated);
 }
 
 // What a noise reads of its space: (coordinates, W), scaled; 0 where it has no such dimension.

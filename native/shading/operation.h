@@ -106,27 +106,40 @@ enum class Op : uint8_t {
     voronoi_color,     // likewise
     voronoi_position,  // likewise; W in a fourth lane
     lane,              // lane number `mode` of its operand; the fourth is an image's alpha
-    uv,                // of a layer
+    attribute,         // of the mesh or the object, and its fourth component
     position,          // world
     position_object,   // object space
-    normal_object,     // unit, in object space, on the side of wo
-    normal,            // the interpolated one, unit, world, on the side of wo
-    radial_tangent,    // around the Z axis of the object
-    true_normal,       // that of the geometry, likewise
-    incoming,          // wo
-    facing,            // cosine between wo and a normal, or the interpolated one
-    backfacing,        // 1 or 0
-    image,             // coordinates to colour, and alpha in a fourth lane
-    tangent_normal,    // (strength, colour) to a unit normal on the side of wo
-    space_normal,      // likewise, of colours in a NormalSpace
-    bump,              // (strength, distance, normal or none) to a unit normal on the side of wo
-    shading_normal,    // any vector to a unit normal; the interpolated one where it is 0
-    coat,              // what a coat lets through: (normal or none, (share, alpha, index), tint)
+    normal_object,  // of a normal or the interpolated one: unit, in object space, on the side of wo
+    normal,         // the interpolated one, unit, world, on the side of wo
+    tangent_object,  // of a layer, object space as interpolated; the bitangent's sign in a fourth lane
+    direction_to_world,  // a direction of object space, with its length
+    radial_tangent,      // around the Z axis of the object
+    true_normal,         // that of the geometry, likewise
+    incoming,            // wo
+    facing,              // cosine between wo and a normal, or the interpolated one
+    backfacing,          // 1 or 0
+    barycentric,         // weights of the triangle's first two corners
+    transform,           // from space to space, by a transform_mode()
+    view_position,       // in the camera's space
+    window,              // in the frame, 0 to 1
+    mesh_tangent,        // along growing u of a UV layer, world, not normalised
+    wireframe,           // 1 within half a width of the triangle's sides, else 0; mode 1: in pixels
+    box_weights,         // (object normal, blend): shares of the three sides of a box
+    tiled_image,         // as image, from the tile that the coordinates are in
+    ray_kind,            // 1 where the ray is of the RayKind `mode`, else 0
+    ray_length,          // m
+    ray_depth,           // of a RayDepth
+    image,               // coordinates to colour, and alpha in a fourth lane
+    tangent_normal,      // (strength, colour) to a unit normal on the side of wo
+    space_normal,        // likewise, of colours in a NormalSpace
+    bump,                // (strength, distance, normal or none) to a unit normal on the side of wo
+    shading_normal,      // any vector to a unit normal; the interpolated one where it is 0
+    coat,                // what a coat lets through: (normal or none, (share, alpha, index), tint)
     count
 };
 
 // What Instruction::index means.
-enum class IndexOf : uint8_t { nothing, image, uv_layer, block, height };
+enum class IndexOf : uint8_t { nothing, image, attribute, block, height };
 
 // What an operation comes to on average, when only the means of its operands are known.
 enum class MeanOf : uint8_t { operands, image, zero, half, one };
@@ -243,13 +256,14 @@ inline constexpr std::array<OpTraits, static_cast<size_t>(Op::count)> kOpTraits{
     {.op = Op::voronoi_color, .arity = 8, .lanes = 3, .mean = MeanOf::half},
     {.op = Op::voronoi_position, .arity = 8, .lanes = 3, .has_fourth = true},
     {Op::lane, 1, 1},
-    {.op = Op::uv,
+    {.op = Op::attribute,
      .arity = 0,
      .lanes = 3,
      .varies = true,
-     .reads = kReadsUv,
-     .mean = MeanOf::zero,
-     .index = IndexOf::uv_layer},
+     .reads = kReadsAttributes,
+     .mean = MeanOf::half,
+     .index = IndexOf::attribute,
+     .has_fourth = true},
     {.op = Op::position,
      .arity = 0,
      .lanes = 3,
@@ -262,8 +276,17 @@ inline constexpr std::array<OpTraits, static_cast<size_t>(Op::count)> kOpTraits{
      .varies = true,
      .reads = kReadsObjectPosition,
      .mean = MeanOf::zero},
-    {.op = Op::normal_object, .arity = 0, .lanes = 3, .varies = true, .mean = MeanOf::zero},
+    {.op = Op::normal_object, .arity = 1, .lanes = 3, .varies = true, .mean = MeanOf::zero},
     {.op = Op::normal, .arity = 0, .lanes = 3, .varies = true, .mean = MeanOf::zero},
+    {.op = Op::tangent_object,
+     .arity = 0,
+     .lanes = 3,
+     .varies = true,
+     .reads = kReadsTangent,
+     .mean = MeanOf::zero,
+     .index = IndexOf::attribute,
+     .has_fourth = true},
+    {.op = Op::direction_to_world, .arity = 1, .lanes = 3, .varies = true, .mean = MeanOf::zero},
     {.op = Op::radial_tangent,
      .arity = 0,
      .lanes = 3,
@@ -274,6 +297,69 @@ inline constexpr std::array<OpTraits, static_cast<size_t>(Op::count)> kOpTraits{
     {.op = Op::incoming, .arity = 0, .lanes = 3, .varies = true, .mean = MeanOf::zero, .derivatives = 0},
     {.op = Op::facing, .arity = 1, .lanes = 1, .varies = true, .mean = MeanOf::one, .derivatives = 0},
     {.op = Op::backfacing, .arity = 0, .lanes = 1, .varies = true, .mean = MeanOf::zero},
+    {.op = Op::barycentric, .arity = 0, .lanes = 3, .varies = true, .mean = MeanOf::half},
+    {.op = Op::transform,
+     .arity = 1,
+     .lanes = 3,
+     .varies = true,
+     .reads = kReadsView,
+     .mean = MeanOf::zero},
+    {.op = Op::view_position,
+     .arity = 0,
+     .lanes = 3,
+     .varies = true,
+     .reads = kReadsView | kReadsPosition,
+     .mean = MeanOf::zero},
+    {.op = Op::window,
+     .arity = 0,
+     .lanes = 3,
+     .varies = true,
+     .reads = kReadsView | kReadsPosition,
+     .mean = MeanOf::zero},
+    {.op = Op::mesh_tangent,
+     .arity = 0,
+     .lanes = 3,
+     .varies = true,
+     .reads = kReadsTangent,
+     .mean = MeanOf::zero,
+     .index = IndexOf::attribute},
+    {.op = Op::wireframe,
+     .arity = 1,
+     .lanes = 1,
+     .varies = true,
+     .reads = kReadsSides | kReadsView | kReadsPosition,
+     .mean = MeanOf::zero,
+     .derivatives = 0},
+    {Op::box_weights, 2, 3},
+    {.op = Op::tiled_image,
+     .arity = 1,
+     .lanes = 3,
+     .varies = true,
+     .mean = MeanOf::half,
+     .index = IndexOf::block,
+     .has_fourth = true,
+     .interpolates = true},
+    {.op = Op::ray_kind,
+     .arity = 0,
+     .lanes = 1,
+     .varies = true,
+     .reads = kReadsRay,
+     .mean = MeanOf::zero,
+     .derivatives = 0},
+    {.op = Op::ray_length,
+     .arity = 0,
+     .lanes = 1,
+     .varies = true,
+     .reads = kReadsRay,
+     .mean = MeanOf::one,
+     .derivatives = 0},
+    {.op = Op::ray_depth,
+     .arity = 0,
+     .lanes = 1,
+     .varies = true,
+     .reads = kReadsRay,
+     .mean = MeanOf::one,
+     .derivatives = 0},
     {.op = Op::image,
      .arity = 1,
      .lanes = 3,
@@ -288,7 +374,7 @@ inline constexpr std::array<OpTraits, static_cast<size_t>(Op::count)> kOpTraits{
      .varies = true,
      .reads = kReadsTangent | kReadsObjectNormal,
      .mean = MeanOf::zero,
-     .index = IndexOf::uv_layer,
+     .index = IndexOf::attribute,
      .gives_normal = true},
     {.op = Op::space_normal,
      .arity = 2,

@@ -7,8 +7,11 @@
 #include "bsdf/closure.h"
 #include "core/image.h"
 #include "math/dual.h"
+#include "shading/attribute_name.h"
 #include "shading/graph.h"
+#include "shading/ray_state.h"
 #include "shading/reads.h"
+#include "shading/view_space.h"
 
 #include <memory>
 
@@ -21,17 +24,20 @@ struct ShadingPoint {
     Vector3<T> position_object;
     Vector3<T> normal;  // interpolated (or face) normal, world, unit, on the front side of the surface
     Vector3<T> normal_object;  // the same in object space, interpolated but not normalised, front side
-    const Vector3<T>* tangent_object;  // per UV layer that the program reads, not normalised
+    // One each of Material::attributes.
+    const std::array<T, 4>* attributes;
+    const Vector3<T>* tangent_object;  // of UV layers, not normalised
     const float* bitangent_sign;       // likewise
-    const std::array<T, 2>* uv;        // likewise, (u, v)
     const Transform* object_to_world;
     const Transform* world_to_object;
     Vec3 ng;  // unit geometric normal, world, on the side of wo
     Vec3 wo;  // unit, towards where the path came from
+    RayState ray;
     bool backfacing;  // wo is on the back side: shading normals are turned to the side of wo, eta is inverted
-    // Where the program reads heights: the triangle's sides, world, and the point once more, with
-    // derivatives by them.
-    Vec3 dp_du, dp_dv;
+    T u, v;  // barycentrics of the second and third corner
+    const ViewSpace* view;
+    Vec3 dp_du, dp_dv;  // the triangle's sides, world
+    // Where the program reads heights: the point once more, with derivatives by the sides.
     const ShadingPoint<Dual<T>>* around = nullptr;
 };
 
@@ -60,8 +66,9 @@ enum class Relief : uint8_t { normals, heights };
 // that a UV layer addresses by an affine map. Lobes with another normal are not part of it.
 struct SlopeMap {
     Relief relief = Relief::normals;
-    uint32_t image = kNone;                    // kNone: there is none
-    uint32_t uv_layer = 0, tangent_layer = 0;  // of Material::uv_layers; of heights one and the same
+    uint32_t image = kNone;  // kNone: there is none
+    uint32_t uv_layer = 0,
+             tangent_layer = 0;  // of Material::attributes; of heights one and the same
     float strength = 1.0f;
     float distance = 1.0f;  // of heights: m, negative where they are inverted
     std::array<Vec2, 2> to_image{Vec2(1, 0),
@@ -70,6 +77,9 @@ struct SlopeMap {
     std::string why;                           // e.g. "Glossy BSDF, roughness 0.2"
     std::string why_not;                       // why there is none, empty where nobody asked
 };
+
+// The most attributes that one material reads.
+inline constexpr size_t kMaxAttributes = 16;
 
 struct Program;  // shading/instruction.h
 struct ProgramDeleter {
@@ -81,25 +91,28 @@ struct Material {
     uint32_t pass_index = 0;  // what its pass shows
     float crypto = 0.0f;      // identifier, 0: none
     std::unique_ptr<Program, ProgramDeleter> program;
-    std::vector<std::string> uv_layers;  // names of the layers that are read, "" for the active one; the order
-                                         // is that of ShadingPoint::uv
-    uint32_t reads = 0;                  // of ProgramReads, whole material
-    uint32_t normal_reads = 0;  // of ProgramReads, caster normal alone
-    uint32_t height_reads = 0;  // of ProgramReads, heights of bumps alone
+    std::vector<AttributeName> attributes;  // that are read; ShadingPoint's are in this order
+    uint32_t reads = 0;                     // of ProgramReads, whole material
+    uint32_t normal_reads = 0;              // of ProgramReads, caster normal alone
+    uint32_t height_reads = 0;              // of ProgramReads, heights of bumps alone
+    uint32_t displacement_reads = 0;        // of ProgramReads, displacement of vertices alone
     bool emits = false;
     Spectrum mean_emission{
         0.0f};  // for light selection: constant emission, or with the textures' means
     Spectrum absorption{0.0f};        // 1/m, of the homogeneous medium behind front faces
     bool may_be_transparent = false;  // some Transparent closure or alpha < 1 may exist
     bool has_subsurface = false;      // light may go on below it
+    bool moves_vertices = false;      // evaluate_displacement() has something to say
+    DisplacementMode displacement = DisplacementMode::bump;
     bool has_smooth = false;  // some closure that is not a delta may exist (a possible receiver)
     // Why it throws blurred caustics: a strong lobe that is narrow without being a delta. Empty if it
     // has none.
     std::string narrow_lobe;
+    bool depends_on_ray = false;  // the surface, beyond its emission, reads a RayState
     BumpCorrection bump_correction = BumpCorrection::none;
     bool is_background = false;  // surface is a Background shader
-    bool constant_background =
-        false;                     // of the same radiance in every direction, by the graph itself
+    bool constant_emission =
+        true;  // the same everywhere and in every direction, by the graph itself
     std::vector<uint32_t> images;  // that some part of it reads, by index into the scene's
     SpecularInterface specular;    // of deltas
     SpecularInterface rough;       // of a narrow lobe, where there are no deltas
@@ -124,13 +137,17 @@ Spectrum evaluate_emission(const Material& material, std::span<const Image> imag
 // Weight of straight-through transparency alone (shadow rays).
 Spectrum evaluate_transparency(const Material& material, std::span<const Image> images,
                                const ShadingPoint<float>& point);
+// By how much a vertex is moved, m, world. Only where material.moves_vertices.
+Vec3 evaluate_displacement(const Material& material, std::span<const Image> images,
+                           const ShadingPoint<float>& point);
 // The normal of the specular interface, world, unit, on the side of wo (flipped on back faces).
 template <class T>
 Vector3<T> evaluate_caster_normal(const Material& material, std::span<const Image> images,
                                   const ShadingPoint<T>& point);
 // Radiance of a background from a direction (unit, world, pointing away from the scene).
 Spectrum evaluate_background(const Material& material, std::span<const Image> images,
-                             const Vec3& direction);
+                             const Vec3& direction, const RayState& ray = {},
+                             const ViewSpace& view = {});
 
 extern template Vector3<float> evaluate_caster_normal(const Material&, std::span<const Image>,
                                                       const ShadingPoint<float>&);

@@ -7,12 +7,15 @@ namespace spc {
 
 // What a program may read at a point.
 enum ProgramReads : uint32_t {
-    kReadsUv = 1,
+    kReadsAttributes = 1,
     kReadsTangent = 2,
     kReadsPosition = 4,
     kReadsObjectPosition = 8,
     kReadsObjectNormal = 16,
-    kReadsHeights = 32
+    kReadsHeights = 32,
+    kReadsRay = 64,
+    kReadsView = 128,
+    kReadsSides = 256
 };
 
 }  // namespace spc

@@ -202,7 +202,7 @@ private:
             if (node.kind->reads_image && node.graph->image == kNone)
                 fail(at(i) + ": has no image");
             for (size_t k = 0; k < node.arrays.size(); ++k)
-                if (node.arrays[k] == nullptr)
+                if (node.arrays[k] == nullptr && !node.kind->arrays[k].optional)
                     fail(fmt::format("{}, array \"{}\": missing", at(i), node.kind->arrays[k].name));
         }
     }

@@ -15,7 +15,8 @@ constexpr NodeOption kGlossyModels[] = {
     {"distribution", "GGX|BECKMANN|MULTI_GGX|ASHIKHMIN_SHIRLEY"}};
 constexpr NodeOption kReflectionModels[] = {{"distribution", "GGX|BECKMANN|MULTI_GGX"}};
 constexpr NodeOption kRefractionModels[] = {{"distribution", "GGX|BECKMANN"}};
-constexpr InputSocket kOutputIn[] = {shader_input("Surface"), shader_input("Volume")};
+constexpr InputSocket kOutputIn[] = {shader_input("Surface"), shader_input("Volume"),
+                                     vector_input("Displacement", 0.0f)};
 constexpr InputSocket kDiffuseIn[] = {grey_input(0.8f), scalar_input("Roughness", 0.0f),
                                       kNormalInput};
 constexpr InputSocket kTranslucentIn[] = {grey_input(0.8f), kNormalInput};
@@ -105,7 +106,7 @@ constexpr InputSocket kPrincipledHairIn[] = {
 constexpr NodeOption kPrincipledHairModels[] = {{"parametrization", "COLOR|MELANIN|ABSORPTION"}};
 constexpr InputSocket kPortalIn[] = {grey_input(1.0f)};
 constexpr NodeOption kPrincipledModels[] = {{"distribution", "GGX|MULTI_GGX"},
-                                            {"sheen", "MICROFIBER|SCHLICK"},
+                                            {"model", "LAYERED|BURLEY"},
                                             {"subsurface_method", kSubsurfaceMethods}};
 
 constexpr NodeKind kRows[] = {

@@ -14,8 +14,8 @@ constexpr float kWidestAlpha = 0.16f;  // roughness 0.4
 class Finder {
 public:
     Finder(const ExprBuilder& expr, GlintsMode mode, std::span<const Image> images,
-           std::vector<ClosureTerm>& terms)
-        : expr_(expr), mode_(mode), images_(images), terms_(terms) {}
+           std::span<const AttributeName> attributes, std::vector<ClosureTerm>& terms)
+        : expr_(expr), mode_(mode), images_(images), attributes_(attributes), terms_(terms) {}
 
     SlopeMap run() {
         SlopeMap map;
@@ -120,7 +120,8 @@ private:
             map.offset = {m[3], m[7]};
             at = &expr_[at->in[0]];
         }
-        if (at->op != Op::uv) return its("is not placed by a UV map and a constant Mapping");
+        if (at->op != Op::attribute || attributes_[at->index].kind != AttributeKind::uv)
+            return its("is not placed by a UV map and a constant Mapping");
         map.image = image.index;
         map.uv_layer = at->index;
         return "";
@@ -129,6 +130,7 @@ private:
     const ExprBuilder& expr_;
     GlintsMode mode_;
     std::span<const Image> images_;
+    std::span<const AttributeName> attributes_;
     std::vector<ClosureTerm>& terms_;
     std::string reasons_;
 };
@@ -136,8 +138,8 @@ private:
 }  // namespace
 
 SlopeMap find_slope_map(const ExprBuilder& expr, GlintsMode mode, std::span<const Image> images,
-                        std::vector<ClosureTerm>& terms) {
-    return Finder(expr, mode, images, terms).run();
+                        std::span<const AttributeName> attributes, std::vector<ClosureTerm>& terms) {
+    return Finder(expr, mode, images, attributes, terms).run();
 }
 
 }  // namespace spc

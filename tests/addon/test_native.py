@@ -150,7 +150,7 @@ def test_lights_environment_images_and_uv_are_accepted():
     uv = np.zeros((1, 3, 2), np.float32)
     tangents = np.tile(np.array([1, 0, 0, 1], np.float32), (1, 3, 1))
     normals = np.tile(np.array([0, 0, 1], np.float32), (1, 3, 1))
-    scene.meshes[0].uv_layers = [desc.UvLayerDesc("UVMap", uv, tangents)]
+    scene.meshes[0].attributes = [desc.uv_layer("UVMap", uv, tangents)]
     scene.meshes[0].normals = normals
     scene.images = [
         desc.ImageDesc("bytes", pixels=np.zeros((2, 2, 4), np.uint8)),
@@ -185,8 +185,9 @@ def test_lights_environment_images_and_uv_are_accepted():
         desc.LightDesc(kind.name, kind, IDENTITY, (1.0, 1.0, 1.0)) for kind in desc.LightType
     ]
     with upload(scene) as native_scene:
-        assert native_scene.material_needs(1) == {"": False, "UVMap": True}
-        assert native_scene.material_needs(0) == {}
+        uv = desc.AttributeKind.UV
+        assert set(native_scene.material_needs(1)) == {(uv, "", False), (uv, "UVMap", True)}
+        assert native_scene.material_needs(0) == []
         native_scene.commit(1)
         assert native_scene.stats()["lights"] >= 4
 

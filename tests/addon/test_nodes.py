@@ -10,7 +10,14 @@ from specula.export.nodes import NODES
 
 ROWS = {row.kind: row for row in NODES.values()}
 # Set by functions of the table rather than by its columns.
-CONSTANT_INPUTS = {"rgb": {"Color"}, "value": {"Value"}, "normal": {"Direction"}}
+CONSTANT_INPUTS = {
+    "rgb": {"Color"},
+    "value": {"Value"},
+    "normal": {"Direction"},
+    "object_info": {"Material Index"},
+    "image_texture": {"Blend"},
+}
+CONSTANT_ARRAYS = {"image_texture": {"Tiles"}, "texture_coordinate": {"Object"}}
 
 
 def listed(line: str) -> dict[str, set[str]]:
@@ -41,4 +48,4 @@ def test_sockets_and_options(kind):
         *(path.split(".")[-1] for path in row.options),
         *row.fixed_options,
     }
-    assert names["array"] == set(row.arrays)
+    assert names["array"] == set(row.arrays) | CONSTANT_ARRAYS.get(kind, set())

@@ -6,6 +6,8 @@ from bpy_extras.object_utils import world_to_camera_view
 from mathutils import Vector
 from scenes import add_camera, export, link
 
+from specula.export import compat
+from specula.export.camera import PANORAMAS
 from specula.export.desc import ExportError, Projection
 
 POINTS = [(0.3, 0.2, 0), (-1, 0.5, 1), (1.5, -2, -1)]
@@ -62,9 +64,43 @@ def test_border_crops():
     assert export()[0].camera.crop == (30, 5, 40, 33)
 
 
+def panoramas() -> list[str]:
+    owner = bpy.types.Camera.bl_rna.properties
+    if "panorama_type" not in owner:
+        owner = bpy.data.cameras.new("Camera").cycles.bl_rna.properties
+    return [item.identifier for item in owner["panorama_type"].enum_items]
+
+
+@pytest.mark.parametrize("kind", panoramas())
+def test_a_panorama_is_what_its_numbers_say(kind):
+    data = add_camera().data
+    data.type, data.shift_x = "PANO", 0.25
+    settings = compat.panorama_settings(data)
+    settings.panorama_type = kind
+    projection, names = PANORAMAS[kind]
+    camera = export()[0].camera
+    assert camera.projection == projection
+    assert camera.viewplane == (0.25, 1.25, 0, 1)
+    np.testing.assert_allclose(
+        camera.panorama[: len(names)], [getattr(settings, name) for name in names]
+    )
+
+
+def test_a_fisheye_covers_its_sensor():
+    data = add_camera().data
+    data.type, data.sensor_width = "PANO", 30.0
+    settings = compat.panorama_settings(data)
+    settings.panorama_type, settings.fisheye_lens = "FISHEYE_EQUISOLID", 12.0
+    render = bpy.context.scene.render
+    render.resolution_x, render.resolution_y = 300, 100
+    camera = export()[0].camera
+    np.testing.assert_allclose(camera.panorama[1:4], (12, 30, 10))
+
+
 def other_types() -> list[str]:
+    known = ("PERSP", "ORTHO", "PANO")
     items = bpy.types.Camera.bl_rna.properties["type"].enum_items
-    return [item.identifier for item in items if item.identifier not in ("PERSP", "ORTHO")]
+    return [item.identifier for item in items if item.identifier not in known]
 
 
 @pytest.mark.parametrize("kind", other_types())

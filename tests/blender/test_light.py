@@ -100,14 +100,29 @@ def test_emission_node_multiplies():
     assert warnings == []
 
 
-def test_other_nodes_are_named():
+def test_nodes_of_constants_count():
     obj = add_light("POINT", energy=2.0)
     emission = emission_of(obj.data)
-    add_node(obj.data, "ShaderNodeLightFalloff", emission.inputs["Strength"])
+    math = add_node(obj.data, "ShaderNodeMath", emission.inputs["Strength"], operation="POWER")
+    math.inputs[0].default_value, math.inputs[1].default_value = 3.0, 2.0
     light, warnings = only_light()
-    assert light.power == (2, 2, 2)
-    assert len(warnings) == 1
-    assert "light Light" in warnings[0]
+    assert light.power == (18, 18, 18)
+    assert warnings == []
+
+
+def test_nodes_that_vary_are_named():
+    obj = add_light("POINT", energy=2.0)
+    emission = emission_of(obj.data)
+    emission.inputs["Strength"].default_value = 3.0
+    checker = add_node(obj.data, "ShaderNodeTexChecker", emission.inputs["Color"])
+    checker.inputs["Color1"].default_value = (1, 1, 1, 1)
+    checker.inputs["Color2"].default_value = (0, 0, 0, 1)
+    uv = add_node(obj.data, "ShaderNodeUVMap", checker.inputs["Vector"])
+    light, warnings = only_light()
+    assert uv and light.power == (3, 3, 3)
+    assert warnings == [
+        "light Light: nodes that vary are not supported in a light, their mean is used"
+    ]
 
 
 def test_a_light_can_be_kept_from_caustics_shadows_and_rays():

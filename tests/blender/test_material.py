@@ -1,4 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+from dataclasses import replace
+
 import bpy
 import numpy as np
 import pytest
@@ -16,7 +18,14 @@ from scenes import (
 )
 
 from specula.export import compat
-from specula.export.desc import NONE, AlphaMode, ColorSpace, MaterialNeeds, Visibility
+from specula.export.desc import (
+    NONE,
+    AlphaMode,
+    AttributeKind,
+    AttributeNeed,
+    ColorSpace,
+    Visibility,
+)
 from specula.export.image import Images
 from specula.export.log import ExportLog
 from specula.export.material import export_material
@@ -27,8 +36,13 @@ from specula.upload import upload
 OLD_PRINCIPLED = bpy.app.version < (4, 0, 0)
 
 
+def uv_needs(*layers, tangents=frozenset()):
+    """What a material needs that reads UV layers, of some their tangents."""
+    return frozenset(AttributeNeed(AttributeKind.UV, name, name in tangents) for name in layers)
+
+
 def convert(material):
-    """(MaterialDesc, MaterialNeeds, warnings, images)"""
+    """(MaterialDesc, AttributeKind, AttributeNeed, warnings, images)"""
     log = ExportLog()
     images = Images(log)
     desc = export_material(material, images, log)
@@ -79,7 +93,7 @@ def test_constants_and_options_of_a_shader():
     assert glass.inputs["Color"] == (1, 1, 1, 1)
     assert "Normal" not in glass.inputs
     assert glass.image == NONE
-    assert (needs, warnings) == (MaterialNeeds(), [])
+    assert (needs, warnings) == (frozenset(), [])
 
 
 def test_only_reachable_nodes_are_exported():
@@ -209,7 +223,7 @@ def test_a_constant_of_a_group_does_not_replace_what_a_surface_has(shader, reade
     material.node_tree.links.new(group.outputs[0], surface(material))
     desc, needs, _, _ = convert(material)
     assert all(reader not in n.inputs for n in desc.nodes)
-    assert needs.uv_maps == (frozenset([""]) if reader == "Vector" else frozenset())
+    assert needs == (uv_needs("") if reader == "Vector" else frozenset())
 
 
 def test_a_hidden_value_of_a_group_counts():
@@ -264,15 +278,16 @@ def test_unknown_shader_is_magenta_and_warned_of_once():
     assert strange.name in warning
 
 
-def test_unknown_value_node_leaves_the_reader_its_constant():
+def test_unknown_value_node_leaves_the_reader_its_constant(monkeypatch):
+    monkeypatch.delitem(NODES, "ShaderNodeGamma")
     material = new_material("noisy")
     shader = add_node(material, "ShaderNodeBsdfDiffuse", surface(material))
     shader.inputs["Color"].default_value = (0.25, 0.5, 0.75, 1)
-    add_node(material, "ShaderNodeAmbientOcclusion", shader.inputs["Color"])
+    add_node(material, "ShaderNodeGamma", shader.inputs["Color"])
     desc, _, warnings, _ = convert(material)
     assert node(desc, "bsdf_diffuse").inputs["Color"] == (0.25, 0.5, 0.75, 1)
     assert len(warnings) == 1
-    assert "material noisy, node Ambient Occlusion" in warnings[0]
+    assert "material noisy, node Gamma" in warnings[0]
 
 
 def test_settings_that_are_not_modelled_are_named():
@@ -280,11 +295,28 @@ def test_settings_that_are_not_modelled_are_named():
     shader = add_node(material, "ShaderNodeBsdfPrincipled", surface(material))
     uv_map = add_node(material, "ShaderNodeUVMap", shader.inputs["Base Color"])
     uv_map.from_instancer = True
-    add_node(material, "ShaderNodeDisplacement", output_of(material).inputs["Displacement"])
     _, _, warnings, _ = convert(material)
-    assert len(warnings) == 2
+    assert len(warnings) == 1
     assert any("from instancer" in warning for warning in warnings)
-    assert any("Displacement" in warning for warning in warnings)
+
+
+@pytest.mark.parametrize("method", ["BUMP", "DISPLACEMENT", "BOTH"])
+def test_displacement_is_exported_with_what_it_does(method):
+    material = new_material()
+    add_node(material, "ShaderNodeBsdfDiffuse", surface(material))
+    add_node(
+        material,
+        "ShaderNodeDisplacement",
+        output_of(material).inputs["Displacement"],
+        space="WORLD",
+    )
+    owner = material if hasattr(material, "displacement_method") else material.cycles
+    owner.displacement_method = method
+    desc, _, warnings, _ = convert(material)
+    assert not warnings
+    assert desc.displacement == compat.DISPLACEMENTS[method]
+    assert node(desc, "displacement").options == {"space": "WORLD"}
+    assert "displacement.Displacement -> output.Displacement" in links(desc)
 
 
 def test_principled_has_the_names_of_blender_5():
@@ -326,7 +358,7 @@ def test_coat():
     assert inputs["Coat Roughness"][0] == 0.25
     assert inputs.get("Coat IOR", (1.5,))[0] == 1.5
     assert "normal_map.Normal -> bsdf_principled.Coat Normal" in links(desc)
-    assert needs == MaterialNeeds(frozenset([""]), frozenset([""]))
+    assert needs == uv_needs("", tangents={""})
     assert warnings == []
 
 
@@ -363,7 +395,7 @@ def test_volumes_that_absorb():
     absorbs = node(desc, "volume_absorption").inputs
     assert absorbs == {"Color": (0.25, 0.5, 1, 1), "Density": (3, 3, 3, 1)}
     assert set(node(desc, "volume_principled").inputs) == {"Color", "Density", "Absorption Color"}
-    assert (needs, warnings) == (MaterialNeeds(), [])
+    assert (needs, warnings) == (frozenset(), [])
 
 
 def test_a_volume_alone_has_an_invisible_surface():
@@ -427,7 +459,9 @@ def test_sharp_is_ggx_of_roughness_zero():
     assert warnings == []
 
 
-def test_an_unknown_choice_falls_back_with_a_warning():
+def test_an_unknown_choice_falls_back_with_a_warning(monkeypatch):
+    known = replace(NODES["ShaderNodeNormalMap"], options={"space": ("TANGENT", "OBJECT")})
+    monkeypatch.setitem(NODES, "ShaderNodeNormalMap", known)
     material = new_material()
     shader = add_node(material, "ShaderNodeBsdfDiffuse", surface(material))
     add_node(material, "ShaderNodeNormalMap", shader.inputs["Normal"], space="BLENDER_OBJECT")
@@ -443,9 +477,9 @@ def test_normal_map_reads_tangents_of_its_layer():
     add_node(material, "ShaderNodeTexImage", normal.inputs["Color"], image=new_image())
     desc, needs, *_ = convert(material)
     assert node(desc, "normal_map").options == {"space": "TANGENT", "uv_map": "detail"}
-    assert needs == MaterialNeeds(frozenset(["", "detail"]), frozenset(["detail"]))
+    assert needs == uv_needs("", "detail", tangents={"detail"})
     normal.space = "WORLD"
-    assert convert(material)[1].tangents == frozenset()
+    assert convert(material)[1] == uv_needs("")
 
 
 def test_bump_and_the_height_that_it_reads():
@@ -458,14 +492,14 @@ def test_bump_and_the_height_that_it_reads():
     desc, needs, warnings, _ = convert(material)
     assert node(desc, "bump").options == {"invert": "True"}
     assert node(desc, "bump").inputs["Distance"][0] == 0.25
-    assert needs == MaterialNeeds(frozenset([""]), frozenset())
+    assert needs == uv_needs("")
     assert not warnings
     bump.invert = False
     assert node(convert(material)[0], "bump").options == {"invert": "False"}
 
 
-@pytest.mark.parametrize(("output", "uv_maps"), [("UV", {""}), ("Generated", set())])
-def test_texture_coordinates_need_uv_only_for_uv(output, uv_maps):
+@pytest.mark.parametrize(("output", "kind"), [("UV", "UV"), ("Generated", "GENERATED")])
+def test_texture_coordinates_need_what_is_read(output, kind):
     material = new_material()
     shader = add_node(material, "ShaderNodeBsdfDiffuse", surface(material))
     texture = add_node(material, "ShaderNodeTexImage", shader.inputs["Color"], image=new_image())
@@ -473,7 +507,7 @@ def test_texture_coordinates_need_uv_only_for_uv(output, uv_maps):
     coordinate = add_node(material, "ShaderNodeTexCoord", mapping.inputs["Vector"], output)
     assert coordinate.outputs[output].is_linked
     desc, needs, warnings, _ = convert(material)
-    assert needs.uv_maps == uv_maps
+    assert needs == {AttributeNeed(AttributeKind[kind])}
     assert node(desc, "mapping").options == {"vector_type": "POINT"}
     assert f"texture_coordinate.{output} -> mapping.Vector" in links(desc)
     assert warnings == []
@@ -661,7 +695,7 @@ def test_blender_decodes_the_frame_of_a_sequence(sequence):
 
 
 @pytest.mark.parametrize("name", ["skin.<UDIM>.png", "skin.<UVTILE>.png"])
-def test_a_udim_shows_its_first_tile(tmp_path, name):
+def test_a_udim_has_an_image_for_each_tile(tmp_path, name):
     numbers = ("1001", "1012") if "UDIM" in name else ("u1_v1", "u2_v2")
     for number in numbers:
         save_color(tmp_path / f"skin.{number}.png", 0.5)
@@ -670,11 +704,14 @@ def test_a_udim_shows_its_first_tile(tmp_path, name):
     image.filepath = str(tmp_path / name)
     if len(image.tiles) == 1:
         image.tiles.new(1012)
-    desc, warnings = added(image)
-    assert desc.path == str(tmp_path / f"skin.{numbers[0]}.png")
-    assert warnings == [f"image {image.name}: of its tiles only 1001 is shown"]
+    images = Images(ExportLog())
+    assert images.add(image, None, "user") == 0
+    assert images.tiles(image) == [(0, 0), (11, 1)]
+    paths = [str(tmp_path / f"skin.{number}.png") for number in numbers]
+    assert [desc.path for desc in images.descs] == paths
     image.tiles.remove(image.tiles[1])
     image.tiles[0].number = 1012
+    assert images.tiles(image) == []
     desc, warnings = added(image)
     assert desc.path == str(tmp_path / f"skin.{numbers[1]}.png")
     assert warnings == []

@@ -118,7 +118,7 @@ def test_material_slots_follow_the_faces():
 def test_uv_layers_only_where_read():
     obj = add_mesh(material=new_material())
     add_uv(obj.data)
-    assert only_mesh().uv_layers == []
+    assert only_mesh().attributes == []
 
 
 def test_image_texture_reads_the_layer_active_for_rendering():
@@ -127,22 +127,23 @@ def test_image_texture_reads_the_layer_active_for_rendering():
     second = add_uv(obj.data, "second", scale=0.5)
     second.active_render = True
     mesh = only_mesh()
-    (layer,) = mesh.uv_layers
+    (layer,) = mesh.attributes
     assert layer.name == "second"
     assert layer.tangents is None
-    np.testing.assert_allclose(layer.uv, 0.5 * mesh.positions[mesh.triangles][:, :, :2])
+    uv = layer.values.reshape(-1, 3, 2)
+    np.testing.assert_allclose(uv, 0.5 * mesh.positions[mesh.triangles][:, :, :2])
 
 
 def test_uv_map_node_reads_the_layer_that_it_names():
     obj = add_mesh(material=image_material(uv_map="second"))
     add_uv(obj.data, "first")
     add_uv(obj.data, "second")
-    assert [layer.name for layer in only_mesh().uv_layers] == ["second"]
+    assert [layer.name for layer in only_mesh().attributes] == ["second"]
 
 
 def test_a_missing_layer_is_left_out():
     add_mesh(material=image_material(uv_map="nowhere"))
-    assert only_mesh().uv_layers == []
+    assert only_mesh().attributes == []
 
 
 def test_a_second_user_that_reads_more_gets_more():
@@ -153,7 +154,7 @@ def test_a_second_user_that_reads_more_gets_more():
     other.material_slots[0].link = "OBJECT"
     other.material_slots[0].material = normal_material()
     mesh = only_mesh()
-    assert mesh.uv_layers[0].tangents is not None
+    assert mesh.attributes[0].tangents is not None
 
 
 @pytest.mark.parametrize(
@@ -164,11 +165,12 @@ def test_tangents_point_along_u(vertices, faces):
     set_smooth(obj.data, True)
     add_uv(obj.data, scale=-2.0)
     mesh = only_mesh()
-    (layer,) = mesh.uv_layers
+    (layer,) = mesh.attributes
     corners = len(mesh.triangles) * 3
     assert layer.tangents.dtype == np.float32
     np.testing.assert_allclose(layer.tangents.reshape(-1, 4), [(-1, 0, 0, 1)] * corners, atol=1e-3)
-    np.testing.assert_allclose(layer.uv, -2.0 * mesh.positions[mesh.triangles][:, :, :2], rtol=1e-6)
+    uv = layer.values.reshape(-1, 3, 2)
+    np.testing.assert_allclose(uv, -2.0 * mesh.positions[mesh.triangles][:, :, :2], rtol=1e-6)
 
 
 def test_tangents_of_a_mirrored_layout_flip_the_sign():
@@ -177,7 +179,7 @@ def test_tangents_of_a_mirrored_layout_flip_the_sign():
     mirrored = [(-u, v) for u, v in (tuple(item.uv) for item in layer.data)]
     for item, uv in zip(layer.data, mirrored, strict=True):
         item.uv = uv
-    tangents = only_mesh().uv_layers[0].tangents.reshape(-1, 4)
+    tangents = only_mesh().attributes[0].tangents.reshape(-1, 4)
     np.testing.assert_allclose(tangents, [(-1, 0, 0, -1)] * 6, atol=1e-5)
 
 
@@ -199,7 +201,7 @@ def test_tangents_of_faces_above_four_corners_agree_with_those_of_their_triangle
     triangles = only_mesh()
     np.testing.assert_array_equal(triangles.triangles, ngon.triangles)
     np.testing.assert_allclose(
-        triangles.uv_layers[0].tangents, ngon.uv_layers[0].tangents, atol=2e-3
+        triangles.attributes[0].tangents, ngon.attributes[0].tangents, atol=2e-3
     )
 
 

@@ -1,23 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Nodes that compute values give what they give in Cycles, in this Blender.
 
-Each case is a glowing tile that shows what one node makes of coordinates that vary over the tile,
-and all tiles are one picture, of one sample in the middle of each pixel. So there is no noise;
-where a value jumps the two renderers' pixels may fall on either side.
+Each case is a glowing tile that shows what one node makes of coordinates that vary over the tile.
 """
 
 import bpy
-import numpy as np
 import pytest
-from scenes import add_camera, add_mesh, add_node, new_material, surface
+import tiles
+from scenes import add_mesh, add_node, new_material
 
 from specula.export.nodes import NODES
 
-TILE = 16  # pixels
-FILTER_WIDTH = 0.01  # pixels, the least that Cycles has
 COLUMNS = 12
-TOLERANCE = 2e-3  # of 1 + the value
-MOST_JUMPS = 0.05  # share of a tile's pixels
 MATH = ("x", "y", 0.4)
 UNARY = [
     "SQRT",
@@ -400,61 +394,23 @@ def add_tile(index, case):
             value = (*value, 1) if socket.type == "RGBA" and not isinstance(value, float) else value
             socket.default_value = value
     result = find_socket(node.outputs, output)
-    shown = add_node(material, "ShaderNodeVectorMath", operation="MULTIPLY_ADD")
-    shown.inputs[1].default_value, shown.inputs[2].default_value = (0.1,) * 3, (1,) * 3
-    links.new(result, shown.inputs[0])
-    emission = add_node(material, "ShaderNodeEmission", surface(material))
-    links.new(shown.outputs[0], emission.inputs["Color"])
-    tile = add_mesh(f"Tile {index}", material=material)
-    tile.location = (2 * (index % COLUMNS), 2 * (index // COLUMNS), 0)
+    tiles.show(material, result)
+    tiles.place(add_mesh(f"Tile {index}", material=material), index, COLUMNS)
     return True
-
-
-def render(engine: str, tmp_path) -> np.ndarray:
-    scene = bpy.context.scene
-    scene.render.engine = engine
-    scene.render.filepath = str(tmp_path / f"{engine}.exr")
-    bpy.ops.render.render(write_still=True)
-    image = bpy.data.images.load(scene.render.filepath)
-    image.colorspace_settings.name = "Non-Color"
-    pixels = np.array(image.pixels[:]).reshape(*reversed(image.size), 4)[..., :3]
-    bpy.data.images.remove(image)
-    return pixels
 
 
 @pytest.fixture(scope="module")
 def pictures(tmp_path_factory):
-    """Case -> its tile by Specula and by Cycles, (TILE, TILE, 3) each."""
     bpy.ops.wm.read_homefile(use_empty=True)
     placed = []
     for name, case in cases().items():
         if add_tile(len(placed), case):
             placed.append(name)
-    rows = -(-len(placed) // COLUMNS)
-    camera = add_camera((COLUMNS - 1, rows - 1, 5))
-    camera.data.type, camera.data.ortho_scale = "ORTHO", 2 * max(COLUMNS, rows)
-    scene = bpy.context.scene
-    scene.render.resolution_x, scene.render.resolution_y = TILE * COLUMNS, TILE * rows
-    scene.render.image_settings.file_format = "OPEN_EXR"
-    scene.render.image_settings.color_depth = "32"
-    scene.specula.samples = scene.cycles.samples = 1
-    scene.cycles.use_denoising = scene.cycles.use_adaptive_sampling = False
-    scene.cycles.pixel_filter_type, scene.cycles.filter_width = "BLACKMAN_HARRIS", FILTER_WIDTH
-    folder = tmp_path_factory.mktemp("tiles")
-    images = [render(engine, folder) for engine in ("SPECULA", "CYCLES")]
-    tiles = {}
-    for index, name in enumerate(placed):
-        y, x = (TILE * k for k in divmod(index, COLUMNS))
-        tiles[name] = [image[y : y + TILE, x : x + TILE] for image in images]
-    return tiles
+    return tiles.pictures(placed, COLUMNS, tmp_path_factory.mktemp("tiles"))
 
 
 @pytest.mark.parametrize("name", cases())
 def test_node(pictures, name):
     if name not in pictures:
         pytest.skip("not in this Blender")
-    ours, theirs = pictures[name]
-    slope = np.abs(np.gradient(theirs, axis=(0, 1))).max(axis=0)  # per pixel
-    off = np.abs(ours - theirs) > TOLERANCE * (1 + np.abs(theirs)) + 2 * FILTER_WIDTH * slope
-    off = off.any(axis=-1)
-    assert off.mean() <= MOST_JUMPS, f"{ours[off][0]} where Cycles has {theirs[off][0]}"
+    tiles.assert_same(*pictures[name])

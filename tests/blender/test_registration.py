@@ -68,6 +68,10 @@ class Recorder:
     def separator(self):
         pass
 
+    def template_node_view(self, tree, node, socket):
+        assert socket.node == node
+        self.shown.append("nodes")
+
     def column(self, **_):
         return self
 
@@ -80,7 +84,7 @@ class Context:
     def __init__(self, **members):
         self.scene = bpy.context.scene
         self.view_layer = bpy.context.view_layer
-        self.light = self.object = self.world = self.material = None
+        self.light = self.object = self.world = self.material = self.camera = None
         screens = bpy.data.screens
         areas = [area for screen in screens for area in screen.areas if area.type == "VIEW_3D"]
         self.space_data = areas[0].spaces[0]
@@ -117,7 +121,9 @@ def test_every_panel_draws(light):
         "object": add_mesh(),
         "world": bpy.data.worlds.new("World"),
         "material": new_material(),
+        "camera": bpy.data.cameras.new("Camera"),
     }
+    members["camera"].type = "PANO"
     bpy.context.scene.specula.method = "SMS_UNBIASED"  # which has settings of its own
     for panel in ui.PANELS:
         layout = draw(panel, Context(**members))
@@ -132,6 +138,14 @@ def test_settings_that_are_left_to_cycles_say_what_holds():
     assert layout.shown.index("samples") < layout.shown.index("method")
     scene.specula.samples = 5
     assert "0: as Cycles, 77" not in draw(ui.SPECULA_PT_sampling, Context()).texts
+
+
+def test_settings_of_cycles_that_do_nothing_say_so():
+    cycles = bpy.context.scene.cycles
+    cycles.sample_clamp_indirect, cycles.sample_clamp_direct = 10.0, 0.0
+    texts = draw(ui.SPECULA_PT_light_paths, Context()).texts
+    assert "Clamp Indirect: no effect" in texts
+    assert "Clamp Direct: no effect" not in texts
 
 
 def test_advanced_settings_are_closed_and_only_there_where_they_matter():

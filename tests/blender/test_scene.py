@@ -211,16 +211,25 @@ def test_a_scale_of_zero_is_left_out_with_a_warning():
     assert warnings == ["object Flat: has a scale of zero, it is not rendered"]
 
 
-def test_unsupported_objects_and_holdouts_are_named_once():
+def test_objects_and_collections_are_held_out():
     add_mesh("Hole").is_holdout = True
+    add_mesh("Seen")
+    in_collection(add_mesh("Cut")).holdout = True
+    scene, warnings = export()
+    assert warnings == []
+    assert {x.name: x.holdout for x in scene.instances} == {
+        "Hole": True,
+        "Seen": False,
+        "Cut": True,
+    }
+
+
+def test_unsupported_objects_are_named_once():
     link("Smoke", bpy.data.volumes.new("Smoke"))
     add_mesh("Catcher").is_shadow_catcher = True
-    in_collection(add_mesh("Cut")).holdout = True
     _, warnings = export()
-    assert len(warnings) == 4
+    assert len(warnings) == 2
     assert any("Catcher" in warning and "shadow catcher" in warning for warning in warnings)
-    assert any("Cut" in warning and "holdout" in warning for warning in warnings)
-    assert any("Hole" in warning and "holdout" in warning for warning in warnings)
     assert any("Smoke" in warning and "VOLUME" in warning for warning in warnings)
 
 
@@ -230,26 +239,36 @@ def add_fur():
     obj.particle_systems[0].settings.type = "HAIR"
 
 
-def test_hair_stereoscopy_and_motion_blur_are_named():
+def test_hair_is_a_mesh_of_its_own_that_casts_nothing():
     add_fur()
+    scene, warnings = export()
+    assert warnings == []
+    emitter, hair = scene.instances
+    assert scene.meshes[hair.mesh].name.startswith("Fur: ")
+    assert len(scene.meshes[hair.mesh].triangles) > len(scene.meshes[emitter.mesh].triangles)
+    assert hair.caustics_role == CausticsRole.RECEIVER
+    bpy.data.objects["Fur"].show_instancer_for_render = False
+    assert [x.mesh for x in export()[0].instances] == [0]
+
+
+def test_stereoscopy_and_motion_blur_are_named():
     render = bpy.context.scene.render
     render.use_motion_blur = render.use_multiview = True
     _, warnings = export()
-    assert len(warnings) == 3
-    assert any("Fur" in warning and "hair" in warning for warning in warnings)
+    assert len(warnings) == 2
 
 
 def test_settings_of_cycles_that_are_ignored_are_named_once():
     scene = bpy.context.scene
     mesh, light, world = add_mesh("Ball"), add_light(name="Lamp"), new_world("Sky")
     assert export()[1] == []
-    scene.cycles.use_fast_gi = scene.cycles.film_transparent_glass = True
+    scene.cycles.use_fast_gi = True
     mesh.cycles.shadow_terminator_geometry_offset = 0.3
     light.data.cycles.max_bounces = 3
     world.cycles.max_bounces = 0
     _, warnings = export()
     owners = [warning.partition(":")[0] for warning in warnings]
-    expected = ["scene"] * 2 + ["object Ball"] + ["light Lamp", "world Sky"]
+    expected = ["scene", "object Ball", "light Lamp", "world Sky"]
     assert sorted(owners) == sorted(expected)
 
 
@@ -289,12 +308,14 @@ def test_material_slots_of_object_and_data():
     assert len(scene.meshes) == 1
 
 
-def test_empty_slot_is_grey():
+def test_empty_slot_is_what_cycles_has_there():
     add_mesh().data.materials.append(None)
     add_mesh("NoSlots")
     scene, _ = export()
-    assert [m.nodes[1].kind for m in scene.materials] == ["bsdf_diffuse"]
-    assert scene.materials[0].nodes[1].inputs["Color"] == (0.8, 0.8, 0.8, 1.0)
+    kind = "bsdf_principled" if bpy.app.version >= (5, 0, 0) else "bsdf_diffuse"
+    assert [m.nodes[1].kind for m in scene.materials] == [kind]
+    if kind == "bsdf_diffuse":
+        assert scene.materials[0].nodes[1].inputs["Color"] == (0.8, 0.8, 0.8, 1.0)
 
 
 def test_an_exception_names_its_object(monkeypatch):

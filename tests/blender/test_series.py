@@ -191,6 +191,43 @@ def test_a_failure_does_not_outlive_its_cause(edited_scene, monkeypatch):
     series.close()
 
 
+def test_two_viewports_do_not_disturb_each_other(edited_scene):
+    settings = export_settings(edited_scene, False, bpy.context.view_layer)
+    edits = Edits(seed=2)
+    with Follower() as first:
+        edits.one()
+        bpy.context.view_layer.update()
+        with Follower() as second:
+            for _ in range(12):
+                edits.move()
+                bpy.context.view_layer.update()
+                edits.one()
+                bpy.context.view_layer.update()
+                expected, _ = from_nothing(settings)
+                assert np.array_equal(first.picture(settings), expected)
+                assert np.array_equal(second.picture(settings), expected)
+        edits.move()
+        bpy.context.view_layer.update()
+        assert np.array_equal(first.picture(settings), from_nothing(settings)[0])
+
+
+def test_a_file_that_is_loaded_again_is_what_it_was(edited_scene, tmp_path):
+    settings = export_settings(edited_scene, False, bpy.context.view_layer)
+    series = Series()
+    path = str(tmp_path / "scene.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    saved, _ = from_nothing(settings)
+    mesh = bpy.data.objects["Floor"].data
+    mesh.vertices[0].co.z += 3.0
+    mesh.update()
+    scene, _ = series.next(bpy.context.evaluated_depsgraph_get(), ExportLog())
+    assert not np.array_equal(rendered(scene, settings), saved)
+    bpy.ops.wm.open_mainfile(filepath=path)
+    scene, _ = series.next(bpy.context.evaluated_depsgraph_get(), ExportLog())
+    assert np.array_equal(rendered(scene, settings), saved)
+    series.close()
+
+
 def test_persistent_data_renders_an_animation_as_single_frames(edited_scene, tmp_path):
     render = bpy.context.scene.render
     for frame in (1, 4, 5, 9):

@@ -82,7 +82,7 @@ CASES = {
             64,
             texels=16,
             max_bounces=3,
-            detects=0.15,
+            detects=0.17,
             detects_together=0.08,
             detects_joint=0.4,
             detects_sheets=0.3,

@@ -48,7 +48,7 @@ extern "C" {
 #endif
 
 /* This number is raised whenever a struct or the meaning of a call changes. */
-#define SPC_API_VERSION 12u
+#define SPC_API_VERSION 13u
 
 /* This value stands for "no index" where an index is optional. */
 #define SPC_NONE 0xffffffffu
@@ -86,11 +86,13 @@ SPC_API void spc_scene_destroy(spc_scene* scene);
 
 /* Creates a scene that shares with `before`, which was made by this call and is committed, what it
  * keeps of it by the calls below and what follows from that: trees over geometry, tables of the world
- * and of glints. Its pictures are those of a scene into which all has been added anew, to the bit but
- * for surfaces that coincide. Each instance has a tree of its own, which takes a little longer to
- * render and makes the next scene cheap. `before` may be NULL, for the first of a series, and be
- * destroyed at any time. Embree's threads are those of the first commit. The scene keeps its light
- * sheets while its camera moves. Errors: SPC_WRONG_STATE (`before` is not committed). */
+ * and of glints. Its pictures are those of a scene by this call, without `before`, into which all has
+ * been added anew, to the bit but for surfaces that coincide; one by spc_scene_create() has copies of
+ * small meshes in one tree, and rounds otherwise. Here each instance has a tree of its own, which
+ * takes a little longer to render and makes the next scene cheap. `before` may be NULL, for the first
+ * of a series, and be destroyed at any time. Embree's threads are those of the first commit. The scene
+ * keeps its light sheets while its camera moves. Errors: SPC_WRONG_STATE (`before` is not
+ * committed). */
 SPC_API spc_status spc_scene_edit(const spc_scene* before, spc_scene** scene);
 
 /* Adds what the scene before has at an index, as the calls that add do, but shares it. A material
@@ -197,6 +199,16 @@ typedef struct spc_node_link {
  * says why a material has none. OFF: none. */
 typedef enum spc_glints { SPC_GLINTS_AUTO = 0, SPC_GLINTS_ON = 1, SPC_GLINTS_OFF = 2 } spc_glints;
 
+/* What the output's socket "Displacement" does, which is in metres of the world. BUMP: it turns
+ * normals, as a bump of the surface. VERTICES: it moves vertices, when the scene is committed and
+ * once for each mesh with the same materials, as the first such instance stands. BOTH: vertices, and
+ * the normals of the surface as it was. */
+typedef enum spc_displacement {
+    SPC_DISPLACEMENT_BUMP = 0,
+    SPC_DISPLACEMENT_VERTICES = 1,
+    SPC_DISPLACEMENT_BOTH = 2
+} spc_displacement;
+
 /* What is done where shading normals disagree with the surface: with reflections that would go below
  * it, and at the edge between light and shadow. NONE: nothing. SMOOTHED: as in Cycles of Blender 3.4.
  * MICROFACET: as in that of 5.0. */
@@ -224,6 +236,7 @@ typedef struct spc_material_desc {
     uint32_t link_count;
     uint32_t glints;          /* spc_glints; a world ignores it */
     uint32_t bump_correction; /* spc_bump_correction; likewise */
+    uint32_t displacement;    /* spc_displacement; likewise */
     uint32_t pass_index;      /* what SPC_PASS_MATERIAL_INDEX shows */
     float crypto;             /* identifier for Cryptomatte; 0: none */
 } spc_material_desc;
@@ -232,17 +245,36 @@ typedef struct spc_material_desc {
 SPC_API spc_status spc_scene_add_material(spc_scene* scene, const spc_material_desc* desc,
                                           uint32_t* material_index);
 
-/* A UV layer that a material reads. */
-typedef struct spc_uv_need {
-    const char* layer; /* "": the active one */
-    uint32_t tangents; /* 1: the material reads its tangents, too */
-} spc_uv_need;
+/* What an attribute is. A material finds those of a mesh by name or, where it gives no name, by
+ * their kind; those of an object, which are the same all over it, by kind and name. */
+typedef enum spc_attribute_kind {
+    SPC_ATTRIBUTE_NAMED = 0,
+    SPC_ATTRIBUTE_UV = 1,         /* the active UV layer */
+    SPC_ATTRIBUTE_COLOR = 2,      /* the active colour */
+    SPC_ATTRIBUTE_GENERATED = 3,  /* the place in the undeformed mesh's box, 0 to 1 */
+    SPC_ATTRIBUTE_POINTINESS = 4, /* how convex the mesh is, as Cycles has it */
+    SPC_ATTRIBUTE_ISLAND = 5,     /* a random number for each connected part */
+    /* Of objects from here. */
+    SPC_ATTRIBUTE_OBJECT = 6,        /* a property of the object */
+    SPC_ATTRIBUTE_INSTANCER = 7,     /* a property of what makes the instance */
+    SPC_ATTRIBUTE_OBJECT_INFO = 8,   /* an output of Blender's node of that name */
+    SPC_ATTRIBUTE_PARTICLE_INFO = 9, /* likewise */
+    SPC_ATTRIBUTE_VIEW_LAYER = 10    /* a property of the view layer */
+} spc_attribute_kind;
 
-/* What surfaces of a material read from their mesh. The scene owns the array and its texts. */
+/* An attribute that a material reads. */
+typedef struct spc_attribute_need {
+    const char* name;  /* "": the one of its kind */
+    uint32_t kind;     /* spc_attribute_kind */
+    uint32_t tangents; /* 1: the tangents of a UV layer, too */
+} spc_attribute_need;
+
+/* What surfaces of a material read from their mesh and their object. The scene owns the array and
+ * its texts. */
 typedef struct spc_material_needs {
     size_t struct_size;
-    const spc_uv_need* uv_layers; /* valid until the next call for this scene */
-    uint32_t uv_layer_count;
+    const spc_attribute_need* attributes; /* valid until the next call for this scene */
+    uint32_t attribute_count;
 } spc_material_needs;
 
 /* Says, before commit, what a mesh with this material must bring. Errors: SPC_WRONG_STATE (after
@@ -250,20 +282,37 @@ typedef struct spc_material_needs {
 SPC_API spc_status spc_scene_material_needs(spc_scene* scene, uint32_t material_index,
                                             spc_material_needs* needs);
 
+/* Says, before commit, what a material emits: `mean` (float[3]) is its emission with the means of what
+ * varies over a surface, and `varies` is 1 if anything does. Errors: SPC_WRONG_STATE (after commit). */
+SPC_API spc_status spc_scene_material_emission(spc_scene* scene, uint32_t material_index,
+                                               float* mean, uint32_t* varies);
+
 /* Lists the kinds of nodes, one in a line: `kind: in Socket:type ... out Socket:type ... option
  * name=A|B ... array name:COLUMNS ...`. The text is static. */
 SPC_API const char* spc_node_kinds(void);
 
 /* ---- geometry */
 
-/* Texture coordinates at the corners of a mesh's triangles. */
-typedef struct spc_uv_layer {
+/* What an attribute has a value for. */
+typedef enum spc_attribute_domain {
+    SPC_DOMAIN_CORNER = 0, /* triangle_count * 3 elements */
+    SPC_DOMAIN_VERTEX = 1, /* vertex_count */
+    SPC_DOMAIN_TRIANGLE = 2,
+    SPC_DOMAIN_OBJECT = 3 /* one; the only domain of an instance's attributes, and theirs alone */
+} spc_attribute_domain;
+
+/* Numbers for materials to read, interpolated over triangles. One component stands for all of a
+ * colour, two are x and y, a fourth is alpha. */
+typedef struct spc_attribute {
     const char* name;
-    const float* uv; /* float[triangle_count][3][2] */
-    /* float[triangle_count][3][4]: MikkTSpace tangent xyz in object space and bitangent sign; or
-     * NULL */
+    uint32_t kind;       /* spc_attribute_kind */
+    uint32_t domain;     /* spc_attribute_domain */
+    uint32_t components; /* 1 to 4 */
+    const float* values; /* float[elements][components] */
+    /* of a UV layer (two components at corners): float[triangle_count][3][4], MikkTSpace tangent
+     * xyz in object space and bitangent sign; or NULL */
     const float* tangents;
-} spc_uv_layer;
+} spc_attribute;
 
 typedef struct spc_mesh_desc {
     size_t struct_size;
@@ -274,11 +323,13 @@ typedef struct spc_mesh_desc {
     const uint32_t* triangles;
     uint32_t triangle_count;
     const float* normals; /* float[triangle_count][3][3] of corners, object space; NULL = flat */
+    /* uint32_t[triangle_count]: not 0 for triangles that stay flat however their vertices are
+     * displaced; NULL: none, but all without normals */
+    const uint32_t* flat_faces;
     const uint32_t* material_slots; /* uint32_t[triangle_count], each < slot_count; NULL = slot 0 */
     uint32_t slot_count;            /* >= 1 */
-    const spc_uv_layer* uv_layers;
-    uint32_t uv_layer_count;
-    uint32_t active_uv_layer; /* used where a node names no layer; ignored without layers */
+    const spc_attribute* attributes;
+    uint32_t attribute_count;
 } spc_mesh_desc;
 
 /* Adds a triangle mesh and gives the index by which instances refer to it. Triangles of zero area
@@ -319,8 +370,11 @@ typedef struct spc_instance_desc {
     uint32_t visibility;       /* of spc_visibility */
     uint32_t caustics_role;    /* spc_caustics_role */
     float terminator_offset; /* 0 .. 1: how far the edge of light on smooth normals moves into the light */
+    uint32_t holdout;        /* 1: the camera sees a hole of alpha 0 in its place */
     uint32_t pass_index;               /* what SPC_PASS_OBJECT_INDEX shows */
     float crypto_object, crypto_asset; /* identifiers for Cryptomatte; 0: none */
+    const spc_attribute* attributes;
+    uint32_t attribute_count;
 } spc_instance_desc;
 
 /* Places a mesh in the world and gives the instance's index. Errors: SPC_WRONG_STATE (after
@@ -395,7 +449,19 @@ SPC_API spc_status spc_scene_add_light(spc_scene* scene, const spc_light_desc* d
 
 typedef enum spc_projection {
     SPC_PROJECTION_PERSPECTIVE = 0,
-    SPC_PROJECTION_ORTHOGRAPHIC = 1 /* parallel rays from the plane through the camera */
+    SPC_PROJECTION_ORTHOGRAPHIC = 1, /* parallel rays from the plane through the camera */
+    /* Panoramic, with the numbers that `panorama` holds; angles in rad. */
+    SPC_PROJECTION_EQUIRECTANGULAR = 2, /* least and largest longitude, least and largest latitude */
+    SPC_PROJECTION_FISHEYE_EQUIDISTANT = 3, /* field of view */
+    /* field of view, focal length > 0, width and height of the sensor in its unit */
+    SPC_PROJECTION_FISHEYE_EQUISOLID = 4,
+    /* field of view, k0 to k4 of the angle -(k0 + k1 r + k2 r^2 + ...), width and height of the
+     * sensor in the unit of r */
+    SPC_PROJECTION_FISHEYE_POLYNOMIAL = 5,
+    SPC_PROJECTION_MIRROR_BALL = 6,              /* none */
+    SPC_PROJECTION_EQUIANGULAR_CUBEMAP_FACE = 7, /* none */
+    /* least and largest longitude, least and largest height on a cylinder of radius 1 */
+    SPC_PROJECTION_CENTRAL_CYLINDRICAL = 8
 } spc_projection;
 
 typedef struct spc_camera_desc {
@@ -407,12 +473,13 @@ typedef struct spc_camera_desc {
      * frame */
     uint32_t crop[4];
     /* left, right, bottom, top of the full frame: perspective, on the plane at distance 1;
-     * orthographic, in m */
+     * orthographic, in m; panoramic, in shares of the whole panorama, which 0, 1, 0, 1 is */
     float viewplane[4];
-    float clip_near, clip_far; /* along the viewing axis, m; 0 <= near < far */
+    float panorama[8];         /* as the projection says */
+    float clip_near, clip_far; /* along the viewing axis or a panorama's ray, m; 0 <= near < far */
     /* Depth of field: a thin lens. */
     float aperture_radius; /* m, >= 0; 0: all is in focus, and nothing below is read */
-    float focus_distance;  /* along the viewing axis, m, > 0 */
+    float focus_distance;  /* along the viewing axis or a panorama's ray, m, > 0 */
     /* sides of the aperture, a regular polygon with its corners on the radius: >= 3; 0: a disc */
     uint32_t aperture_blades;
     float aperture_rotation; /* of the polygon, rad, from +X to +Y; 0: a side's middle is at +X */
@@ -547,6 +614,9 @@ typedef struct spc_render_settings {
     uint32_t pixel_filter;     /* spc_pixel_filter */
     float filter_width;        /* pixels, full width; [0.01, 1000]; ignored by the box */
     uint32_t transparent_film; /* 1: the world is seen as alpha 0 by the camera */
+    /* 1: also through glass, of at most this roughness, [0, 1] */
+    uint32_t transparent_glass;
+    float transparent_glass_roughness;
     /* The only chains that walks look for, from the receiver on, at most 6: "TT" are two
      * refractions, "R" is one reflection; the rest is path tracing's. NULL or empty: all. Ignored
      * by other methods. */

@@ -38,6 +38,7 @@ spc_render_settings random_settings(Dice& dice, Spoiler& spoiler) {
     s.pixel_filter = spoiler.count(dice.below(3));
     s.filter_width = spoiler.number(s.filter_width);
     s.transparent_film = dice.below(2);
+    s.transparent_glass = dice.below(2);
     if (dice.chance(0.1)) s.chain_family = dice.one_of({"", "T", "RR", "TTTTTT", "TTTTTTT", "x"});
     return s;
 }

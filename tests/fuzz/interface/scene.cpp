@@ -169,13 +169,15 @@ private:
         spc_camera_desc desc = test::valid_camera(dice_.from(1, 8), dice_.from(1, 8));
         const spc_camera_desc right = desc;
         desc.struct_size = spoiler_.struct_size(desc.struct_size);
-        desc.projection = spoiler_.strikes() ? spoiler_.count(0) : dice_.below(2);
+        desc.projection = spoiler_.strikes() ? spoiler_.count(0) : dice_.below(9);
         random_transform(dice_, spoiler_, desc.transform);
         desc.transform[11] = spoiler_.number(4.0f);
         if (spoiler_.strikes()) desc.width = spoiler_.count(desc.width);
         if (spoiler_.strikes()) desc.height = spoiler_.count(desc.height);
         spoil_crop(desc);
         spoiler_.numbers(desc.viewplane, 4);
+        std::fill(std::begin(desc.panorama), std::end(desc.panorama), 1.0f);
+        spoiler_.numbers(desc.panorama, 8);
         desc.aperture_radius = dice_.chance(0.3) ? 0.1f : 0.0f;
         desc.focus_distance = 4.0f;
         desc.aperture_ratio = 1.0f;

@@ -80,11 +80,19 @@ Shape random_shape(Dice& dice, Spoiler& spoiler) {
         spoiler.numbers(shape.uv);
         shape.tangents = random_numbers(dice, 4 * corners, -1.0f, 1.0f);
         spoiler.numbers(shape.tangents);
-        shape.layers = {{"UVMap", shape.uv.data(), nullptr},
-                        {"Other", shape.uv.data(), shape.tangents.data()}};
-        desc.uv_layers = shape.layers.data();
-        desc.uv_layer_count = dice.from(1, 2);
-        desc.active_uv_layer = spoiler.count(dice.below(desc.uv_layer_count));
+        shape.attributes = {
+            {"UVMap", SPC_ATTRIBUTE_UV, SPC_DOMAIN_CORNER, 2, shape.uv.data(), nullptr},
+            {"Other", SPC_ATTRIBUTE_NAMED, SPC_DOMAIN_CORNER, 2, shape.uv.data(),
+             shape.tangents.data()},
+            // Fewer numbers than there are.
+            {"Shade", SPC_ATTRIBUTE_COLOR, SPC_DOMAIN_TRIANGLE, dice.from(1, 4), shape.uv.data(),
+             nullptr}};
+        for (spc_attribute& attribute : shape.attributes) {
+            attribute.kind = spoiler.count(attribute.kind);
+            attribute.values = spoiler.pointer(attribute.values);
+        }
+        desc.attributes = shape.attributes.data();
+        desc.attribute_count = dice.from(1, 3);
     }
     return shape;
 }

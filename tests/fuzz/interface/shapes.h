@@ -11,7 +11,7 @@ namespace spc::fuzz {
 struct Shape {
     std::vector<float> positions, normals, uv, tangents;
     std::vector<uint32_t> triangles, slots;
-    std::vector<spc_uv_layer> layers;
+    std::vector<spc_attribute> attributes;
     spc_mesh_desc desc{};
 };
 Shape random_shape(Dice& dice, Spoiler& spoiler);

@@ -58,8 +58,8 @@ Mesh slab() {
         mesh.triangles.push_back({t[0] + corners, t[2] + corners, t[1] + corners});
         for (int corner = 0; corner < 3; ++corner) mesh.normals.push_back({0, 0, -1});
     }
-    UvLayer& layer = mesh.uv_layers[0];
-    for (size_t i = 0, n = layer.uv.size(); i < n; ++i) layer.uv.push_back(layer.uv[i]);
+    std::vector<float>& uv = mesh.attributes[0].values;
+    for (size_t i = 0, n = uv.size(); i < n; ++i) uv.push_back(uv[i]);
     return mesh;
 }
 

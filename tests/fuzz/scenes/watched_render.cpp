@@ -48,6 +48,7 @@ spc_render_settings settings_of(const Plan& plan, const Method& method, uint32_t
     s.caustics_reflective = plan.reflective ? 1 : 0;
     s.caustics_refractive = plan.refractive ? 1 : 0;
     s.pixel_filter = SPC_FILTER_BOX;  // errors of pixels are independent
+    s.passes = (uint64_t{1} << SPC_PASS_COUNT) - 1;
     return s;
 }
 

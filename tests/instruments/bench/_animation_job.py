@@ -71,11 +71,13 @@ def specula_frames(job: dict, scene):
     from specula.export.settings import export_settings
     from specula.upload import upload
 
+    passes = (abi.Pass.COMBINED, abi.Pass.CAUSTICS)
     for frame in range(job["frames"]):
         MOTIONS[job["motion"]](scene, float(frame))
         scene.frame_set(frame + 1)
         settings = native.changed(
             export_settings(scene),
+            passes=sum(1 << shown for shown in passes),
             samples=job["samples"],
             time_limit=job["seconds"],
             seed=seed_of(job, frame),
@@ -88,7 +90,6 @@ def specula_frames(job: dict, scene):
                 while session.wait(200).state == abi.RenderState.RUNNING:
                     pass
                 shape = (*reversed(job["size"]), -1)
-                passes = (abi.Pass.COMBINED, abi.Pass.CAUSTICS)
                 yield [session.read(p, *job["size"]).reshape(shape)[..., :3] for p in passes]
 
 

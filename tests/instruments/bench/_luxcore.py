@@ -165,15 +165,17 @@ def columns(transform: np.ndarray) -> list[float]:
 def slot_arrays(mesh, slot: int) -> tuple:
     """Positions (3T, 3), triangles (T, 3), normals (3T, 3) or None, uvs (3T, 2) or None of the
     triangles of one material slot: LuxCore has normals and UVs at vertices, not at corners."""
-    if len(mesh.uv_layers) > 1:
-        raise UntranslatedError(f"mesh {mesh.name}: several UV maps are not translated")
+    if any(attribute.kind != desc.AttributeKind.UV for attribute in mesh.attributes):
+        raise UntranslatedError(f"mesh {mesh.name}: only one UV map is translated")
     chosen = slice(None) if mesh.material_slots is None else mesh.material_slots == slot
     triangles = mesh.triangles[chosen]
     return (
         mesh.positions[triangles].reshape(-1, 3),
         np.arange(3 * len(triangles), dtype=np.uint32).reshape(-1, 3),
         None if mesh.normals is None else mesh.normals[chosen].reshape(-1, 3),
-        mesh.uv_layers[0].uv[chosen].reshape(-1, 2) if mesh.uv_layers else None,
+        mesh.attributes[0].values.reshape(-1, 3, 2)[chosen].reshape(-1, 2)
+        if mesh.attributes
+        else None,
     )
 
 

@@ -55,9 +55,9 @@ def shown(name: str, node: Node) -> Row:
     return Row(name, lambda stage: stage.show(N("Emission", {"Color": node})))
 
 
-def lit(name: str, shader: Node, **sockets: Node) -> Row:
+def lit(name: str, shader: Node, displacement: str = "BUMP", **sockets: Node) -> Row:
     """A shader under lights; `sockets`: Volume or Displacement of the output."""
-    return Row(name, lambda stage: stage.dress(shader, **sockets))
+    return Row(name, lambda stage: stage.dress(shader, displacement, **sockets))
 
 
 def modes(name: str, make: Callable[..., Row], choices: Mapping[str, Sequence]) -> Iterator[Row]:

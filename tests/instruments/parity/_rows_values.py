@@ -247,10 +247,11 @@ def _normals():
     noise = N("TexNoise", {"Vector": OBJECT, "Scale": 2.0})
     for height, label in ((bumps, "image"), (noise, "noise")):
         up = N("Displacement", {"Height": height, "Scale": 0.2})
-        yield lit(f"displacement/{label}", grey, Displacement=up)
+        for method in ("BUMP", "DISPLACEMENT", "BOTH"):
+            yield lit(f"displacement/{label}/{method.lower()}", grey, method, Displacement=up)
     for space in ("TANGENT", "OBJECT"):
         shift = N("VectorDisplacement", {"Vector": tilts, "Scale": 0.1}, space=space)
-        yield lit(f"displacement/vector_{space.lower()}", grey, Displacement=shift)
+        yield lit(f"displacement/vector_{space.lower()}", grey, "BOTH", Displacement=shift)
     yield lit("bump/noise", N("BsdfDiffuse", {"Normal": N("Bump", {"Height": noise})}))
 
 

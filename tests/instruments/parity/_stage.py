@@ -118,13 +118,13 @@ class Stage:
 
     # -------------------------------------------------------------------------------- materials
 
-    def material(self, shader: Node | None, **sockets: Node):
-        """A new material; `sockets`: Volume or Displacement."""
+    def material(self, shader: Node | None, displacement: str = "BUMP", **sockets: Node):
+        """A new material; `sockets`: Volume or Displacement, whose method is `displacement`."""
         material = bpy.data.materials.new("Subject")
         self.graph(material, "ShaderNodeOutputMaterial", {"Surface": shader} | sockets)
         if "Displacement" in sockets:
             owner = material if hasattr(material, "displacement_method") else material.cycles
-            owner.displacement_method = "BOTH"
+            owner.displacement_method = displacement
         return material
 
     def graph(self, owner, output: str, sockets: dict[str, Node | None]) -> None:
@@ -158,9 +158,9 @@ class Stage:
                     _set_constant(socket, value)
         return _output(node, spec.output)
 
-    def dress(self, shader: Node | None, **sockets: Node) -> None:
+    def dress(self, shader: Node | None, displacement: str = "BUMP", **sockets: Node) -> None:
         """Ball, card and block of one material."""
-        material = self.material(shader, **sockets)
+        material = self.material(shader, displacement, **sockets)
         for obj in self.subjects:
             obj.data.materials[0] = material
 

@@ -175,7 +175,7 @@ def without_uv_map() -> desc.SceneDesc:
     """A normal map on UVs that are all the same."""
     maker = Maker()
     shape = grid("panel", 2, lambda at: np.c_[2 * at - 1, 0 * at[:, 0]] * 0.7, uv=True)
-    shape.uv_layers[0].uv[:] = 0.25
+    shape.attributes[0].values[:] = 0.25
     material = mapped(mirror(), maker.image(waves(0.2)))
     maker.add(shape, material, placed((0.0, 0.8, 0.7), rotation_x(1.3)))
     return maker.bulb((0.0, -1.0, 1.5)).scene

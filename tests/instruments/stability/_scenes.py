@@ -113,7 +113,7 @@ def mesh(name, positions, triangles, normals=None, uv=None) -> desc.MeshDesc:
         np.ascontiguousarray(positions, np.float32),
         triangles,
         normals=None if normals is None else at_corners(normals),
-        uv_layers=[] if uv is None else [desc.UvLayerDesc("UV", at_corners(uv))],
+        attributes=[] if uv is None else [desc.uv_layer("UV", at_corners(uv))],
     )
 
 

@@ -285,7 +285,7 @@ def test_corners_become_vertices_of_their_material():
         normals=normals,
         material_slots=np.array([0, 1], np.uint32),
         slot_count=2,
-        uv_layers=[desc.UvLayerDesc("UV", uv)],
+        attributes=[desc.uv_layer("UV", uv)],
     )
     positions, triangles, found_normals, found_uv = _luxcore.slot_arrays(mesh, 1)
     assert positions.tolist() == [[0, 0, 0], [1, 1, 0], [0, 1, 0]]

@@ -28,8 +28,9 @@ inline void add_panel_of_light(SceneMaker& maker, const Transform& transform, bo
     graph.options.push_back({2, "interpolation", "Closest"});
     graph.links.push_back({2, "Color", 1, "Color"});
     Mesh mesh = flat(square(kPanelOfLight));
-    for (Vec2& uv : mesh.uv_layers[0].uv)
-        if (!turned) uv = Vec2(1.0f - uv.y, uv.x);
+    std::vector<float>& uv = mesh.attributes[0].values;
+    for (size_t i = 0; i < uv.size() && !turned; i += 2)
+        uv[i] = 1.0f - std::exchange(uv[i + 1], uv[i]);
     add(maker, mesh, graph, transform, kVisibleAll & ~uint32_t{kVisibleCamera}, CausticsRole::off);
 }
 inline Part image_of_light(bool turned) {

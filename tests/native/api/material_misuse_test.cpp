@@ -208,11 +208,12 @@ TEST_F(MaterialMisuse, NamesMayBeMissing) {
 TEST_F(MaterialMisuse, NeedsAreTold) {
     auto needs = sized<spc_material_needs>();
     ASSERT_EQ(spc_scene_material_needs(scene.get(), 0, &needs), SPC_OK);
-    ASSERT_EQ(needs.uv_layer_count, 1u);
-    EXPECT_EQ(needs.uv_layers[0].layer, std::string());
-    EXPECT_EQ(needs.uv_layers[0].tangents, 0u);
+    ASSERT_EQ(needs.attribute_count, 1u);
+    EXPECT_EQ(needs.attributes[0].name, std::string());
+    EXPECT_EQ(needs.attributes[0].kind, static_cast<uint32_t>(SPC_ATTRIBUTE_UV));
+    EXPECT_EQ(needs.attributes[0].tangents, 0u);
     ASSERT_EQ(spc_scene_material_needs(scene.get(), 1, &needs), SPC_OK);
-    EXPECT_EQ(needs.uv_layer_count, 0u);
+    EXPECT_EQ(needs.attribute_count, 0u);
     EXPECT_NE(std::string(spc_node_kinds()).find("bsdf_diffuse: in Color:color"), std::string::npos);
 }
 

@@ -59,7 +59,7 @@ TEST(OutOfMemory, OfImagesMeshesAndFilms) {
         mesh.positions = numbers.data();
         mesh.vertex_count = 12 * kMegabyte;
         mesh.triangles = indices.data();
-        mesh.uv_layer_count = 0;
+        mesh.attribute_count = 0;
         expect_refused(spc_scene_add_mesh(growing.get(), &mesh, &index), SPC_OUT_OF_MEMORY,
                        {"mesh \"Slate\"", "out of memory"});
         EXPECT_EQ(index, 77u);
@@ -93,7 +93,7 @@ TEST(OutOfMemory, OfACommit) {
         mesh.vertex_count = kSide * kSide;
         mesh.triangles = triangles.data();
         mesh.triangle_count = static_cast<uint32_t>(triangles.size() / 3);
-        mesh.uv_layer_count = 0;
+        mesh.attribute_count = 0;
         uint32_t index;
         ASSERT_EQ(spc_scene_add_mesh(lost.get(), &mesh, &index), SPC_OK) << spc_last_error();
         add_objects(lost.get());

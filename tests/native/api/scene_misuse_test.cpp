@@ -264,20 +264,29 @@ TEST_F(SceneMisuse, Meshes) {
         for (const size_t i : {0u, 11u}) {
             std::vector<float> uv(12, 0.5f);
             uv[i] = bad;
-            const spc_uv_layer layer = {"Unwrap", uv.data(), nullptr};
-            refuses(spoilt([&](auto& d) { d.uv_layers = &layer; }), {"Slate", "Unwrap"});
+            const spc_attribute layer = unwrap(uv.data(), nullptr);
+            refuses(spoilt([&](auto& d) { d.attributes = &layer; }), {"Slate", "Unwrap"});
         }
         for (const size_t i : {0u, 3u, 22u}) {
             std::vector<float> uv(12, 0.5f), tangents(24, 1.0f);
             tangents[i] = bad;
-            const spc_uv_layer layer = {"Unwrap", uv.data(), tangents.data()};
-            refuses(spoilt([&](auto& d) { d.uv_layers = &layer; }), {"Slate", "Unwrap"});
+            const spc_attribute layer = unwrap(uv.data(), tangents.data());
+            refuses(spoilt([&](auto& d) { d.attributes = &layer; }), {"Slate", "Unwrap"});
         }
     }
-    refuses(spoilt([](auto& d) { d.uv_layers = nullptr; }), {"Slate", "uv_layers"});
-    const spc_uv_layer empty = {"Unwrap", nullptr, nullptr};
-    refuses(spoilt([&](auto& d) { d.uv_layers = &empty; }), {"Slate", "uv"});
-    refuses(spoilt([](auto& d) { d.active_uv_layer = 1; }), {"Slate", "UV layer"});
+    refuses(spoilt([](auto& d) { d.attributes = nullptr; }), {"Slate", "attributes"});
+    const std::vector<float> numbers(24, 0.5f);
+    const auto refuses_attribute = [&](auto change, const char* word) {
+        spc_attribute attribute = unwrap(numbers.data(), nullptr);
+        change(attribute);
+        refuses(spoilt([&](auto& d) { d.attributes = &attribute; }), {"Slate", "Unwrap", word});
+    };
+    refuses_attribute([](auto& a) { a.values = nullptr; }, "values");
+    refuses_attribute([](auto& a) { a.kind = SPC_ATTRIBUTE_VIEW_LAYER + 1; }, "kind");
+    refuses_attribute([](auto& a) { a.kind = SPC_ATTRIBUTE_OBJECT; }, "domain");
+    refuses_attribute([](auto& a) { a.domain = SPC_DOMAIN_OBJECT + 1; }, "domain");
+    refuses_attribute([](auto& a) { a.components = 5; }, "components");
+    refuses_attribute([&](auto& a) { a.components = 3, a.tangents = numbers.data(); }, "tangents");
     refuses(spoilt([](auto& d) { d.name = nullptr, d.vertex_count = 0; }), {"mesh: "});
 }
 
@@ -387,7 +396,7 @@ TEST_F(SceneMisuse, CameraAndWorld) {
     refuses(spoilt([](auto& d) { d.viewplane[1] = d.viewplane[0]; }));
     refuses(spoilt([](auto& d) { d.viewplane[3] = d.viewplane[2]; }));
     refuses(spoilt([](auto& d) { d.transform[10] = 0.0f; }));
-    refuses(spoilt([](auto& d) { d.projection = 2; }), {"projection", "2"});
+    refuses(spoilt([](auto& d) { d.projection = 9; }), {"projection", "9"});
     for (const float bad : beyond({-1.0f}))
         refuses(spoilt([&](auto& d) { d.aperture_radius = bad; }), {"aperture", "radius"});
     const auto lens = [](auto spoil) {
@@ -438,9 +447,9 @@ TEST_F(SceneMisuse, NumbersBeyondTheirBounds) {
     spc_mesh_desc mesh = valid_mesh();
     std::vector<float> positions(mesh.positions, mesh.positions + 12), normals(18, 1.0f),
         uv(12, 0.5f), tangents(24, 1.0f);
-    const spc_uv_layer layer = {"Unwrap", uv.data(), tangents.data()};
+    const spc_attribute layer = unwrap(uv.data(), tangents.data());
     mesh.normals = normals.data();
-    mesh.uv_layers = &layer;
+    mesh.attributes = &layer;
     const auto refuses_beyond = [&](float& value, float beyond,
                                     const std::vector<std::string>& words) {
         const float good = std::exchange(value, beyond);
@@ -448,7 +457,7 @@ TEST_F(SceneMisuse, NumbersBeyondTheirBounds) {
         value = good;
     };
     refuses_beyond(normals[7], -kLarge, {"mesh \"Slate\"", "corner normal 2", "1e+15"});
-    refuses_beyond(uv[7], kLarge, {"Slate", "Unwrap", "coordinate 3", "1e+15"});
+    refuses_beyond(uv[7], kLarge, {"Slate", "Unwrap", "value 3", "1e+15"});
     refuses_beyond(tangents[5], kLarge, {"Slate", "Unwrap", "tangent 1", "1e+15"});
     mesh.positions = positions.data();
     refuses_beyond(positions[7], -kFar, {"Slate", "position 2", "1e+08"});

@@ -32,6 +32,7 @@ std::vector<Case> cases() {
         {"sheen 1", Sheen{n, 1.0f}, false},
         {"velvet 0.3", Velvet{n, 0.3f}},
         {"velvet 1", Velvet{n, 1.0f}},
+        {"Burley's base", BurleyDiffuse{n, 0.4f}},
         {"Schlick sheen", SchlickSheen{n}},
         {"diffuse toon", DiffuseToon{n, 40 * kDegree, 30 * kDegree}, false},
         {"soft diffuse toon", DiffuseToon{n, 30 * kDegree, 80 * kDegree}, false},

@@ -2,6 +2,7 @@
 // Direct light on a diffuse floor against closed forms and quadrature, and what may stand in its
 // way.
 #include "support/radiance.h"
+#include "support/rough.h"
 
 #include <gtest/gtest.h>
 
@@ -338,6 +339,51 @@ TEST(TransparentFilm, AlphaIsWhatHidesTheWorld) {
         EXPECT_EQ(e.alpha.mean(), 1.0);
         EXPECT_NEAR(e.radiance.mean(), 2.0, 1e-3);
     }
+}
+
+TEST(TransparentFilm, IsSeenThroughClearGlassWhereAsked) {
+    IntegratorSettings settings;
+    settings.transparent_film = settings.transparent_glass = true;
+    const auto through = [&](float roughness) {
+        SceneMaker maker;
+        maker.add(test::square(1.0f),
+                  roughness > 0.0f ? test::frosted_glass(roughness) : test::glass(1.5f));
+        test::set_world(maker, 2.0f);
+        return test::estimate(maker.finish(), settings, 20000,
+                              test::ray_to({0.1f, 0.2f, 3.0f}, {0.1f, 0.2f, 0.0f}));
+    };
+    constexpr double kReflected = 0.04;
+    const test::RadianceEstimate clear = through(0.0f);
+    EXPECT_TRUE(test::is_mean(clear.alpha, kReflected, kSignificance, 1e-4));
+    EXPECT_TRUE(test::is_mean(clear.radiance, 2.0 * kReflected, kSignificance, 1e-4));
+    settings.transparent_glass_alpha = 0.2f;
+    EXPECT_LT(through(0.4f).alpha.mean(), 0.1);
+    EXPECT_EQ(through(0.5f).alpha.mean(), 1.0);
+}
+
+// ---- holdout
+
+TEST(Holdout, IsAHoleWhereTheCameraSeesItAndNowhereElse) {
+    const auto seen_by = [](const Vec3& from, const Vec3& to) {
+        SceneMaker maker;
+        maker.add(test::square(1.0f), test::mirror());
+        maker.add(test::square(1.0f), test::emission(3.0f), test::translation(Vec3(0, 0, 5)));
+        maker.builder.add_instance([&] {
+            Instance hole;
+            hole.mesh = 1;  // glows, too
+            hole.materials = {1};
+            hole.object_to_world = test::translation(Vec3(0, 0, 4));
+            hole.holdout = true;
+            return hole;
+        }());
+        return test::estimate(maker.finish(), {}, 100, test::ray_to(from, to));
+    };
+    const test::RadianceEstimate hole = seen_by({0, 0, 1}, {0.1f, 0.2f, 4});
+    EXPECT_EQ(hole.alpha.mean(), 0.0);
+    EXPECT_EQ(hole.radiance.mean(), 0.0);
+    const test::RadianceEstimate mirrored = seen_by({0, 0, 1}, {0.1f, 0.2f, 0});
+    EXPECT_EQ(mirrored.alpha.mean(), 1.0);
+    EXPECT_NEAR(mirrored.radiance.mean(), 3.0, 1e-5);
 }
 
 // A scene far from the origin is lit as the same scene at the origin: glowing triangles do not block

@@ -259,7 +259,7 @@ inline void add_caster(SceneMaker& maker, const Mesh& mesh, const Graph& graph,
 // Two faces, `thickness` apart, that look away from each other.
 inline Mesh slab(float half, float thickness) {
     Mesh mesh = flat(square(half));
-    mesh.uv_layers.clear();
+    mesh.attributes.clear();
     for (uint32_t i = 0; i < 4; ++i)
         mesh.positions.push_back(mesh.positions[i] - Vec3(0, 0, thickness));
     mesh.triangles.push_back({4, 6, 5});

@@ -28,10 +28,19 @@ Mesh triangle_soup(uint64_t seed, int count, float extent, float size) {
 constexpr uint32_t kVisibilities[] = {kVisibleAll, kVisibleCamera, kVisibleShadow | kVisibleDiffuse,
                                       kVisibleGlossy, 0u};
 
+// Whether meshes keep trees of their own, of which instances are made, or all is in the scene's tree.
+class Trees : public ::testing::TestWithParam<bool> {};
+INSTANTIATE_TEST_SUITE_P(OfMeshes, Trees, ::testing::Bool());
+
+// A scene that is edited later keeps trees of meshes.
+SceneBuilder builder_of(bool trees_of_meshes) {
+    return trees_of_meshes ? SceneBuilder(nullptr) : SceneBuilder();
+}
+
 // Five instances, two of them of one mesh, and three lamps; a visibility of its own for each
 // instance.
-std::unique_ptr<Scene> crowded_scene() {
-    test::SceneMaker maker;
+std::unique_ptr<Scene> crowded_scene(bool trees_of_meshes) {
+    test::SceneMaker maker(builder_of(trees_of_meshes));
     SceneBuilder& builder = maker.builder;
     const uint32_t mirror = builder.add_material(test::mirror());
     const auto instance = [&](uint32_t mesh, const Transform& transform, uint32_t visibility) {
@@ -110,8 +119,8 @@ Ray random_ray(test::Uniforms& uniforms) {
             uniforms() < 0.5f ? kInfinity : t_near + 3.0f * uniforms()};
 }
 
-TEST(Accel, NearestHitForEveryKindOfRay) {
-    const std::unique_ptr<Scene> scene = crowded_scene();
+TEST_P(Trees, NearestHitForEveryKindOfRay) {
+    const std::unique_ptr<Scene> scene = crowded_scene(GetParam());
     test::Uniforms uniforms(7);
     int lamps = 0, shared = 0, baked = 0, disputed = 0, kinds_with_hit = 0;
     constexpr int kRays = 600;
@@ -158,8 +167,8 @@ TEST(Accel, NearestHitForEveryKindOfRay) {
     EXPECT_LE(disputed, 3) << "of " << 5 * kRays << " rays; only grazed edges may differ";
 }
 
-TEST(Accel, CasterAloneIgnoresEverythingElse) {
-    const std::unique_ptr<Scene> scene = crowded_scene();
+TEST_P(Trees, CasterAloneIgnoresEverythingElse) {
+    const std::unique_ptr<Scene> scene = crowded_scene(GetParam());
     test::Uniforms uniforms(8);
     int casters = 0;
     for (uint32_t instance = 0; instance < 4; ++instance) {
@@ -252,7 +261,7 @@ INSTANTIATE_TEST_SUITE_P(Places, OffsetOrigin,
 std::unique_ptr<Scene> lone_triangle(uint64_t seed, const Place& place, const Graph& graph,
                                      bool shared) {
     test::Uniforms uniforms(seed);
-    test::SceneMaker maker;
+    test::SceneMaker maker(builder_of(shared));
     Instance one;
     one.mesh = maker.builder.add_mesh(triangle_soup(seed, 1, 2.0f * place.scale, place.scale));
     one.object_to_world = test::rotation_x(

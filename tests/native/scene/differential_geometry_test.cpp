@@ -34,17 +34,17 @@ Mesh bumpy_mesh(const GeometryCase& c) {
         3, [](double u, double v) { return Vec3d(u, v, height(u, v)); }, slope_normal);
     if (!c.smooth) mesh.normals.clear();
     if (c.map == Map::no_uv) return mesh;
-    UvLayer layer;
-    layer.name = "UVMap";
+    Attribute layer = test::uv_layer({});
     for (const auto& triangle : mesh.triangles)
         for (const uint32_t k : triangle) {
             const Vec3 p = mesh.positions[k];
-            layer.uv.push_back({1.3f * p.x + 0.2f * p.y, 0.9f * p.y - 0.1f * p.x});
+            layer.values.insert(layer.values.end(),
+                                {1.3f * p.x + 0.2f * p.y, 0.9f * p.y - 0.1f * p.x});
             if (c.map != Map::tangent_given && c.map != Map::both) continue;
             layer.tangents.push_back(normalize(Vec3(1.0f, 0.1f * p.y, 0.3f * p.x)));
             layer.tangent_signs.push_back(-1.0f);
         }
-    mesh.uv_layers = {layer};
+    mesh.attributes = {layer};
     return mesh;
 }
 
@@ -84,7 +84,8 @@ Graph mapped_mirror(Map map, float strength) {
 
 // The instance under test is number 0.
 std::unique_ptr<Scene> geometry_scene(const GeometryCase& c) {
-    SceneBuilder builder;
+    // Trees that are kept for later scenes are those of meshes.
+    SceneBuilder builder = c.shared ? SceneBuilder(nullptr) : SceneBuilder();
     builder.set_camera(Camera{});
     builder.add_image(wavy_normals());
     Instance instance;

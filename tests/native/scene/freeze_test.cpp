@@ -18,19 +18,22 @@ Mesh partly_degenerate() {
     mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {2, 0, 0}, {1, 0, 0}, {0, 0, 1}};
     mesh.triangles = {{0, 1, 2}, {0, 0, 1}, {0, 1, 3}, {0, 1, 5}, {1, 4, 2}};
     mesh.slot_count = 2;
-    UvLayer layer;
-    layer.name = "UVMap";
+    Attribute layer = test::uv_layer({}), shade;
+    shade.called.name = "shade";
+    shade.domain = AttributeDomain::triangle;
+    shade.components = 1;
     for (uint32_t t = 0; t < 5; ++t) {
         mesh.slots.push_back(t == 3 ? 1 : 0);
+        shade.values.push_back(float(t));
         for (uint32_t k = 0; k < 3; ++k) {
             const auto id = float(3 * t + k);
-            layer.uv.push_back({id, -id});
+            layer.values.insert(layer.values.end(), {id, -id});
             layer.tangents.push_back(Vec3(id, 1, 0));
             layer.tangent_signs.push_back(t == 3 ? -1.0f : 1.0f);
             mesh.normals.push_back(t == 3 && k == 1 ? Vec3(0.0f) : Vec3(0, 0, id + 1.0f));
         }
     }
-    mesh.uv_layers = {layer};
+    mesh.attributes = {layer, shade};
     return mesh;
 }
 
@@ -42,12 +45,13 @@ TEST(Builder, DropsTrianglesWithoutAreaAndAllTheirData) {
     ASSERT_EQ(mesh.triangles.size(), 2u);
     EXPECT_EQ(mesh.triangles[1], (std::array<uint32_t, 3>{0, 1, 5}));
     EXPECT_EQ(mesh.slots, (std::vector<uint32_t>{0, 1}));
-    const UvLayer& layer = mesh.uv_layers[0];
-    ASSERT_EQ(layer.uv.size(), 6u);
+    const Attribute& layer = mesh.attributes[0];
+    ASSERT_EQ(layer.size(), 6u);
+    EXPECT_EQ(mesh.attributes[1].values, (std::vector<float>{0, 3}));
     ASSERT_EQ(mesh.normals.size(), 6u);
     for (uint32_t k = 0; k < 6; ++k) {
         const auto id = float(k < 3 ? k : k + 6);
-        EXPECT_EQ(layer.uv[k], Vec2(id, -id));
+        EXPECT_EQ(layer.uv(k), Vec2(id, -id));
         EXPECT_EQ(layer.tangents[k], Vec3(id, 1, 0));
         EXPECT_EQ(layer.tangent_signs[k], k < 3 ? 1.0f : -1.0f);
         // Normalised; the one without length takes its face's.
@@ -186,13 +190,33 @@ TEST(Freeze, NoLightTracingWhereSomeRaysSeeOtherObjects) {
         other.visibility = c.visibility;
         maker.builder.add_instance(other);
         const RenderScene world = maker.finish();
-        EXPECT_EQ(world.scene->same_for_scattered_rays, c.same) << c.visibility;
+        EXPECT_EQ(world.scene->light_paths_reach_camera, c.same) << c.visibility;
         const std::vector<std::string>& report = world.scene->report;
         const bool told = std::any_of(report.begin(), report.end(), [](const std::string& line) {
             return line.find("screen: hidden from some kinds of rays") != std::string::npos;
         });
         EXPECT_EQ(told, !c.same) << c.visibility;
     }
+}
+
+// A caster elsewhere: light paths would come to the pane without knowing their rays.
+TEST(Freeze, NoLightTracingWhereALookDependsOnTheRay) {
+    test::SceneMaker maker;
+    Graph pane = test::single_shader("bsdf_transparent", {}, {});
+    pane.name = "pane";
+    const auto path = static_cast<uint32_t>(pane.nodes.size());
+    pane.nodes.push_back({"Path", "light_path", kNone});
+    pane.links.push_back({path, "Is Camera Ray", 1, "Color"});
+    maker.add(test::square(1.0f), pane);
+    maker.add(test::square(1.0f), test::single_shader("bsdf_glass", {}, {}));
+    const RenderScene world = maker.finish();
+    EXPECT_FALSE(world.scene->light_paths_reach_camera);
+    EXPECT_TRUE(std::any_of(world.scene->report.begin(), world.scene->report.end(),
+                            [](const std::string& line) {
+                                return line.find(
+                                           "its look depends on the kind of ray, so no "
+                                           "light tracing") != std::string::npos;
+                            }));
 }
 
 TEST(Freeze, MissingUvLayerIsReported) {

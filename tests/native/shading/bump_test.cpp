@@ -115,7 +115,7 @@ TEST(Bump, FlatHeightsAreNoBumps) {
     EXPECT_FALSE(compile(ramp_mirror({{"Strength", {0}}}), images).specular.mapped_normal);
     const Material bumped = compile(ramp_mirror({}), images);
     EXPECT_TRUE(bumped.specular.mapped_normal);
-    EXPECT_EQ(bumped.height_reads, static_cast<uint32_t>(kReadsUv));
+    EXPECT_EQ(bumped.height_reads, static_cast<uint32_t>(kReadsAttributes));
     EXPECT_NE(bumped.normal_reads & kReadsHeights, 0u);
     EXPECT_EQ(bumped.images, std::vector<uint32_t>{0});
 }

@@ -86,6 +86,15 @@ TEST(Metallic, BothFresnelTerms) {
     }
 }
 
+// Of an index of 1 only the base is left, which has no grain.
+TEST(Anisotropy, OfNoReflectionIsNone) {
+    const ClosureList list = closures_of(
+        single("bsdf_principled",
+               {{"IOR", {1.0f}}, {"Specular IOR Level", {0.5f}}, {"Anisotropic", {0.7f}}}));
+    ASSERT_EQ(list.count, 1);
+    EXPECT_TRUE(std::holds_alternative<Lambert>(list.closures[0].kind));
+}
+
 // What the sheen reflects does not reach the layers below, nor leave them.
 TEST(Sheen, LiesOverTheRest) {
     const Constants plain{{"Base Color", {0.5f, 0.5f, 0.5f}}, {"Emission Strength", {1}}};
@@ -114,7 +123,7 @@ TEST(Sheen, OfAnOlderPrincipled) {
                                                  {"Metallic", {0.25f}},
                                                  {"Sheen Weight", {0.8f}},
                                                  {"Sheen Tint", {0.5f, 0.5f, 0.5f}}},
-                                                {{"sheen", "SCHLICK"}}));
+                                                {{"model", "BURLEY"}}));
     int found = -1;
     for (int i = 0; i < list.count; ++i)
         if (std::holds_alternative<SchlickSheen>(list.closures[static_cast<size_t>(i)].kind))

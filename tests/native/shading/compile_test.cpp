@@ -154,16 +154,17 @@ TEST(Compile, WhatComesToNothingIsNotRead) {
         const uint32_t shader = b.node(kind, constants), image = b.node("image_texture", {}, {}, 0);
         b.link(image, "Color", shader, socket);
         const Material m = compile(b.surface(shader, out), images);
-        EXPECT_EQ(m.uv_layers.empty(), m.reads == 0);
+        EXPECT_EQ(m.attributes.empty(), m.reads == 0);
         return m.reads;
     };
     EXPECT_EQ(reads("bsdf_principled", {}, "Emission Color", "BSDF"), 0u);
     EXPECT_EQ(reads("bsdf_principled", {{"Metallic", {1}}}, "IOR", "BSDF"), 0u);
     EXPECT_EQ(reads("bsdf_principled", {{"Metallic", {1}}}, "Base Color", "BSDF"),
-              static_cast<uint32_t>(kReadsUv));
+              static_cast<uint32_t>(kReadsAttributes));
     EXPECT_EQ(reads("emission", {{"Strength", {0}}}, "Color", "Emission"), 0u);
     EXPECT_EQ(reads("bsdf_glossy", {{"Color", {0, 0, 0}}}, "Roughness", "BSDF"), 0u);
-    EXPECT_EQ(reads("bsdf_glossy", {}, "Roughness", "BSDF"), static_cast<uint32_t>(kReadsUv));
+    EXPECT_EQ(reads("bsdf_glossy", {}, "Roughness", "BSDF"),
+              static_cast<uint32_t>(kReadsAttributes));
     // A mapping that changes nothing costs nothing, one of constants is a constant.
     GraphBuilder b;
     const uint32_t diffuse = b.node("bsdf_diffuse"),
@@ -268,8 +269,8 @@ TEST(Compile, NormalIsReadOnItsOwn) {
         .link(color, "Color", glass, "Color");
     b.link(map, "Normal", glass, "Normal").link(b.node("uv_map"), "UV", map, "Color");
     const Material m = compile(b.surface(glass), images);
-    EXPECT_EQ(m.reads, static_cast<uint32_t>(kReadsUv | kReadsObjectPosition));
-    EXPECT_EQ(m.normal_reads, static_cast<uint32_t>(kReadsUv));
+    EXPECT_EQ(m.reads, static_cast<uint32_t>(kReadsAttributes | kReadsObjectPosition));
+    EXPECT_EQ(m.normal_reads, static_cast<uint32_t>(kReadsAttributes));
 }
 
 SpecularInterface specular(const std::string& kind, const Constants& constants = {}) {

@@ -56,7 +56,7 @@ struct TestPoint {
     Transform object_to_world, world_to_object;
     Vector3<float> tangent[2]{{1, 0, 0}, {1, 0, 0}};
     float sign[2]{1, 1};
-    std::array<float, 2> uv[2]{{0.25f, 0.75f}, {0.5f, 0.5f}};
+    std::array<float, 4> attributes[2]{{0.25f, 0.75f, 0, 1}, {0.5f, 0.5f, 0, 1}};
     ShadingPoint<float> point{};
 
     TestPoint() { set(Transform{}); }
@@ -69,7 +69,7 @@ struct TestPoint {
         point.normal = to_vector(normalize(world_to_object.transposed(Vec3(0, 0, 1))));
         point.tangent_object = tangent;
         point.bitangent_sign = sign;
-        point.uv = uv;
+        point.attributes = attributes;
         point.object_to_world = &object_to_world;
         point.world_to_object = &world_to_object;
         point.ng = value_of(point.normal);

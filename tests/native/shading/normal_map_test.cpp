@@ -154,7 +154,7 @@ struct Patch {
 
     struct Storage {
         Vector3<Dual2> tangent;
-        std::array<Dual2, 2> uv;
+        std::array<Dual2, 4> uv;
     };
     ShadingPoint<Dual2> dual_point(Storage& storage) const {
         ShadingPoint<Dual2> p{};
@@ -168,13 +168,13 @@ struct Patch {
             storage.uv[i] = Dual2(static_cast<float>(uv0[i]), static_cast<float>(uv_u[i]),
                                   static_cast<float>(uv_v[i]));
         p.tangent_object = &storage.tangent;
-        p.uv = &storage.uv;
+        p.attributes = &storage.uv;
         finish(p);
         return p;
     }
     struct FloatStorage {
         Vector3<float> tangent;
-        std::array<float, 2> uv;
+        std::array<float, 4> uv;
     };
     ShadingPoint<float> float_point(double u, double v, FloatStorage& storage) const {
         ShadingPoint<float> p{};
@@ -184,7 +184,7 @@ struct Patch {
         for (size_t i = 0; i < 2; ++i)
             storage.uv[i] = static_cast<float>(uv0[i] + uv_u[i] * u + uv_v[i] * v);
         p.tangent_object = &storage.tangent;
-        p.uv = &storage.uv;
+        p.attributes = &storage.uv;
         finish(p);
         return p;
     }
@@ -261,11 +261,11 @@ TEST(NormalMap, UnmappedNormalKeepsItsDerivative) {
 TEST(NormalMap, ReadsAndLayers) {
     const Material material = compile(mapped_mirror({}, {{"uv_map", "Detail"}}), {});
     EXPECT_EQ(material.normal_reads, static_cast<uint32_t>(kReadsTangent | kReadsObjectNormal));
-    EXPECT_EQ(material.uv_layers, std::vector<std::string>{"Detail"});
+    EXPECT_EQ(material.attributes, (std::vector<AttributeName>{{AttributeKind::uv, "Detail"}}));
     const Material world =
         compile(mapped_mirror({}, {{"space", "WORLD"}, {"uv_map", "Detail"}}), {});
     EXPECT_EQ(world.reads, 0u);
-    EXPECT_TRUE(world.uv_layers.empty());
+    EXPECT_TRUE(world.attributes.empty());
 }
 
 }  // namespace

@@ -35,8 +35,8 @@ TEST(SlopeMap, IsANormalMapOnAnAffineUvMap) {
     const Material material = compiled(graph);
     const SlopeMap& map = material.slopes;
     EXPECT_EQ(map.image, 0u);
-    EXPECT_EQ(material.uv_layers[map.uv_layer], "");
-    EXPECT_EQ(material.uv_layers[map.tangent_layer], "Other");
+    EXPECT_EQ(material.attributes[map.uv_layer].name, "");
+    EXPECT_EQ(material.attributes[map.tangent_layer].name, "Other");
     EXPECT_FLOAT_EQ(map.strength, 0.5f);
     EXPECT_EQ(map.to_image[0], Vec2(2, 0));
     EXPECT_EQ(map.to_image[1], Vec2(0, 3));
@@ -62,7 +62,7 @@ TEST(SlopeMap, IsAHeightMapOnAnAffineUvMap) {
     const SlopeMap& map = material.slopes;
     EXPECT_EQ(map.relief, Relief::heights);
     EXPECT_EQ(map.image, 0u);
-    EXPECT_EQ(material.uv_layers, std::vector<std::string>{""});
+    EXPECT_EQ(material.attributes, (std::vector<AttributeName>{{AttributeKind::uv, ""}}));
     EXPECT_EQ(material.reads & kReadsTangent, 0u);
     EXPECT_FLOAT_EQ(map.strength, 0.5f);
     EXPECT_FLOAT_EQ(map.distance, -0.3f);

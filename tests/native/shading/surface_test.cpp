@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Shader nodes: the closures and weights that they come to, against values by hand.
+#include "bsdf/albedo.h"
 #include "shading/graphs.h"
 
 namespace spc::test {
@@ -150,7 +151,7 @@ TEST(Surface, FactorsMayVary) {
         .link(b.node("bsdf_transparent"), "BSDF", mix, "Shader_001");
     const Material material = compile(b.surface(mix, "Shader"), {});
     for (const float v : {0.25f, 2.75f, 9.0f}) {  // the last one is beyond 1
-        at.uv[0] = {0.5f, v};
+        at.attributes[0] = {0.5f, v, 0, 1};
         const float fac = std::min((0.5f + v) / 3, 1.0f);
         const ClosureList list = closures_of(material, at.point);
         expect_near(Vec3(list.transparency), Vec3(fac), 1e-6f);
@@ -183,7 +184,7 @@ TEST(Principled, DefaultIsADielectricOverLambert) {
     EXPECT_EQ(coat.fresnel.kind, Fresnel::Kind::dielectric_f0);
     EXPECT_FLOAT_EQ(coat.fresnel.eta, 1.5f);
     expect_near(Vec3(coat.fresnel.f0), Vec3(0.04f), 1e-7f);
-    expect_near(weight(list, 1), Vec3(0.8f * (1 - albedo(coat, at.point.wo).x)), 1e-6f);
+    expect_near(weight(list, 1), Vec3(0.8f * (1 - kept_from_below(coat, at.point.wo).x)), 1e-6f);
     EXPECT_TRUE(compile(single("bsdf_principled"), {}).has_smooth);
 }
 

@@ -111,11 +111,16 @@ inline spc_material_desc sky_material() {
     return one_shader("Heaven", nodes, link);
 }
 
+// A UV layer for its six corners.
+inline spc_attribute unwrap(const float* uv, const float* tangents) {
+    return {"Unwrap", SPC_ATTRIBUTE_UV, SPC_DOMAIN_CORNER, 2, uv, tangents};
+}
+
 inline spc_mesh_desc valid_mesh() {
     static const float positions[] = {-2, -2, 0, 2, -2, 0, 2, 2, 0, -2, 2, 0};
     static const uint32_t triangles[] = {0, 1, 2, 0, 2, 3};
     static const float uv[] = {0, 0, 1, 0, 1, 1, 0, 0, 1, 1, 0, 1};
-    static const spc_uv_layer layer = {"UVMap", uv, nullptr};
+    static const spc_attribute layer = unwrap(uv, nullptr);
     auto desc = sized<spc_mesh_desc>();
     desc.name = "Slate";
     desc.positions = positions;
@@ -123,8 +128,8 @@ inline spc_mesh_desc valid_mesh() {
     desc.triangles = triangles;
     desc.triangle_count = 2;
     desc.slot_count = 1;
-    desc.uv_layers = &layer;
-    desc.uv_layer_count = 1;
+    desc.attributes = &layer;
+    desc.attribute_count = 1;
     return desc;
 }
 

@@ -116,21 +116,20 @@ inline Image sphere_normals(uint32_t height, double wavelength, double rms_slope
 
 // A grid() of n x n cells with the UVs of its cells, under which normal maps find their tangents.
 inline Mesh with_uvs(Mesh mesh, uint32_t n) {
-    UvLayer layer;
-    layer.name = "UVMap";
+    std::vector<Vec2> uv;
     for (const auto& triangle : mesh.triangles)
         for (const uint32_t k : triangle) {
             const uint32_t row = k / (n + 1), column = k % (n + 1);
-            layer.uv.push_back(Vec2(float(column), float(row)) / float(n));
+            uv.push_back(Vec2(float(column), float(row)) / float(n));
         }
-    mesh.uv_layers = {layer};
+    mesh.attributes = {uv_layer(uv)};
     return mesh;
 }
 
 // The same for a sphere(), with tangents to the east.
 inline Mesh with_sphere_uvs(Mesh mesh, uint32_t n) {
     mesh = with_uvs(std::move(mesh), n);
-    UvLayer& layer = mesh.uv_layers[0];
+    Attribute& layer = mesh.attributes[0];
     for (const Vec3& normal : mesh.normals) {
         const Vec3 east = cross(Vec3(0.0f, 0.0f, 1.0f), normal);
         const bool at_pole = !(length(east) > 1e-6f);

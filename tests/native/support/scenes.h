@@ -47,15 +47,20 @@ inline Graph background(float r, float g, float b) {
 }
 
 // Square of the given half side in the plane z = 0, facing +z, with UVs over [0, 1]^2.
+// The active UV layer, of a pair for each corner.
+inline Attribute uv_layer(const std::vector<Vec2>& uv) {
+    Attribute layer;
+    layer.called = {AttributeKind::uv, "UVMap"};
+    for (const Vec2& at : uv) layer.values.insert(layer.values.end(), {at.x, at.y});
+    return layer;
+}
+
 inline Mesh square(float half) {
     Mesh mesh;
     mesh.name = "square";
     mesh.positions = {{-half, -half, 0}, {half, -half, 0}, {half, half, 0}, {-half, half, 0}};
     mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
-    UvLayer layer;
-    layer.name = "UVMap";
-    layer.uv = {{0, 0}, {1, 0}, {1, 1}, {0, 0}, {1, 1}, {0, 1}};
-    mesh.uv_layers = {layer};
+    mesh.attributes = {uv_layer({{0, 0}, {1, 0}, {1, 1}, {0, 0}, {1, 1}, {0, 1}})};
     return mesh;
 }
 
@@ -110,7 +115,7 @@ inline Transform rotation_x(float angle, const Vec3& t = Vec3(0.0f)) {
 
 class SceneMaker {
 public:
-    SceneMaker() {
+    explicit SceneMaker(SceneBuilder empty = {}) : builder(std::move(empty)) {
         Camera camera;
         builder.set_camera(camera);
     }

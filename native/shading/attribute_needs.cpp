@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "shading/uv_needs.h"
+#include "shading/attribute_needs.h"
 
 #include "shading/instruction.h"
 
 namespace spc {
 
-std::vector<UvNeed> uv_needs(const Material& material) {
-    std::vector<UvNeed> needs;
-    for (const std::string& layer : material.uv_layers) needs.push_back({layer});
+std::vector<AttributeNeed> attribute_needs(const Material& material) {
+    std::vector<AttributeNeed> needs;
+    for (const AttributeName& attribute : material.attributes) needs.push_back({attribute});
     for (const Instruction& i : material.program->instructions)
         if ((traits(i.op).reads & kReadsTangent) != 0) needs[i.index].tangents = true;
     if (material.may_glint() && material.slopes.relief == Relief::normals)

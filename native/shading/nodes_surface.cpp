@@ -369,11 +369,11 @@ void principled(NodeContext& node, ExprId weight) {
     const std::string& method = node.option(2);
     const bool skin = method == "RANDOM_WALK_SKIN";
     const ExprId scattered = e.clamp01(node.input(kSubsurface));
-    const BelowSurface below = below_of(node, base_modes, method, scattered,
-                                  e.scale(node.input(kSubsurfaceRadius), node.input(kSubsurfaceScale)),
-                                  node.input(kSubsurfaceAnisotropy),
-                                  skin ? e.constant(1.0f) : rough_alpha,
-                                  skin ? node.input(kSubsurfaceIor) : index);
+    const BelowSurface below =
+        below_of(node, base_modes, method, scattered,
+                 e.scale(node.input(kSubsurfaceRadius), node.input(kSubsurfaceScale)),
+                 node.input(kSubsurfaceAnisotropy), skin ? e.constant(1.0f) : rough_alpha,
+                 skin ? node.input(kSubsurfaceIor) : index);
     ClosureTerm coated =
         term(node, ClosureOp::coated, " (specular)",
              {weight, normal, rough_alpha, index, f0, layered ? base : e.constant(Vec3(0.0f)),
@@ -385,12 +385,12 @@ void principled(NodeContext& node, ExprId weight) {
         node.c.add_term(
             term(node, ClosureOp::schlick_sheen, " (sheen)",
                  {e.multiply(weight, sheen), normal, hue_of(node, base, e.lane(sheen_tint, 0))}));
-        node.c.add_term(
-            term(node, ClosureOp::burley_diffuse, " (base)",
-                 {e.multiply(weight, e.one_minus(scattered)), normal, base, node.input(kRoughness)}));
-        ClosureTerm walks = term(node, ClosureOp::rough_diffuse, " (subsurface)",
-                                 {e.multiply(weight, scattered), normal, base, e.constant(0.0f)},
-                                 base_modes);
+        node.c.add_term(term(
+            node, ClosureOp::burley_diffuse, " (base)",
+            {e.multiply(weight, e.one_minus(scattered)), normal, base, node.input(kRoughness)}));
+        ClosureTerm walks =
+            term(node, ClosureOp::rough_diffuse, " (subsurface)",
+                 {e.multiply(weight, scattered), normal, base, e.constant(0.0f)}, base_modes);
         walks.below = {one, below.radius, below.entry};
         node.c.add_term(walks);
     }

@@ -26,8 +26,8 @@ WIDENING = math.pi / (SIDES * math.sin(math.pi / SIDES))
 CURVE_RADIUS = 0.005  # m, of curves without one
 POINT_RADIUS = 0.01
 BALL_SUBDIVISIONS = 3  # of an octahedron
-# Attributes by which the core knows strands (nodes_hair.cpp): (V, 3) along them, unit, and (V, 4) how
-# far along of the length, the length and the thickness (m), and a random number for each strand.
+# Attributes by which the core knows strands (nodes_hair.cpp): (V, 3) along them, unit, and (V, 4)
+# how far along of the length, length and thickness (m), and a random number for each strand.
 TANGENT, INFO = ".strand_tangent", ".strand"
 
 
@@ -42,8 +42,8 @@ def tubes(
     """Tubes with smooth normals along strands; None if no strand has two points.
 
     `points` (P, 3) and `radii` (P,), strand after strand; `counts` (S,): points of each; `uv`: by
-    layer (S, 2), one for all of a strand; the first is the active one. `needs`: TANGENT and INFO are
-    made if they are among them.
+    layer (S, 2), one for all of a strand; the first is the active one. TANGENT and INFO are
+    made if they are among `needs`.
     """
     first = np.cumsum(counts) - counts
     parts, owners, offset = [], [], 0
@@ -96,7 +96,7 @@ def _ahead(points: np.ndarray) -> np.ndarray:
 
 
 def _info(points: np.ndarray, radii: np.ndarray):
-    """What makes INFO of the strands of given numbers (S,) and the indices (S, P) of their points."""
+    """What makes INFO of strands of numbers (S,) and the indices (S, P) of their points."""
 
     def info(strands: np.ndarray, index: np.ndarray) -> np.ndarray:
         so_far = _so_far(points[index])

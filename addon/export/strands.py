@@ -20,7 +20,7 @@ from .desc import (
 )
 from .hashes import hash_with_to_unit
 
-SIDES = 4  # of a tube
+SIDES = 6  # of a tube, the core's kTubeSides
 # A tube of so many sides is as wide, on average over the directions that it is seen from.
 WIDENING = math.pi / (SIDES * math.sin(math.pi / SIDES))
 CURVE_RADIUS = 0.005  # m, of curves without one
@@ -52,7 +52,7 @@ def tubes(
     for count in np.unique(counts[counts > 1]):
         strands = np.flatnonzero(counts == count)
         index = first[strands][:, None] + np.arange(count)
-        around = _directions(points[index])
+        around = _directions(points[index], strands)
         faces = _faces(len(strands), count)
         positions = points[index][:, :, None] + around * (WIDENING * radii[index])[..., None, None]
         parts.append((positions.reshape(-1, 3), faces + offset, around.reshape(-1, 3)[faces]))
@@ -119,8 +119,12 @@ def _so_far(points: np.ndarray) -> np.ndarray:
     return np.pad(np.cumsum(steps, axis=1), ((0, 0), (1, 0)))
 
 
-def _directions(points: np.ndarray) -> np.ndarray:
-    """From the middle of strands (S, P, 3) to their sides (S, P, SIDES, 3), without twist, unit."""
+def _directions(points: np.ndarray, strands: np.ndarray) -> np.ndarray:
+    """From the middle of strands (S, P, 3) to their corners (S, P, SIDES, 3), without twist, unit.
+
+    Each of the strands, of numbers (S,), is turned at random: on average those that lie in parallel
+    are as wide as round ones.
+    """
     ahead = _ahead(points)
     side = np.zeros_like(points[:, 0])
     side[np.arange(len(side)), np.abs(ahead[:, 0]).argmin(axis=1)] = 1.0
@@ -130,10 +134,10 @@ def _directions(points: np.ndarray) -> np.ndarray:
         side = _unit(side - along * (side * along).sum(axis=1, keepdims=True))
         sides[:, i] = side
     others = np.cross(ahead, sides)
-    angles = 2.0 * np.pi / SIDES * np.arange(SIDES)
-    return (
-        np.cos(angles)[:, None] * sides[:, :, None] + np.sin(angles)[:, None] * others[:, :, None]
-    )
+    turn = hash_with_to_unit(strands.astype(np.uint32), 1)
+    angles = 2.0 * np.pi / SIDES * (np.arange(SIDES) + turn[:, None])
+    cos, sin = (part(angles)[:, None, :, None] for part in (np.cos, np.sin))
+    return cos * sides[:, :, None] + sin * others[:, :, None]
 
 
 def _faces(strands: int, count: int) -> np.ndarray:

@@ -202,7 +202,6 @@ Vec3 normal_of(const C& c) {
 // Of what has none.
 Vec3 normal_of(const Transparent&) { return Vec3(0.0f); }
 Vec3 normal_of(const HairFibre&) { return Vec3(0.0f); }
-Vec3 normal_of(const HairLobe&) { return Vec3(0.0f); }
 
 // Of the terminator, for light that is not a delta's. Lobes that glint have the normals of their map.
 float fade_of(const Terminator& terminator, const Closure& closure, const Vec3& wi) {
@@ -293,7 +292,8 @@ Fresnel coat_fresnel(float ior) { return {Fresnel::Kind::dielectric, ior}; }
 // Light is assumed to enter along the path by which it leaves. That is longer than the coat's thickness by
 // 1 / cos of the refracted wo, and the tint is raised to that power.
 Spectrum coat_transmittance(const Coat& coat, const Vec3& n, const Vec3& wo) {
-    const MicrofacetReflection lobe{n, coat.alpha, MicrofacetModel::ggx, coat_fresnel(coat.ior)};
+    const MicrofacetReflection lobe{n, coat.alpha, MicrofacetModel::ggx, coat_fresnel(coat.ior),
+                                    true};
     const Spectrum passed(clamp01(1.0f - coat.share * albedo(lobe, wo).x));
     if (coat.tint == Spectrum(1.0f)) return passed;
     const float cos_o = std::clamp(dot(n, wo), 0.0f, 1.0f);

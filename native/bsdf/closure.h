@@ -131,7 +131,7 @@ struct Coat {
     float ior;
     Spectrum tint;  // what is left of light that crosses it, in and out, at normal incidence
 };
-// Fresnel term of a coat's reflection, which is GGX without compensation, the same from both sides.
+// Fresnel term of a coat's reflection, which is GGX with compensation, the same from both sides.
 Fresnel coat_fresnel(float ior);
 // Share of their light towards wo that closures below the coat keep.
 Spectrum coat_transmittance(const Coat& coat, const Vec3& n, const Vec3& wo);

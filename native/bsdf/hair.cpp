@@ -124,9 +124,10 @@ float folded(float theta) {
     return theta > kQuarter ? kPi - theta : theta < -kQuarter ? -kPi - theta : theta;
 }
 
-// Density of the sine of theta_i as sample_lobe() draws it: of the angles that the shift takes there, one
-// directly and one over the end of the fibre.
-float sampled_along(float theta_i, float theta_o, float variance, float shift) {
+// The same of a lobe that the scales shift: of the angles that this takes to theta_i, one directly and one
+// over the end of the fibre. It keeps the lobe's light, where to evaluate the lobe itself at a shifted angle
+// does not.
+float tilted_along(float theta_i, float theta_o, float variance, float shift) {
     const float cos_i = std::max(std::cos(theta_i), 1e-6f);
     float sum = 0.0f;
     for (const float theta : {theta_i + shift, (shift > 0.0f ? -kPi : kPi) - theta_i + shift})
@@ -165,11 +166,10 @@ LobeEval eval_lobe(const HairFibre& c, const Vec3& wo, const Vec3& wi, bool) {
     for (size_t p = 0; p < kLobes; ++p) {
         const float around =
             p < ways.turn.size() ? logistic(wrapped(phi - ways.turn[p]), c.scale) : 0.5f * kInvPi;
-        const float variance = variance_of(c, p), shift = shift_of(c, p);
-        result.f_cos +=
-            ways.share[p] * (around * along_fibre(folded(theta_i + shift), theta_o, variance));
-        result.pdf_omega +=
-            ways.probability[p] * around * sampled_along(theta_i, theta_o, variance, shift);
+        const float density =
+            around * tilted_along(theta_i, theta_o, variance_of(c, p), shift_of(c, p));
+        result.f_cos += ways.share[p] * density;
+        result.pdf_omega += ways.probability[p] * density;
     }
     return result;
 }
@@ -214,9 +214,9 @@ CauchyRange range_of(const HairLobe& c, float theta_o) {
 
 }  // namespace
 
-LobeEval eval_lobe(const HairLobe& c, const Vec3& wo, const Vec3& wi, bool crosses) {
+LobeEval eval_lobe(const HairLobe& c, const Vec3& wo, const Vec3& wi, bool) {
     constexpr float kLeastToTheEnd = 0.001f;  // rad; Cycles' bound
-    if (crosses != c.transmits) return {};
+    if ((dot(c.n, wi) < 0.0f) != c.transmits) return {};
     const FibreFrame frame(c.tangent, wo);
     const float theta_o = frame.theta(wo), theta_i = frame.theta(wi);
     const float phi = std::abs(frame.phi(wi));
@@ -261,11 +261,14 @@ float across_tube(const Vec3& tangent, const Vec3& n, const Vec3& ng, const Vec3
     const Vec3 side = ng - tangent * dot(tangent, ng), out = n - tangent * dot(tangent, n);
     const float both = dot(side, out);
     if (!(both > 0.0f)) return across_fibre(tangent, n, wo);
-    // In a cross-section whose sides are 1 from the middle: the place, and the corner that stands out most.
-    const Vec3 normal = normalize(side), place = out * (std::sqrt(length_squared(side)) / both);
-    const float a = std::abs(dot(normal, frame.z)),
-                b = std::abs(dot(cross(tangent, normal), frame.z));
-    return std::clamp(-dot(place, frame.z) / (a + b), -1.0f, 1.0f);
+    // In a cross-section whose sides are 1 from the middle: the place, and the corner that stands out most,
+    // which is the one nearest to a right angle from wo.
+    constexpr float kHalfSide = kPi / kTubeSides;
+    const Vec3 place = out * (std::sqrt(length_squared(side)) / both);
+    const float corner = std::atan2(dot(side, frame.z), dot(side, frame.y)) + kHalfSide;
+    const float aside = std::remainder(corner - kQuarter, 2.0f * kHalfSide);
+    const float widest = std::cos(aside) / std::cos(kHalfSide);
+    return std::clamp(-dot(place, frame.z) / widest, -1.0f, 1.0f);
 }
 
 }  // namespace spc

@@ -29,11 +29,14 @@ HairFibre hair_fibre(const Vec3& tangent, float h, const Spectrum& absorption, f
                      float radial_roughness, float coat, float eta, float tilt);
 
 // Blender's Hair BSDF: one lobe, either reflected or let through, of a Cauchy distribution along the fibre.
+// It ends where the side of the normal does.
 struct HairLobe {
     static constexpr ClosureTraits kTraits{.reflected = BounceKind::glossy,
                                            .transmitted = BounceKind::transmission,
                                            .crosses = true,
+                                           .all_around = true,
                                            .albedo_varies = true};
+    Vec3 n;               // unit, on the side of wo
     Vec3 tangent;         // unit
     float along, around;  // widths, in [0.001, 1]
     float offset;         // rad
@@ -51,8 +54,9 @@ Spectrum albedo_of(const HairLobe& c, const Vec3& wo);  // as if none were lost
 
 // Across a fibre, -1 to 1, of a point on it with the surface's unit normal `n`, as seen from wo.
 float across_fibre(const Vec3& tangent, const Vec3& n, const Vec3& wo);
-// The same of a point on a tube of four sides that stands for the fibre: `ng` is the normal of its side, `n`
+// The same of a point on a tube of kTubeSides that stands for the fibre: `ng` is the normal of its side, `n`
 // the direction from the fibre's middle.
+inline constexpr int kTubeSides = 6;  // those that addon/export/strands.py makes; a test compares
 float across_tube(const Vec3& tangent, const Vec3& n, const Vec3& ng, const Vec3& wo);
 
 }  // namespace spc

@@ -439,8 +439,9 @@ private:
         const Vec3 along = value_of(r_.vector(operand(c, 3)));
         const bool strand = length_squared(along) > 0.0f;
         add(c, color(c, 2) * weight,
-            HairLobe{normalize(strand ? along : point_.dp_dv), width(scalar(c, 4)),
-                     width(scalar(c, 5)), strand ? -scalar(c, 6) : 0.0f, transmits});
+            HairLobe{strand ? surface_normal_ : point_.ng, normalize(strand ? along : point_.dp_dv),
+                     width(scalar(c, 4)), width(scalar(c, 5)), strand ? -scalar(c, 6) : 0.0f,
+                     transmits});
     }
 
     void add_coated(const ClosureInstruction& c, const Spectrum& weight) {

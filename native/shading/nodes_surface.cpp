@@ -352,7 +352,8 @@ void principled(NodeContext& node, ExprId weight) {
     const ClosureTerm coat = term(node, ClosureOp::coat, " (coat)",
                                   {e.multiply(weight, share), node.normal(kCoatNormal),
                                    alpha_of(node, node.input(kCoatRoughness)),
-                                   e.maximum(node.input(kCoatIor), e.constant(1.0f))});
+                                   e.maximum(node.input(kCoatIor), e.constant(1.0f))},
+                                  modes_of("MULTI_GGX"));
     const CoatOver over = coat_over(node, coat, share, node.input(kCoatTint));
 
     const ExprId glow = e.scale(node.input(kEmissionColor), node.input(kEmissionStrength));

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Strands as tubes and points as balls: where their surfaces are, and which way they face."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -126,3 +128,8 @@ def test_tubes_tell_of_their_strands():
     np.testing.assert_allclose(along[inner, 0], tangents, atol=0.01)
     random = hash_with_to_unit(np.array([0, 1], np.uint32), 0)
     np.testing.assert_allclose(sorted(set(info[:, 0, 3])), sorted(random), rtol=1e-6)
+
+
+def test_the_core_knows_the_sides_of_a_tube():
+    header = Path(__file__).parents[2] / "native/bsdf/hair.h"
+    assert f"kTubeSides = {SIDES};" in header.read_text()

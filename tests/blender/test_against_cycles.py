@@ -445,6 +445,37 @@ def add_ball(bl_idname, distribution, inputs) -> None:
     bpy.context.object.data.materials.append(material)
 
 
+HAIR = {
+    "fair": ("ShaderNodeBsdfHairPrincipled", {"Color": (0.8, 0.6, 0.4, 1)}, {}),
+    "dark": ("ShaderNodeBsdfHairPrincipled", {"Melanin": 0.8}, {"parametrization": "MELANIN"}),
+}
+
+
+@pytest.mark.parametrize("name", HAIR)
+def test_hair(stage, name):
+    """Strands on a patch that is not seen, under a sky: docs/limits.md says what lamps do."""
+    bl_idname, inputs, properties = HAIR[name]
+    add_sky()
+    material = new_material()
+    shader = add_node(material, bl_idname, surface(material))
+    for key, value in properties.items():
+        setattr(shader, key, value)
+    for socket, value in inputs.items():
+        shader.inputs[socket].default_value = value
+    bpy.ops.mesh.primitive_grid_add(
+        x_subdivisions=2, y_subdivisions=2, size=3, location=(0, 0, 0.1)
+    )
+    grid = bpy.context.object
+    grid.data.materials.append(material)
+    grid.show_instancer_for_render = False
+    grid.modifiers.new("Hair", "PARTICLE_SYSTEM")
+    settings = grid.particle_systems[0].settings
+    settings.type, settings.count, settings.hair_length = "HAIR", 300, 2.0
+    settings.root_radius = settings.tip_radius = 1.0
+    settings.radius_scale, settings.use_close_tip = 0.05, False
+    stage()
+
+
 def relief():
     """A height that varies as slowly as its texels let it, from 0 to 1."""
     size = 16

@@ -18,7 +18,7 @@ BY_DESIGN: dict[str, str] = {
     "bump/on_bump": "as bump/object_coordinates",
     "displacement/image/both": "as bump/object_coordinates: here Cycles turns over what any"
     " coordinate places",
-    "geometry/hair_curves": "straight tubes of four sides, which shade each other where Cycles'"
+    "geometry/hair_curves": "straight tubes of six sides, which shade each other where Cycles'"
     " ribbons, round by their normals alone, do not",
     "closure/glass/*ggx/roughness=1.0": "directions that no facet joins by refraction are black;"
     " Cycles has light there where it looks for lamps, more than comes in",

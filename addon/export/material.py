@@ -48,7 +48,7 @@ def export_material(material, images: Images, log: ExportLog) -> MaterialDesc:
     converter.material_index = material.pass_index
     desc = converter.convert(material.name, material.node_tree)
     converter.draw_suns()
-    _make_emission(desc)
+    make_emission(desc)
     desc.glints = Glints[material.specula.glints]
     desc.displacement = compat.displacement(material)
     desc.bump_correction = compat.bump_correction(material)
@@ -56,7 +56,7 @@ def export_material(material, images: Images, log: ExportLog) -> MaterialDesc:
     return desc
 
 
-def _make_emission(desc: MaterialDesc) -> None:
+def make_emission(desc: MaterialDesc) -> None:
     """A Background shader on a surface is an emission."""
     backgrounds = {i for i, node in enumerate(desc.nodes) if node.kind == "background"}
     for index in backgrounds:

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from . import compat, sky
+from . import compat, ies, sky
 from .node_kind import ANY, SWITCH, NodeKind
 
 INTERPOLATIONS = ("Linear", "Closest", "Cubic", "Smart")
@@ -28,6 +28,16 @@ def _brick_rows(node) -> np.ndarray:
     """How rows of bricks are moved and squeezed, with every how many of them are: (2, 2)."""
     rows = ((node.offset, node.offset_frequency), (node.squash, node.squash_frequency))
     return np.array(rows, np.float32)
+
+
+def _ies(converter, node, desc) -> None:
+    """The table of a text or file."""
+    try:
+        text = compat.ies_text(node)
+        desc.arrays["Profile"] = ies.profile(text)
+    except (OSError, ies.IesError) as error:
+        converter.warn(node, f"cannot be read ({error}), shines evenly by {ies.NOT_READ:g}")
+        desc.arrays["Profile"] = ies.constant_profile()
 
 
 def _image(converter, node, desc) -> None:
@@ -199,4 +209,5 @@ TEXTURE_NODES = {
         ("Color", "Fac"),
         arrays={"Rows": _brick_rows},
     ),
+    "ShaderNodeTexIES": NodeKind("ies_texture", ("Vector", "Strength"), ("Fac",), adjust=_ies),
 }

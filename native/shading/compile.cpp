@@ -136,10 +136,11 @@ void Compiler::describe(Material& material) {
     const auto delta = [&](ExprId alpha) {
         return expr.is_constant(alpha) && expr.scalar(alpha) <= kDeltaAlpha;
     };
+    constexpr uint32_t kRay = kReadsRay | kReadsRayLength;
     for (const ClosureTerm& term : terms_) {
         const ClosureOpTraits& row = term.row();
         for (const ExprId operand : term.in)
-            material.depends_on_ray |= operand != kNoExpr && (expr.reads(operand) & kReadsRay) != 0;
+            material.depends_on_ray |= operand != kNoExpr && (expr.reads(operand) & kRay) != 0;
         if (material.narrow_lobe.empty()) material.narrow_lobe = narrow_lobe(term);
         material.may_be_transparent |= row.straight != kAbsent;
         material.has_smooth |=
@@ -149,6 +150,7 @@ void Compiler::describe(Material& material) {
     material.is_background = is_world_;
     material.constant_emission = expr.is_constant(emission);
     material.emits = !is_black(emission);
+    material.emission_reads = expr.reads(emission);
     if (material.emits) material.mean_emission = Spectrum(expr.mean_value(emission, images_));
     material.absorption = medium();
 }

@@ -13,6 +13,7 @@ ExprId environment_texture(NodeContext& node, int output);
 ExprId normal_map(NodeContext& node, int output);
 ExprId bump(NodeContext& node, int output);
 ExprId uv_map(NodeContext& node, int output);
+ExprId object_normal(NodeContext& node);  // what Texture Coordinate calls Normal
 ExprId texture_coordinate(NodeContext& node, int output);
 ExprId mapping(NodeContext& node, int output);
 ExprId same_as_input(NodeContext& node, int output);
@@ -42,6 +43,7 @@ ExprId color_ramp(NodeContext& node, int output);
 ExprId checker_texture(NodeContext& node, int output);
 ExprId gradient_texture(NodeContext& node, int output);
 ExprId white_noise_texture(NodeContext& node, int output);
+ExprId ies_texture(NodeContext& node, int output);
 ExprId noise_texture(NodeContext& node, int output);
 ExprId musgrave_texture(NodeContext& node, int output);
 ExprId voronoi_texture(NodeContext& node, int output);

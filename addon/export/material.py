@@ -10,7 +10,8 @@ from . import compat, graph
 from .desc import Glints, LinkDesc, MaterialDesc, NodeDesc
 from .image import Images
 from .log import ExportLog
-from .nodes import NODES, NodeKind
+from .node_kind import NodeKind
+from .nodes import NODES
 from .sky import Sky, add_sun
 
 DEFAULT_COLOR = (0.8, 0.8, 0.8, 1.0)

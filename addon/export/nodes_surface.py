@@ -8,6 +8,13 @@ from .node_kind import NodeKind
 
 WHITE = (1.0, 1.0, 1.0, 1.0)
 DISTRIBUTIONS = ("GGX", "BECKMANN", "MULTI_GGX")
+SUBSURFACE_METHODS = (
+    "RANDOM_WALK",
+    "RANDOM_WALK_SKIN",
+    "RANDOM_WALK_FIXED_RADIUS",
+    "RANDOM_WALK_DIPOLE",
+    "BURLEY",
+)
 
 
 def _sharp(converter, node, desc) -> None:
@@ -60,11 +67,39 @@ def _principled_model(converter, node, desc) -> None:
     desc.options["model"] = "LAYERED" if new else "BURLEY"
 
 
+def _subsurface_method(converter, node, desc) -> None:
+    """Until 3.6 a Random Walk was another one."""
+    for name in ("falloff", "subsurface_method"):
+        if name in desc.options:
+            desc.options[name] = compat.subsurface_method(desc.options[name])
+
+
+def _subsurface(converter, node, desc) -> None:
+    """Until 3.6 Subsurface was how far light comes, and mixed a colour into that of the base."""
+    color = compat.find_input(node, "Subsurface Color")
+    if color is None:
+        return
+    amount = compat.find_input(node, "Subsurface Weight")
+    if amount.is_linked:
+        return converter.warn(node, "a textured Subsurface weighs what goes on below")
+    scale = amount.default_value
+    converter.set_constant(desc, "Subsurface Weight", (*[float(scale > 0.0)] * 3, 1.0))
+    converter.set_constant(desc, "Subsurface Scale", (*[scale] * 3, 1.0))
+    base = desc.inputs.get("Base Color")
+    if scale > 0.0 and base is not None and not color.is_linked:
+        mixed = [b + scale * (c - b) for b, c in zip(base, color.default_value, strict=False)]
+        converter.set_constant(desc, "Base Color", tuple(mixed))
+    elif scale > 0.0:
+        converter.warn(node, "Subsurface Color has no effect beside textures")
+
+
 def _old_principled(converter, node, desc) -> None:
     """Converts what the Principled BSDF called and meant otherwise until 3.6."""
     _scalar_tint(converter, node, desc)
     _clearcoat(converter, node, desc)
     _principled_model(converter, node, desc)
+    _subsurface(converter, node, desc)
+    _subsurface_method(converter, node, desc)
 
 
 _GLOSSY = NodeKind(
@@ -172,12 +207,19 @@ SURFACE_NODES = {
             "Anisotropic",
             "Anisotropic Rotation",
             "Tangent",
+            "Subsurface Weight",
+            "Subsurface Radius",
+            "Subsurface Scale",
+            "Subsurface IOR",
+            "Subsurface Anisotropy",
         ),
         ("BSDF",),
-        options={"distribution": ("GGX", "MULTI_GGX")},
+        options={
+            "distribution": ("GGX", "MULTI_GGX"),
+            "subsurface_method": SUBSURFACE_METHODS,
+        },
         fixed_options={"model": "LAYERED"},
         neutral_inputs={
-            "Subsurface Weight": 0.0,
             "Thin Film Thickness": 0.0,
         },
         adjust=_old_principled,
@@ -186,6 +228,8 @@ SURFACE_NODES = {
         "subsurface_scattering",
         ("Color", "Scale", "Radius", "IOR", "Roughness", "Anisotropy", "Normal"),
         ("BSSRDF",),
+        options={"falloff": SUBSURFACE_METHODS},
+        adjust=_subsurface_method,
     ),
     "ShaderNodeBsdfHair": NodeKind(
         "bsdf_hair",

@@ -92,8 +92,7 @@ def _around_horizontal(azimuths, polars, values):
     azimuths, polars, values = polars, azimuths, values.T
     azimuths, values = _half_turn(azimuths, values)
     polars, by_polar = _half_turn(polars, values.T)
-    values = by_polar.T
-    return np.r_[azimuths, 360.0], polars, np.r_[values, values[:1]]
+    return azimuths, polars, by_polar.T
 
 
 def _half_turn(angles, values):
@@ -106,7 +105,7 @@ def _half_turn(angles, values):
 
 
 def _packed(azimuths, polars, values) -> np.ndarray:
-    if (np.diff(azimuths) < 0).any() or (np.diff(polars) < 0).any() or polars.size < 2:
+    if (np.diff(azimuths) < 0).any() or (np.diff(polars) < 0).any() or min(polars.size, azimuths.size) < 2:
         raise IesError("its angles do not grow")
     angles = np.radians(np.r_[azimuths, polars])
     packed = np.r_[azimuths.size, polars.size, angles, values.ravel()]

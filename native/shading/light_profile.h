@@ -11,7 +11,8 @@
 namespace spc {
 
 // A table as a block of constants: the numbers of azimuths and polar angles, those angles (rad), and a row
-// of values over the polar angles for each azimuth. Azimuths go from 0 to 2 pi, both ends included.
+// of values over the polar angles for each azimuth. Azimuths go from 0 to 2 pi, both ends included, or
+// less far: it is dark beyond.
 class LightProfile {
 public:
     explicit LightProfile(const float* block)
@@ -31,12 +32,13 @@ public:
     }
 
     // Towards a direction in the lamp's space, of any length; polar angles are counted from its -Z.
-    // 0 beyond the last polar angle.
+    // 0 beyond the first and last angles.
     float at(const Vec3& direction) const {
         const Vec3 d = safe_normalize(direction, Vec3(0, 0, -1));
         const float polar = std::acos(std::clamp(-d.z, -1.0f, 1.0f));
         if (!(polar >= polars_[0] && polar < polars_[polar_count_ - 1])) return 0.0f;
         const float azimuth = std::atan2(d.x, d.y) + kPi;
+        if (!(azimuth >= azimuths_[0] && azimuth <= azimuths_[azimuth_count_ - 1])) return 0.0f;
         const Place row = place(azimuths_, azimuth_count_, azimuth),
                     column = place(polars_, polar_count_, polar);
         std::array<float, 4> rows;
@@ -81,17 +83,20 @@ private:
         const float rise = v[2] - v[1], s = t * t * (3.0f - 2.0f * t);
         return v[1] + rise * s + t * (1.0f - t) * (slope_1 * (1.0f - t) - slope_2 * t);
     }
-    // Azimuths go round; the last one is the first again.
+    // Where azimuths go round, the last one is the first again.
     int around(int row) const {
-        const int period = azimuth_count_ - 1;
-        return (row + period) % period;
+        constexpr float kTurn = 2.0f * kPi * 0.9999f;
+        const int last = azimuth_count_ - 1;
+        return azimuths_[last] > kTurn ? (row + last) % last : std::clamp(row, 0, last);
     }
-    // Lamps look alike on either side of the pole.
     float in_row(int row, const Place& column) const {
+        const int before_first = polars_[0] > 0.0f ? 0 : 1;  // lamps look alike around the pole
         std::array<float, 4> v;
-        for (int k = 0; k < 4; ++k)
+        for (int k = 0; k < 4; ++k) {
+            const int at = column.index + k - 1;
             v[static_cast<size_t>(k)] =
-                value(row, std::min(std::abs(column.index + k - 1), polar_count_ - 1));
+                value(row, at < 0 ? before_first : std::min(at, polar_count_ - 1));
+        }
         return spline(v, column.fraction);
     }
     float value(int row, int column) const { return values_[row * polar_count_ + column]; }

@@ -13,7 +13,6 @@ ExprId environment_texture(NodeContext& node, int output);
 ExprId normal_map(NodeContext& node, int output);
 ExprId bump(NodeContext& node, int output);
 ExprId uv_map(NodeContext& node, int output);
-ExprId object_normal(NodeContext& node);  // what Texture Coordinate calls Normal
 ExprId texture_coordinate(NodeContext& node, int output);
 ExprId mapping(NodeContext& node, int output);
 ExprId same_as_input(NodeContext& node, int output);

@@ -43,6 +43,13 @@ uint8_t choice(NodeContext& node, int option) {
     return static_cast<uint8_t>(choice_of(row.values, node.option(option)));
 }
 
+// From the point to where it is seen from.
+ExprId opposite_of_ray(NodeContext& node) {
+    ExprBuilder& e = node.e;
+    return node.c.is_world() ? e.scale(e.make(Op::position, {}), e.constant(-1.0f))
+                             : e.make(Op::incoming, {});
+}
+
 }  // namespace
 
 ExprId checker_texture(NodeContext& node, int output) {
@@ -214,7 +221,10 @@ ExprId ies_texture(NodeContext& node, int) {
              value != table.end(); ++value)
             *value /= mean;
     ExprId direction = node.input(kVector);
-    if (direction == kNoExpr) direction = object_normal(node);
+    if (direction == kNoExpr)
+        direction = e.make(
+            Op::transform, {opposite_of_ray(node)},
+            transform_mode(VectorSpace::world, VectorSpace::object, VectorMeaning::normal));
     const ExprId strength = e.multiply(node.input(kStrength), e.constant(mean));
     return e.multiply(strength, e.make(Op::light_profile, {direction}, 0, e.block(table)));
 }

@@ -172,12 +172,6 @@ ExprId uv_map(NodeContext& node, int) {
     return uv(node, node.option(kLayer));
 }
 
-ExprId object_normal(NodeContext& node) {
-    if (node.c.is_world())
-        return node.e.scale(read_point(node.e, Op::position), node.e.constant(-1.0f));
-    return node.e.make(Op::normal_object, {node.c.surface_normal()});
-}
-
 ExprId texture_coordinate(NodeContext& node, int output) {
     enum { kGenerated, kNormal, kUv, kObject, kCamera, kWindow, kReflection };
     const bool world = node.c.is_world();
@@ -186,7 +180,10 @@ ExprId texture_coordinate(NodeContext& node, int output) {
                               output == kUv ? "Instance UV" : "Instance Generated");
     switch (output) {
         case kUv: return uv(node, "");
-        case kNormal: return object_normal(node);
+        case kNormal:
+            if (world)
+                return node.e.scale(read_point(node.e, Op::position), node.e.constant(-1.0f));
+            return node.e.make(Op::normal_object, {node.c.surface_normal()});
         case kGenerated:
             if (!world) return node.attribute(AttributeKind::generated);
             break;

@@ -89,7 +89,7 @@ constexpr InputSocket kBrickIn[] = {kTextureVector,
                                     scalar_input("Row Height", 0.25f)};
 constexpr NodeArray kBrickArrays[] = {{"Rows", 2}};  // offset and squash with their frequencies
 
-constexpr InputSocket kIesIn[] = {{"Vector", {}, vector, Unlinked::object_normal},
+constexpr InputSocket kIesIn[] = {{"Vector", {}, vector, Unlinked::incoming},
                                   scalar_input("Strength", 1.0f)};
 constexpr NodeArray kIesArrays[] = {{"Profile", 1}};  // as LightProfile reads it
 

@@ -50,7 +50,8 @@ FALLOFFS = {("Quadratic", 0.0), ("Quadratic", 2.0), ("Linear", 0.0), ("Constant"
 
 def has(lamp: str, output: str) -> bool:
     _, values = LAMPS[lamp]
-    if not all(hasattr(bpy.types.PointLight, name) for name in values if name.startswith("use_")):
+    known = bpy.types.PointLight.bl_rna.properties
+    if not all(name in known for name in values if name.startswith("use_")):
         return False
     return compat.lights_have_coordinates() or (lamp, output) not in NOT_BEFORE_4_4
 
@@ -128,7 +129,20 @@ def test_falloff(lamp, falloff, tmp_path):
 
 
 def ies(kind: int, polars, azimuths) -> str:
-    candela = [100 + 3 * a + 2 * b for b in azimuths for a in polars]
+    """A lamp that varies but next to the azimuth 0 or, of type B, to the ends: there Cycles 5.0 does
+    not go round."""
+
+    def candela_at(azimuth: float) -> float:
+        return max(min(azimuth, 360 - azimuth) - 60, 0) + 50 * (100 < azimuth < 170)
+
+    def sideways(across: float, along: float) -> float:
+        return 200 + across + 3 * max(60 - abs(along), 0)
+
+    candela = [
+        sideways(b, a) if kind == 2 else 100 + 3 * a + 2 * candela_at(b)
+        for b in azimuths
+        for a in polars
+    ]
     counts = f"1 1000 2 {len(polars)} {len(azimuths)} {kind} 2 0 0 0"
     rows = (["IESNA:LM-63-1995", "TILT=NONE", counts, "0.9 1 10"], polars, azimuths, candela)
     return "\n".join(rows[0] + [" ".join(map(str, row)) for row in rows[1:]]) + "\n"
@@ -140,15 +154,16 @@ PROFILES = {
     "half": ies(1, range(0, 181, 20), range(0, 181, 45)),
     "full": ies(1, range(0, 181, 20), range(0, 361, 40)),
     "without the last": ies(1, range(0, 91, 10), range(0, 360, 60)),
-    "type B": ies(2, range(-90, 91, 30), range(-90, 91, 30)),
+    "sideways": ies(2, range(-90, 91, 30), range(-90, 91, 30)),
     "unreadable": "not a lamp",
 }
 
 
 @pytest.mark.parametrize("profile", PROFILES)
-@pytest.mark.parametrize("lamp", ["point", "spot"])
-def test_ies(lamp, profile, tmp_path):
-    light = stage(lamp)
+def test_ies(profile, tmp_path):
+    light = stage("point")
+    if profile == "sideways" and not compat.lights_have_coordinates():
+        pytest.skip("Blender 3.4 closes the half turn")
     emission = add_node(light, "ShaderNodeEmission", surface(light))
     node = add_node(light, "ShaderNodeTexIES", emission.inputs["Strength"])
     node.ies = bpy.data.texts.new("Lamp")

@@ -6,7 +6,7 @@ from __future__ import annotations
 from dataclasses import replace
 from operator import attrgetter
 
-from . import compat, graph
+from . import compat, graph, ignored
 from .desc import Glints, LinkDesc, MaterialDesc, NodeDesc
 from .image import Images
 from .log import ExportLog
@@ -40,6 +40,7 @@ def default_material() -> MaterialDesc:
 
 def export_material(material, images: Images, log: ExportLog) -> MaterialDesc:
     """The node graph of `material`'s surface and volume."""
+    ignored.warn_of_material(material, log)
     if not compat.uses_nodes(material):
         color = (*material.diffuse_color[:3], 1.0)
         desc = plain_material(material.name, "bsdf_diffuse", "BSDF", color)

@@ -38,8 +38,9 @@ OUTPUTS = (
     ("LayerWeight", "Facing"),
     ("TexGradient", "Fac"),
 )
-# Of lights that are no objects of Cycles: what it has instead of images' coordinates.
-NOT_BEFORE_4_4 = {
+# Of lights that are no objects of Cycles: what it has instead of images' coordinates, and a normal
+# in the world's space where a ray runs into the lamp.
+NOT_BEFORE_4_4 = {("area", "Normal")} | {
     (lamp, output)
     for lamp in LAMPS
     for output in ("UV", "Parametric")
@@ -61,7 +62,8 @@ def stage(lamp: str):
     kind, values = LAMPS[lamp]
     obj = add_light(kind, **values)
     obj.location, obj.rotation_euler = (0.3, 0.2, 1.5), (0.3, -0.2, 0.5)
-    obj.scale = (1, 1.5, 1) if lamp not in SEEN else (1, 1, 1)
+    scaled = lamp == "point" or (lamp == "spot" and compat.lights_have_coordinates())
+    obj.scale = (1, 1.5 if scaled else 1, 1)
     camera = add_camera((0, 0, 4))
     camera.data.type, camera.data.ortho_scale = "ORTHO", 2.5
     if lamp in SEEN:

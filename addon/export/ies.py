@@ -105,7 +105,11 @@ def _half_turn(angles, values):
 
 
 def _packed(azimuths, polars, values) -> np.ndarray:
-    if (np.diff(azimuths) < 0).any() or (np.diff(polars) < 0).any() or min(polars.size, azimuths.size) < 2:
+    if (
+        (np.diff(azimuths) < 0).any()
+        or (np.diff(polars) < 0).any()
+        or min(polars.size, azimuths.size) < 2
+    ):
         raise IesError("its angles do not grow")
     angles = np.radians(np.r_[azimuths, polars])
     packed = np.r_[azimuths.size, polars.size, angles, values.ravel()]

@@ -22,7 +22,7 @@ Shade = Callable[[object], tuple[tuple[float, float, float], int]]
 # Textures that are laid out by Generated coordinates where nothing else is linked.
 BY_GENERATED = {
     f"{name}_texture"
-    for name in "brick checker gradient magic musgrave noise voronoi wave".split()
+    for name in ["brick", "checker", "gradient", "magic", "musgrave", "noise", "voronoi", "wave"]
 }
 
 # Blender's area shape -> the core's, and the properties that hold its extents in x and y.

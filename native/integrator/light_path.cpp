@@ -109,11 +109,11 @@ private:
     bool reaches(const Vec3& p) {
         if (y_.distant) return true;
         if (!shows_itself(world_.lights, y_, p)) return false;
+        const Vec3 begin = light_begins(world_.lights, y_, p);
         if (shines_by_length(world_.lights, scene_, y_)) {
-            radiance_ = radiance_at(world_.lights, scene_, y_, away_, length(p - y_.p));
+            radiance_ = radiance_at(world_.lights, scene_, y_, away_, length(p - begin));
             if (is_black(radiance_)) return false;
         }
-        const Vec3 begin = light_begins(world_.lights, y_, p);
         if (begin == y_.p || transparent_ > settings_.limits.transparent) return begin == y_.p;
         uint32_t transparent_left = settings_.limits.transparent - transparent_;
         Media media = media_at(scene_, y_.p, stats_.rays);

@@ -20,12 +20,12 @@ enum class ShaderPart : uint8_t { surface, volume, both };
 // What an unlinked input reads. Only those with a constant of their own can be given one.
 enum class Unlinked : uint8_t {
     constant,
-    normal,         // the interpolated normal
+    normal,     // the interpolated normal
     incoming,   // to where the point is seen from, in the object's space
-    tangent,        // around the Z axis of the object
-    uv,             // the active UV layer
-    generated,      // the position within the object's bounds
-    direction       // of a background; elsewhere the position
+    tangent,    // around the Z axis of the object
+    uv,         // the active UV layer
+    generated,  // the position within the object's bounds
+    direction   // of a background; elsewhere the position
 };
 
 struct InputSocket {

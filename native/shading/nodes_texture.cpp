@@ -222,9 +222,9 @@ ExprId ies_texture(NodeContext& node, int) {
             *value /= mean;
     ExprId direction = node.input(kVector);
     if (direction == kNoExpr)
-        direction = e.make(
-            Op::transform, {opposite_of_ray(node)},
-            transform_mode(VectorSpace::world, VectorSpace::object, VectorMeaning::normal));
+        direction =
+            e.make(Op::transform, {opposite_of_ray(node)},
+                   transform_mode(VectorSpace::world, VectorSpace::object, VectorMeaning::normal));
     const ExprId strength = e.multiply(node.input(kStrength), e.constant(mean));
     return e.multiply(strength, e.make(Op::light_profile, {direction}, 0, e.block(table)));
 }

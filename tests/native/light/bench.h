@@ -165,7 +165,8 @@ inline MeanEstimate irradiance_light_point(const Lit& lit, const Vec3& p, const 
             const Vec3 to_y = y->p - p;
             const Vec3 wi = normalize(to_y);
             const float cos_y = y->delta ? 1.0f : std::abs(dot(y->n, wi));
-            value = radiance_at(lit.lights, *lit.scene, *y, wi * -1.0f, length(to_y))[channel] *
+            value = radiance_at(lit.lights, *lit.scene, *y, wi * -1.0f,
+                                length(light_begins(lit.lights, *y, p) - p))[channel] *
                     std::max(dot(n, wi), 0.0f) * cos_y / length_squared(to_y);
         }
         estimate.add(y ? value / y->pdf : 0.0);

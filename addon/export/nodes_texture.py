@@ -30,14 +30,23 @@ def _brick_rows(node) -> np.ndarray:
     return np.array(rows, np.float32)
 
 
-def _ies(converter, node, desc) -> None:
-    """The table of a text or file."""
+def _read_ies(node) -> tuple[np.ndarray, str]:
+    """The table of a text or file, and what is wrong with that."""
     try:
-        text = compat.ies_text(node)
-        desc.arrays["Profile"] = ies.profile(text)
+        return ies.profile(compat.ies_text(node)), ""
     except (OSError, ies.IesError) as error:
-        converter.warn(node, f"cannot be read ({error}), shines evenly by {ies.NOT_READ:g}")
-        desc.arrays["Profile"] = ies.constant_profile()
+        return ies.constant_profile(), str(error)
+
+
+def _ies_profile(node) -> np.ndarray:
+    return _read_ies(node)[0]
+
+
+def _ies(converter, node, desc) -> None:
+    """Tells of a table that cannot be read."""
+    _, problem = _read_ies(node)
+    if problem:
+        converter.warn(node, f"cannot be read ({problem}), shines evenly by {ies.NOT_READ:g}")
 
 
 def _image(converter, node, desc) -> None:
@@ -209,5 +218,11 @@ TEXTURE_NODES = {
         ("Color", "Fac"),
         arrays={"Rows": _brick_rows},
     ),
-    "ShaderNodeTexIES": NodeKind("ies_texture", ("Vector", "Strength"), ("Fac",), adjust=_ies),
+    "ShaderNodeTexIES": NodeKind(
+        "ies_texture",
+        ("Vector", "Strength"),
+        ("Fac",),
+        arrays={"Profile": _ies_profile},
+        adjust=_ies,
+    ),
 }

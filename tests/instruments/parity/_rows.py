@@ -11,6 +11,7 @@ from tests.instruments.parity import (
     _rows_scene,
     _rows_textures,
     _rows_values,
+    _rows_zones,
 )
 
 ROWS = {
@@ -21,5 +22,6 @@ ROWS = {
         _rows_closures.rows(),
         _rows_scene.rows(),
         _rows_passes.rows(),
+        _rows_zones.rows(),
     )
 }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "film/film.h"
 #include "integrator/path_tracer.h"
 
 namespace spc {
@@ -129,17 +130,16 @@ void PathTracer::tell_surface(const Surface& surface, PassValues& values) const 
 
 namespace {
 
-// What nodes of a material write, each by `color(node)` or `value(node)`.
+// What nodes of a material write, each by `color(node)` or `value(node)`; nothing where that is no number.
 template <class Color, class Value>
 void add_aovs(const std::vector<PassSources::Aov>& aovs, const Color& color, const Value& value,
               PassValues& values) {
     for (const PassSources::Aov& aov : aovs) {
-        if (aov.pass < first_of(CustomKind::value_aov)) {
-            values[aov.pass] += color(aov.node);
-            values.value(aov.pass).alpha += 1.0f;
-        } else {
-            values[aov.pass].x += value(aov.node);
-        }
+        const bool is_color = aov.pass < first_of(CustomKind::value_aov);
+        const Vec3 written = is_color ? color(aov.node) : Vec3(value(aov.node), 0.0f, 0.0f);
+        if (!can_be_held(written)) continue;
+        values[aov.pass] += written;
+        values.value(aov.pass).alpha += 1.0f;
     }
 }
 

@@ -209,7 +209,8 @@ PathSample path_radiance(const RenderScene& world, const IntegratorSettings& set
         if (path.sees_film) out.alpha -= mean(path.throughput * surface.closures.holdout);
         if (values != nullptr && path.bounces.total == 0) path.tell_surface(surface, *values);
         if (path.writes_aovs) path.tell_aovs(surface, hit->t, *values);
-        if (features && features->look(*world.scene, surface, hit->t, *values)) features.reset();
+        const float length = hit->t - path.ray_begins;
+        if (features && features->look(*world.scene, surface, length, *values)) features.reset();
         if (path.bounces.exhausted(settings.limits)) {
             if (path.look_for_lights_behind(*hit, surface)) continue;
             break;

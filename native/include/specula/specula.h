@@ -779,7 +779,7 @@ typedef enum spc_pass {
     /* Of the first surface that is no mirror and no clear glass, seen through those. */
     SPC_PASS_DENOISING_ALBEDO = 23, /* 3 */
     SPC_PASS_DENOISING_NORMAL = 24, /* 3: camera space; +Z leads away from the camera */
-    SPC_PASS_DENOISING_DEPTH = 25,  /* 1: m, along the path */
+    SPC_PASS_DENOISING_DEPTH = 25,  /* 1: m, along the path, from the near clip on */
     SPC_PASS_SAMPLE_COUNT = 26,     /* 1 */
     SPC_PASS_COUNT = 27
 } spc_pass;

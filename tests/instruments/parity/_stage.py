@@ -164,6 +164,19 @@ class Stage:
         for obj in self.subjects:
             obj.data.materials[0] = material
 
+    def put(self, obj, shader: Node, index: int) -> None:
+        """A material of its own on an object; `index` is that of both in passes."""
+        material = self.material(shader)
+        material.pass_index = obj.pass_index = index
+        obj.data.materials[0] = material
+
+    def switch_on(self, switch: str) -> None:
+        """One of a view layer, or "cycles.NAME"."""
+        assign(self.scene.view_layers[0], {switch: True})
+
+    def mist(self, start: float, depth: float) -> None:
+        assign(self.scene.world.mist_settings, {"start": start, "depth": depth})
+
     def show(self, shader: Node, floor: Node | None = None) -> None:
         """As light, in the dark; the floor shows it, too, unless it has a shader of its own."""
         self.light_off()
@@ -405,6 +418,12 @@ class Stage:
             values["instance_object"].location = (0.0, 0.0, -5.0)
         assign(settings, values)
         self.scene.frame_set(1)
+
+    def dress_particles(self, shader: Node) -> None:
+        """Strands of a shader on the ball, which keeps its own."""
+        self.sphere.data.materials.append(self.material(shader))
+        self.particles("HAIR", "PATH")
+        self.sphere.particle_systems[0].settings.material = 2
 
     def geometry_nodes(self, what: str) -> None:
         """Points on the card's vertices, shown as such or as beads."""

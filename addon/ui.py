@@ -414,7 +414,12 @@ def draw_light_group(column, owner, view_layer) -> None:
     row = column.row(align=True)
     row.use_property_decorate = False
     row.prop_search(
-        owner, "lightgroup", view_layer, "lightgroups", text="Light Group", results_are_suggestions=True
+        owner,
+        "lightgroup",
+        view_layer,
+        "lightgroups",
+        text="Light Group",
+        results_are_suggestions=True,
     )
     add = row.column(align=True)
     known = {group.name for group in view_layer.lightgroups}

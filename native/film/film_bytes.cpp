@@ -113,11 +113,13 @@ std::unique_ptr<Film> Film::from_bytes(std::span<const std::byte> bytes) {
     if (header.magic != kMagic || header.format != kFormat) refuse("these are no sums of a film");
     const PassSet passes(header.passes, header.custom);
     const uint64_t pixels = uint64_t{header.width} * header.height;
-    constexpr size_t kLeastBytes = sizeof(double) + sizeof(float);  // that a custom pass has of a pixel
+    constexpr size_t kLeastBytes =
+        sizeof(double) + sizeof(float);  // that a custom pass has of a pixel
     if (header.passes >> kPasses != 0 || header.sources >> kSplatSources != 0 || header.spread > 1 ||
         std::ranges::any_of(header.custom.of, [](uint32_t n) { return n > kMostCustom; }) ||
         header.crypto.kinds >> kCryptoKinds != 0 || header.crypto.ranks > kMostCryptoRanks ||
-        pixels == 0 || pixels > bytes.size() / (sizeof(PixelSums) + kLeastBytes * header.custom.sum()))
+        pixels == 0 ||
+        pixels > bytes.size() / (sizeof(PixelSums) + kLeastBytes * header.custom.sum()))
         refuse("the sums' header is damaged");
     auto film = std::make_unique<Film>(header.width, header.height, passes,
                                        static_cast<SplatSpread>(header.spread), header.crypto);
@@ -145,9 +147,8 @@ void add_all(High& high, Low& low, const High& other_high, const Low& other_low)
 }  // namespace
 
 void Film::add(const Film& other, bool earlier) {
-    if (other.width_ != width_ || other.height_ != height_ ||
-        other.passes_ != passes_ || other.spread_ != spread_ ||
-        other.crypto_ != crypto_)
+    if (other.width_ != width_ || other.height_ != height_ || other.passes_ != passes_ ||
+        other.spread_ != spread_ || other.crypto_ != crypto_)
         refuse("the sums are those of another picture");
     for (size_t at = 0; at < pixels_.size(); ++at) {
         PixelSums& to = pixels_[at];

@@ -51,8 +51,7 @@ const PassDesc& describe(Pass pass) {
 }
 
 bool is_pass(uint32_t number) {
-    return number < kPasses ||
-           (number >= kMostCustom && number < (kCustomKinds + 1) * kMostCustom);
+    return number < kPasses || (number >= kMostCustom && number < (kCustomKinds + 1) * kMostCustom);
 }
 
 uint32_t pass_channels(Pass pass) {

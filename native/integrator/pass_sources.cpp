@@ -28,7 +28,8 @@ PassSources find_pass_sources(const RenderScene& world, const CustomNames& names
     for (const Instance& instance : scene.instances)
         sources.of_instance.push_back(group(instance.light_group));
     sources.of_world = group(scene.environment.light_group);
-    for (const LightDesc& light : scene.lights) sources.of_light.push_back(group(light.light_group));
+    for (const LightDesc& light : scene.lights)
+        sources.of_light.push_back(group(light.light_group));
     for (const EmissiveInstance& emitter : world.lights.emissive)
         sources.of_light.push_back(sources.of_instance[emitter.instance]);
     if (world.lights.has_world) sources.of_light.push_back(sources.of_world);

@@ -82,8 +82,7 @@ PathTracer::GlintLight PathTracer::glint_estimate(const Surface& surface, const 
     const float faint =
         static_cast<float>(round.glints.estimates) * round.glints.faint / max_component(arriving);
     return {arriving * glints->f_cos(light.wi, {kPoints * chosen->share, faint},
-                                     sampler[Domain::glints].stream_seed() + estimate,
-                                     stats.glints),
+                                     sampler[Domain::glints].stream_seed() + estimate, stats.glints),
             light.light};
 }
 

@@ -224,7 +224,7 @@ void point_seen_from(const Scene& scene, const SurfaceHit& hit, const Vec3& wo,
 // Evaluates one output of a material's program at a hit, without closures.
 template <class Evaluate>
 auto evaluate_alone(const Evaluate& evaluate, const Scene& scene, const SurfaceHit& hit,
-                        const Vec3& wo, const RayState& ray) {
+                    const Vec3& wo, const RayState& ray) {
     const Material& material = scene.material_of(hit);
     PointWithHeights<float> at;
     point_seen_from(scene, hit, wo, material, scene.triangle_world(hit.instance, hit.triangle), at);

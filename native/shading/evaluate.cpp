@@ -511,8 +511,7 @@ float evaluate_value_aov(const Material& material, std::span<const Image> images
 }
 
 ShadingPoint<float> background_point(const Material& material, const Vec3& direction,
-                                     const RayState& ray, const ViewSpace& view,
-                                     ViewSpace& turned) {
+                                     const RayState& ray, const ViewSpace& view, ViewSpace& turned) {
     ShadingPoint<float> point{};
     point.position = to_vector(direction);
     point.ray = ray;

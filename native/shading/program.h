@@ -120,7 +120,7 @@ struct Material {
     const SpecularInterface& interface() const { return specular.exists() ? specular : rough; }
     SlopeMap slopes;
     bool may_glint() const { return slopes.image != kNone; }
-    std::vector<std::string> aovs;      // names of the AOVs that its nodes write; one may be there twice
+    std::vector<std::string> aovs;  // names of the AOVs that its nodes write; one may be there twice
     std::vector<std::string> warnings;  // what falls back, naming material and node
 };
 
@@ -156,8 +156,7 @@ Spectrum evaluate_background(const Material& material, std::span<const Image> im
                              const ViewSpace& view = {});
 // The point at which a world is evaluated, seen along `direction`. `turned` is storage that it points to.
 ShadingPoint<float> background_point(const Material& material, const Vec3& direction,
-                                     const RayState& ray, const ViewSpace& view,
-                                     ViewSpace& turned);
+                                     const RayState& ray, const ViewSpace& view, ViewSpace& turned);
 
 extern template Vector3<float> evaluate_caster_normal(const Material&, std::span<const Image>,
                                                       const ShadingPoint<float>&);

@@ -439,7 +439,7 @@ typedef struct spc_light_desc {
     uint32_t visibility; /* of spc_visibility; SHADOW set: occluders cast shadows of this light */
     /* 0: walks, light sheets and light paths ignore it; its caustics are left to path tracing */
     uint32_t feeds_caustics;
-    uint32_t soft_falloff; /* point, spot; 1: a disk that faces what it lights, not a sphere */
+    uint32_t soft_falloff;   /* point, spot; 1: a disk that faces what it lights, not a sphere */
     const char* light_group; /* NULL or "": none */
 } spc_light_desc;
 

@@ -121,10 +121,9 @@ struct Way {
     bool manifold, light_paths;
     ChainFinder finder = ChainFinder::walks;
 };
-constexpr std::array kWays{
-    Way{"path tracing", false, false}, Way{"light paths", false, true},
-    Way{"walks and light paths", true, true}, Way{"sheets and light paths", true, true,
-                                                 ChainFinder::sheets}};
+constexpr std::array kWays{Way{"path tracing", false, false}, Way{"light paths", false, true},
+                           Way{"walks and light paths", true, true},
+                           Way{"sheets and light paths", true, true, ChainFinder::sheets}};
 
 TEST(LightGroups, AddUpToThePictureByEveryMethod) {
     const RenderScene world = scene_of(kGroups);
@@ -154,8 +153,7 @@ TEST(LightGroups, AreThePicturesOfTheirLights) {
     const Passes together = render(scene_of(kGroups), settings);
     for (size_t i = 0; i < kGroups.size(); ++i) {
         const Passes alone = render(scene_of({kGroups[i]}), settings);
-        EXPECT_NEAR(mean_of(together.groups[i]) / mean_of(alone.groups[i]), 1.0, 0.03)
-            << kGroups[i];
+        EXPECT_NEAR(mean_of(together.groups[i]) / mean_of(alone.groups[i]), 1.0, 0.03) << kGroups[i];
         EXPECT_NEAR(mean_of(alone.groups[i]), mean_of(together.groups[i]),
                     0.03 * mean_of(alone.groups[i]));
         for (size_t k = 0; k < kGroups.size(); ++k)
@@ -211,7 +209,7 @@ TEST(Aovs, AddUpThroughWhatIsTransparent) {
         session.film().read(pass_of(CustomKind::value_aov, 0), {&value, 1});
         return value;
     };
-    EXPECT_EQ(value_with(0.2f), 1.0f);        // the veil's alpha is a quarter
+    EXPECT_EQ(value_with(0.2f), 1.0f);          // the veil's alpha is a quarter
     EXPECT_NEAR(value_with(0.5f), 8.5f, 1.3f);  // three quarters of the paths go on
 }
 

@@ -33,7 +33,7 @@ class SizedStructure(Structure):
         super().__init__(struct_size=sizeof(type(self)), **fields)
 
 
-API_VERSION = 14
+API_VERSION = 15
 NONE = 0xFFFFFFFF
 
 
@@ -314,6 +314,7 @@ class LightDesc(SizedStructure):
         ("visibility", c_uint32),
         ("feeds_caustics", c_uint32),
         ("soft_falloff", c_uint32),
+        ("material", c_uint32),
         ("light_group", c_char_p),
     ]
 

@@ -166,6 +166,7 @@ class LightDesc:
     visibility: Visibility = Visibility.ALL
     feeds_caustics: bool = True
     light_group: str = ""  # "": none
+    material: int = NONE  # whose emission is a factor of the light; NONE: 1
 
 
 @dataclass

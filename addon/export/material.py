@@ -6,7 +6,7 @@ from __future__ import annotations
 from dataclasses import replace
 from operator import attrgetter
 
-from . import compat, graph
+from . import compat, graph, ignored
 from .desc import Glints, LinkDesc, MaterialDesc, NodeDesc
 from .image import Images
 from .log import ExportLog
@@ -42,6 +42,7 @@ def export_material(
     material, images: Images, log: ExportLog, aovs: frozenset[str] = frozenset()
 ) -> MaterialDesc:
     """The node graph of `material`'s surface and volume, with what writes `aovs`."""
+    ignored.warn_of_material(material, log)
     if not compat.uses_nodes(material):
         color = (*material.diffuse_color[:3], 1.0)
         desc = plain_material(material.name, "bsdf_diffuse", "BSDF", color)
@@ -52,7 +53,7 @@ def export_material(
     desc = converter.convert(material.name, material.node_tree)
     converter.add_aovs(desc, material.node_tree, aovs)
     converter.draw_suns()
-    _make_emission(desc)
+    make_emission(desc)
     desc.glints = Glints[material.specula.glints]
     desc.displacement = compat.displacement(material)
     desc.bump_correction = compat.bump_correction(material)
@@ -60,7 +61,7 @@ def export_material(
     return desc
 
 
-def _make_emission(desc: MaterialDesc) -> None:
+def make_emission(desc: MaterialDesc) -> None:
     """A Background shader on a surface is an emission."""
     backgrounds = {i for i, node in enumerate(desc.nodes) if node.kind == "background"}
     for index in backgrounds:

@@ -251,6 +251,7 @@ LightDesc to_light(const spc_light_desc& desc) {
     light.visibility = desc.visibility;
     light.feeds_caustics = desc.feeds_caustics != 0;
     light.light_group = name_or(desc.light_group, "");
+    light.material = desc.material;
     return light;
 }
 

@@ -48,7 +48,7 @@ extern "C" {
 #endif
 
 /* This number is raised whenever a struct or the meaning of a call changes. */
-#define SPC_API_VERSION 14u
+#define SPC_API_VERSION 15u
 
 /* This value stands for "no index" where an index is optional. */
 #define SPC_NONE 0xffffffffu
@@ -439,7 +439,10 @@ typedef struct spc_light_desc {
     uint32_t visibility; /* of spc_visibility; SHADOW set: occluders cast shadows of this light */
     /* 0: walks, light sheets and light paths ignore it; its caustics are left to path tracing */
     uint32_t feeds_caustics;
-    uint32_t soft_falloff;   /* point, spot; 1: a disk that faces what it lights, not a sphere */
+    uint32_t soft_falloff; /* point, spot; 1: a disk that faces what it lights, not a sphere */
+    /* Material whose emission is a factor of the light by point and direction, or SPC_NONE: as it is.
+     * Object space is the light's; a sun is seen at the unit vector along its light. */
+    uint32_t material;
     const char* light_group; /* NULL or "": none */
 } spc_light_desc;
 

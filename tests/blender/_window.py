@@ -120,11 +120,11 @@ def states():
 
     def local_view():
         select(ball, lamp)
-        bpy.ops.view3d.localview()
+        bpy.ops.view3d.localview(frame_selected=False)
         floor.hide_render = True
 
     def global_view():
-        bpy.ops.view3d.localview()
+        bpy.ops.view3d.localview(frame_selected=False)
         floor.hide_render = False
 
     yield "local", local_view
@@ -181,15 +181,20 @@ def screenshot(name: str) -> None:
         bpy.ops.screen.screenshot(filepath=f"{FOLDER}/{name}_view.png")
 
 
+def redraw() -> None:
+    for area in View().window.screen.areas:
+        area.tag_redraw()
+
+
 def settled():
     """Waits until all views show their final pictures."""
-    for _ in range(3):  # redraws, so that the viewport has heard of what has changed
-        View().area.tag_redraw()
+    for _ in range(3):  # so that they have heard of what has changed
+        redraw()
         yield 0.1
     while not is_final():
         yield 0.05
     for _ in range(2):
-        View().area.tag_redraw()
+        redraw()
         yield 0.1
 
 
@@ -222,13 +227,16 @@ def two_views_and_f12():
     with View().override():
         bpy.ops.screen.area_split(direction="HORIZONTAL", factor=0.5)
     yield 0.2
-    assert View(1).space.shading.type == "RENDERED"
+    for number in (0, 1):  # the new one is solid
+        View(number).space.shading.type = "RENDERED"
+    yield from settled()
     bpy.data.objects["Ball"].location.x += 0.5
     with View().override():
         bpy.ops.render.render("INVOKE_DEFAULT")
-    yield from settled()
     while bpy.app.is_job_running("RENDER"):
-        yield 0.1
+        redraw()
+        yield 0.05
+    yield from settled()
     for number, name in enumerate(("first of two", "second of two")):
         screenshot(name)
         tell(name, View(number).frame())

@@ -18,16 +18,16 @@ bl_info = {
 
 
 def register():
-    from . import engine, properties, ui
+    from . import cycles_panels, engine, properties, ui
     from .export import epoch
 
-    for module in (properties, epoch, engine, ui):
+    for module in (properties, epoch, engine, ui, cycles_panels):
         module.register()
 
 
 def unregister():
-    from . import engine, properties, ui
+    from . import cycles_panels, engine, properties, ui
     from .export import epoch
 
-    for module in (ui, engine, epoch, properties):
+    for module in (cycles_panels, ui, engine, epoch, properties):
         module.unregister()

@@ -198,6 +198,26 @@ class SPECULA_PT_glints(SpeculaPanel, bpy.types.Panel):
             column.prop(settings, "set_size")
 
 
+class SPECULA_PT_adaptive(SpeculaPanel, bpy.types.Panel):
+    bl_label = "Noise Threshold"
+    bl_context = "render"
+    bl_parent_id = "SPECULA_PT_sampling"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context) -> bool:
+        return super().poll(context) and hasattr(context.scene, "cycles")
+
+    def draw_header(self, context):
+        self.layout.prop(context.scene.cycles, "use_adaptive_sampling", text="")
+
+    def draw(self, context):
+        column, cycles = self.column(), context.scene.cycles
+        column.active = cycles.use_adaptive_sampling
+        column.prop(cycles, "adaptive_threshold", text="Noise Threshold")
+        column.prop(cycles, "adaptive_min_samples", text="Min Samples")
+
+
 class SPECULA_PT_light_paths(SpeculaPanel, bpy.types.Panel):
     bl_label = "Light Paths"
     bl_context = "render"
@@ -455,6 +475,16 @@ class SPECULA_PT_material_settings(SpeculaPanel, bpy.types.Panel):
         column.prop(material, "pass_index")
         owner = material if hasattr(material, "displacement_method") else material.cycles
         column.prop(owner, "displacement_method", text="Displacement")
+        cycles = getattr(material, "cycles", None)
+        if hasattr(cycles, "use_bump_map_correction"):
+            column.prop(cycles, "use_bump_map_correction")
+        for owner, name, usual in (
+            (material, "use_transparent_shadow", True),
+            (cycles, "use_transparent_shadow", True),
+            (cycles, "emission_sampling", "AUTO"),
+        ):
+            if getattr(owner, name, usual) != usual:
+                draw_note(column, f"{owner.bl_rna.properties[name].name}: no effect", icon="INFO")
 
 
 class SPECULA_PT_material_glints(SpeculaPanel, bpy.types.Panel):
@@ -609,6 +639,7 @@ def redraw_properties() -> None:
 
 PANELS = (
     SPECULA_PT_sampling,
+    SPECULA_PT_adaptive,
     SPECULA_PT_advanced,
     SPECULA_PT_glints,
     SPECULA_PT_denoising,

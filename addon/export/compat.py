@@ -212,6 +212,14 @@ def diffuse_exchanges() -> bool:
     return bpy.app.version >= (4, 3, 0)
 
 
+def subsurface_method(method: str) -> str:
+    """What a method of subsurface scattering means; the version tells."""
+    import bpy  # not above: tables that use this module are also read without Blender
+
+    old = method == "RANDOM_WALK" and bpy.app.version < (4, 0, 0)
+    return "RANDOM_WALK_DIPOLE" if old else method
+
+
 def bump_correction(material) -> BumpCorrection:
     """What Cycles does where shading normals disagree with the surface, since 4.2 by material."""
     if not cycles_value(material, "use_bump_map_correction", True):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Materials as graphs of the core's nodes, driven by the table in `nodes.py`."""
+"""Materials as graphs of the core's nodes, driven by the tables that `nodes.py` joins."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ from . import compat, graph
 from .desc import Glints, LinkDesc, MaterialDesc, NodeDesc
 from .image import Images
 from .log import ExportLog
-from .nodes import NODES, NodeKind
+from .node_kind import NodeKind
+from .nodes import NODES
 from .sky import Sky, add_sun
 
 DEFAULT_COLOR = (0.8, 0.8, 0.8, 1.0)
@@ -111,7 +112,7 @@ class Converter:
         for node, sky in self.skies:
             add_sun(self.images.descs[node.image].pixels, sky)
 
-    # ---------------------------------------------------- for `adjust` functions in nodes.py
+    # ---------------------------------------------------- for `adjust` functions of nodes_*.py
 
     def label(self, node) -> str:
         return f"{self.owner}, node {node.name}"

@@ -19,7 +19,7 @@ constexpr float kMinSampledAlbedo = 1e-3f;
 
 template <class C>
 bool is_delta_kind(const C&) {
-    return C::kTraits.straight;
+    return C::kTraits.straight || C::kTraits.enters;
 }
 bool is_delta_kind(const MicrofacetReflection& c) { return c.alpha <= kDeltaAlpha; }
 bool is_delta_kind(const MicrofacetDielectric& c) {
@@ -403,7 +403,13 @@ std::optional<ClosureSample> sample(const ClosureList& list, const Vec3& ng, con
         .alpha = std::visit([](const auto& c) { return alpha_of(c); }, closure.kind),
         .eta = std::visit([](const auto& c) { return eta_of(c); }, closure.kind),
         .glints = list.glints_apart && closure.glints,
+        .below = std::get_if<Subsurface>(&closure.kind),
         .kind = lobe->kind};
+    if (result.below != nullptr) {
+        result.probability = closure.sample_weight / total;
+        result.weight = closure.weight * (1.0f / result.probability);
+        return result;
+    }
     const float side = dot(ng, lobe->wi);
     if (lobe->delta) {
         const bool crosses = lobe->kind == BounceKind::transmission;

@@ -16,6 +16,7 @@
 
 #include "bsdf/ashikhmin_shirley.h"
 #include "bsdf/diffuse.h"
+#include "bsdf/subsurface.h"
 #include "bsdf/terminator.h"
 
 #include <variant>
@@ -96,7 +97,7 @@ struct Transparent {  // a delta
 
 using ClosureKind = std::variant<Lambert, MicrofacetReflection, MicrofacetDielectric, Transparent,
                                  Translucent, OrenNayar, Sheen, Velvet, BurleyDiffuse, SchlickSheen,
-                                 DiffuseToon, GlossyToon, AshikhminShirley>;
+                                 DiffuseToon, GlossyToon, AshikhminShirley, Subsurface>;
 inline const ClosureTraits& traits(const ClosureKind& kind) {
     return *std::visit([](const auto& c) { return &c.kTraits; }, kind);
 }
@@ -199,12 +200,13 @@ struct ClosureSample {
     float pdf_omega;    // as eval() gives it, over the whole list, 1/sr; 0 for a delta
     float probability;  // of a delta's lobe; 0 for a smooth sample
     bool delta;
-    bool on_caster_normal;  // of the closure that was sampled
-    bool refracted;         // crossed the surface with a change of direction
-    bool facets;            // the closure has facets that turned wi; else it goes anywhere
-    float alpha;            // of the closure that was sampled; 0 where it has none
-    float eta;              // likewise, on the far side over that of wo; 1 where it has none
-    bool glints;            // of closures with glints, where they are apart
+    bool on_caster_normal;    // of the closure that was sampled
+    bool refracted;           // crossed the surface with a change of direction
+    bool facets;              // the closure has facets that turned wi; else it goes anywhere
+    float alpha;              // of the closure that was sampled; 0 where it has none
+    float eta;                // likewise, on the far side over that of wo; 1 where it has none
+    bool glints;              // of closures with glints, where they are apart
+    const Subsurface* below;  // light goes on there, in the list that was sampled; null: it does not
     BounceKind kind;
 };
 // u[0] chooses closure and lobe, u[1], u[2] the direction; all in [0, 1). Empty where nothing is

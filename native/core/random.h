@@ -35,7 +35,8 @@ enum class Domain : uint32_t {
     missed_chains,
     folds,
     even_light,
-    splat
+    splat,
+    subsurface
 };
 
 inline uint64_t mix_bits(uint64_t x) {  // a bijection with good avalanche, [Stafford11] variant 13

@@ -92,7 +92,7 @@ private:
         const Sampler here = sampler_.vertex(segment_++);
         const std::optional<ClosureSample> next =
             sample(surface.closures, surface.ng, surface.wo, here[Domain::closure].three());
-        if (!next) return false;
+        if (!next || next->below != nullptr) return false;  // left to path tracing
         if (dot(surface.ng, next->wi) < 0.0f) media_.cross(scene_, surface.hit, next->wi);
         if (next->kind == BounceKind::transparent) return look_through(instance, *next);
         if (history_.count == 0 && !history_.has_scattered() && !reaches(surface.p)) return false;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "integrator/path_tracer.h"
+#include "integrator/subsurface.h"
 
 namespace spc {
 
@@ -33,6 +34,34 @@ CameraSubpath PathTracer::camera_subpath_to(const Surface& surface) const {
     const std::optional<CameraView> view = scene().camera.view(surface.p, lens);
     if (!view) return {};
     return {view->film_density * std::abs(dot(surface.ng, surface.wo))};
+}
+
+PathTracer::Onward PathTracer::shade(const Hit& hit, Surface& surface, const Sampler& here,
+                                     const PixelKernel* pixel, PathLight& light, PathSample& out) {
+    const CameraSubpath camera_subpath = camera_subpath_to(surface);
+    const bool receives = may_receive(surface);
+    look_for_glints(hit, surface, camera_subpath, pixel);
+    look_for_folds(surface, camera_subpath, receives && settings.manifold.enabled);
+    add_direct(surface, camera_subpath, here, light);
+    if (glints) add_glints(surface, here, light);
+    if (receives && settings.manifold.enabled)
+        out.caustics += add_caustics(surface, camera_subpath, here, light);
+    return {sample(surface.closures, surface.ng, surface.wo, here[Domain::closure].three()),
+            receives, camera_subpath};
+}
+
+// Light paths do not walk below surfaces: the path begins anew, as one that path tracing alone finds
+// until it scatters.
+bool PathTracer::go_below(Surface& surface, const ClosureSample& entry, const Sampler& here) {
+    Pcg walk(here[Domain::subsurface].stream_seed());
+    const std::optional<SubsurfaceExit> exit =
+        walk_below(scene(), surface, *entry.below, walk, stats.rays);
+    if (!exit) return false;
+    throughput *= entry.weight * exit->weight;
+    surface = exit->surface;
+    history = {};
+    differential.reset();
+    return true;
 }
 
 bool PathTracer::scatter(const Hit& hit, const Surface& surface, const ClosureSample& next,
@@ -181,25 +210,20 @@ PathSample path_radiance(const RenderScene& world, const IntegratorSettings& set
         }
 
         const Sampler here = sampler.vertex(vertex);
-        const CameraSubpath camera_subpath = path.camera_subpath_to(surface);
-        const bool receives = path.may_receive(surface);
-        path.look_for_glints(*hit, surface, camera_subpath, pixel);
-        path.look_for_folds(surface, camera_subpath, receives && settings.manifold.enabled);
-        path.add_direct(surface, camera_subpath, here, light);
-        if (path.glints) path.add_glints(surface, here, light);
-        if (receives && settings.manifold.enabled)
-            out.caustics += path.add_caustics(surface, camera_subpath, here, light);
-
-        const std::optional<ClosureSample> next =
-            sample(surface.closures, surface.ng, surface.wo, here[Domain::closure].three());
-        if (!out.hit && !(next && next->kind == BounceKind::transparent)) {
+        PathTracer::Onward on = path.shade(*hit, surface, here, pixel, light, out);
+        if (!out.hit && !(on.next && on.next->kind == BounceKind::transparent)) {
             out.hit = true;
             out.surface = surface.hit;
             out.position = surface.p;
             out.normal = surface.n;
         }
-        if (!next || !path.scatter(*hit, surface, *next, receives, camera_subpath, here)) break;
-        if (features) features->scatter(*next);
+        if (on.next && on.next->below != nullptr) {
+            if (!path.go_below(surface, *on.next, here)) break;
+            on = path.shade(*hit, surface, here, pixel, light, out);
+        }
+        if (!on.next || !path.scatter(*hit, surface, *on.next, on.receives, on.camera_subpath, here))
+            break;
+        if (features) features->scatter(*on.next);
     }
     out.radiance = light.total;
     out.alpha = std::max(out.alpha, 0.0f);  // a mean of ones may be rounded to more than one

@@ -150,7 +150,7 @@ void PathTracer::add_light_behind_deltas(const Sampler& sampler, PathLight& ligh
         const std::optional<ClosureSample> next =
             sample(surface.closures, surface.ng, surface.wo,
                    sampler.vertex(vertex)[Domain::closure].three());
-        if (!next) return;
+        if (!next || next->below != nullptr) return;
         throughput *= next->weight;
         if (next->kind == BounceKind::transparent) {
             if (!look_through(*hit)) return;

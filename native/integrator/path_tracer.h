@@ -97,7 +97,16 @@ struct PathTracer {
                next.alpha <= settings.transparent_glass_alpha;
     }
     CameraSubpath camera_subpath_to(const Surface& surface) const;
-    // Both return whether the path continues.
+    // Adds the light that techniques other than the path's own rays find at the surface; how it goes on.
+    struct Onward {
+        std::optional<ClosureSample> next;
+        bool receives;
+        CameraSubpath camera_subpath;
+    };
+    Onward shade(const Hit& hit, Surface& surface, const Sampler& here, const PixelKernel* pixel,
+                 PathLight& light, PathSample& out);
+    // These return whether the path continues. `surface` becomes the one where light leaves.
+    bool go_below(Surface& surface, const ClosureSample& entry, const Sampler& here);
     bool scatter(const Hit& hit, const Surface& surface, const ClosureSample& next, bool receives,
                  const CameraSubpath& camera_subpath, const Sampler& sampler);
     bool look_for_lights_behind(const Hit& hit, const Surface& surface);

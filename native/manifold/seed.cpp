@@ -13,7 +13,7 @@ std::optional<SurfaceHit> sample_by_direction(const Scene& scene, const ChainQue
     const Vec3 direction = towards_caster(*query.caster, query.x, pcg.two());
     // A receiver that is part of the caster must not see itself.
     const float t_near = 1e-4f * query.caster->radius;
-    const std::optional<Hit> hit = scene.accel->intersect_caster(
+    const std::optional<Hit> hit = scene.accel->intersect_alone(
         query.caster->instance, {query.x, direction, t_near, kInfinity});
     if (!hit) return std::nullopt;
     return hit->surface;

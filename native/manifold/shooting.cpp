@@ -99,7 +99,7 @@ public:
         for (uint32_t i = 0; i < kind_.count; ++i) {
             const ChainLink& link = kind_.links[i];
             ++stats_.rays;
-            const std::optional<Hit> hit = scene_.accel->intersect_caster(
+            const std::optional<Hit> hit = scene_.accel->intersect_alone(
                 link.instance, {from.p, d, start_offset(from, d), kInfinity});
             if (!hit) return false;
             const SpecularInterface& specular = interface_at(scene_, hit->surface, facets_);
@@ -333,7 +333,7 @@ std::optional<ChainSeed> sample_chain(const Scene& scene, const ManifoldSettings
     const Ray ray{x.p, w, start_offset(x, w), kInfinity};
     ++stats.rays;
     const std::optional<FollowedRay> followed = follow_at_random(
-        scene, settings, casters, ray, scene.accel->intersect_caster(first.instance, ray),
+        scene, settings, casters, ray, scene.accel->intersect_alone(first.instance, ray),
         settings.longest_chain, pcg, stats, facets);
     if (!followed) return std::nullopt;
     ChainSeed start{followed->kind, w};

@@ -73,7 +73,7 @@ private:
         const float distance = length(to);
         if (!(distance > 0.0f)) return std::nullopt;
         ++stats_.rays;
-        const std::optional<Hit> hit = scene_.accel->intersect_caster(
+        const std::optional<Hit> hit = scene_.accel->intersect_alone(
             query_.caster->instance,
             {query_.x, to * (1.0f / distance), 1e-4f * distance, kInfinity});
         if (!hit) return std::nullopt;

@@ -301,7 +301,7 @@ bool Accel::occluded(const Ray& ray, uint32_t kind) const {
     return r.tfar < 0.0f;
 }
 
-void Accel::prepare_caster(const Scene& scene, uint32_t index) {
+void Accel::prepare_alone(const Scene& scene, uint32_t index) {
     if (impl_->baked[index] == nullptr) return;  // its own tree serves
     RTCScene alone = impl_->device->new_scene();
     rtcAttachGeometryByID(alone, impl_->baked[index], 0);
@@ -310,7 +310,7 @@ void Accel::prepare_caster(const Scene& scene, uint32_t index) {
     impl_->check(scene.instances[index].name.c_str());
 }
 
-std::optional<Hit> Accel::intersect_caster(uint32_t index, const Ray& ray) const {
+std::optional<Hit> Accel::intersect_alone(uint32_t index, const Ray& ray) const {
     if (!impl_->casts(ray)) return std::nullopt;
     RTCScene alone = impl_->caster_scenes[index];
     Ray local = ray;

@@ -39,10 +39,10 @@ public:
     std::optional<Hit> intersect(const Ray& ray, uint32_t kind) const;
     // Whether anything that is visible to `kind` blocks the ray. Lamps block nothing.
     bool occluded(const Ray& ray, uint32_t kind) const;
-    // Nearest hit on one caster's triangles; everything else is ignored.
-    std::optional<Hit> intersect_caster(uint32_t instance, const Ray& ray) const;
-    // Makes intersect_caster() available for an instance. Called while freezing.
-    void prepare_caster(const Scene& scene, uint32_t instance);
+    // Nearest hit on one instance's triangles; everything else is ignored.
+    std::optional<Hit> intersect_alone(uint32_t instance, const Ray& ray) const;
+    // Makes intersect_alone() available for an instance. Called while freezing.
+    void prepare_alone(const Scene& scene, uint32_t instance);
 
     // Number of lost rays so far, by all users of the scene.
     uint64_t lost_rays() const;

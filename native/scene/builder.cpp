@@ -323,7 +323,8 @@ std::unique_ptr<Scene> SceneBuilder::freeze(uint32_t threads) {
     scene_->accel =
         std::make_unique<Accel>(*scene_, threads, before_ ? before_->accel.get() : nullptr);
     for (uint32_t i = 0; i < scene_->instances.size(); ++i)
-        if (scene_->instances[i].turns_light()) scene_->accel->prepare_caster(*scene_, i);
+        if (scene_->instances[i].turns_light() || scene_->instances[i].has_subsurface)
+            scene_->accel->prepare_alone(*scene_, i);
     return std::move(scene_);
 }
 

@@ -83,7 +83,8 @@ struct Instance {
     bool caster = false, receiver = false;
     bool rough_caster = false;  // throws blurred caustics; see docs/glossary.md
     bool emits = false;
-    bool absorbs = false;  // a material has an absorbing medium behind it
+    bool has_subsurface = false;  // light may walk below its surface
+    bool absorbs = false;         // a material has an absorbing medium behind it
     bool turns_light() const { return caster || rough_caster; }
     const Attribute* attribute(const Mesh& on, uint32_t index) const {
         if (index == kNone) return nullptr;

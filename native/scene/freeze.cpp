@@ -185,6 +185,7 @@ void note_materials(Scene& scene) {
         for (const uint32_t index : instance.materials) {
             const Material& material = scene.materials[index];
             instance.emits = instance.emits || material.emits;
+            instance.has_subsurface = instance.has_subsurface || material.has_subsurface;
             scene.any_transparency = scene.any_transparency || material.may_be_transparent;
         }
 }

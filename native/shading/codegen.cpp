@@ -185,7 +185,8 @@ Program generate(const ExprBuilder& expr, const std::vector<ClosureTerm>& terms,
     for (const ClosureTerm& term : terms) {
         surface_roots.insert(surface_roots.end(), term.in.begin(), term.in.end());
         surface_roots.insert(surface_roots.end(),
-                             {term.coat.through, term.grain.stretch, term.grain.tangent});
+                             {term.coat.through, term.grain.stretch, term.grain.tangent,
+                              term.below.share, term.below.radius, term.below.entry});
         if (term.coated_on_slope_map())
             surface_roots.insert(surface_roots.end(), {term.coat.layer, term.coat.tint});
     }
@@ -198,6 +199,9 @@ Program generate(const ExprBuilder& expr, const std::vector<ClosureTerm>& terms,
         closure.through = generator.operand(term.coat.through);
         closure.stretch = generator.operand(term.grain.stretch);
         closure.tangent = generator.operand(term.grain.tangent);
+        closure.below_share = generator.operand(term.below.share);
+        closure.below_radius = generator.operand(term.below.radius);
+        closure.below_entry = generator.operand(term.below.entry);
         if (term.coated_on_slope_map()) {
             closure.coat = generator.operand(term.coat.layer);
             closure.coat_tint = generator.operand(term.coat.tint);

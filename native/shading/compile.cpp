@@ -103,7 +103,8 @@ void Compiler::add_term(ClosureTerm term) {
                    term.operand(row.diffuse_roughness)};
         term.op = ClosureOp::rough_diffuse;
     }
-    if (term.op == ClosureOp::rough_diffuse && expr.is_constant(term.in.back(), 0.0f)) {
+    if (term.op == ClosureOp::rough_diffuse && !term.below.exists() &&
+        expr.is_constant(term.in.back(), 0.0f)) {
         term.in.pop_back();
         term.op = ClosureOp::lambert;
     }
@@ -114,7 +115,8 @@ void Compiler::add_term(ClosureTerm term) {
 
 void Compiler::check_closure_count() const {
     int count = 0;
-    for (const ClosureTerm& term : terms_) count += term.row().closures;
+    for (const ClosureTerm& term : terms_)
+        count += term.row().closures + (term.below.exists() ? 1 : 0);
     if (count <= kMaxClosures) return;
     throw Error(ErrorKind::invalid_argument,
                 where(graph_.name, *graph_.nodes[terms_.back().node].graph) + ": " +
@@ -141,6 +143,7 @@ void Compiler::describe(Material& material) {
         for (const ExprId operand : term.in)
             material.depends_on_ray |= operand != kNoExpr && (expr.reads(operand) & kReadsRay) != 0;
         if (material.narrow_lobe.empty()) material.narrow_lobe = narrow_lobe(term);
+        material.has_subsurface |= term.below.exists();
         material.may_be_transparent |= row.straight != kAbsent;
         material.has_smooth |=
             scatters(term, row.diffuse) || (row.has_facets() && !delta(term.alpha()));

@@ -24,6 +24,14 @@ struct Grain {
     bool exists() const { return stretch != kNoExpr; }
 };
 
+// What goes on below the diffuse part of a term: its share, the radius in m, and (anisotropy, alpha,
+// index) of the medium and where light enters it.
+struct BelowSurface {
+    ExprId share = kNoExpr, radius = kNoExpr, entry = kNoExpr;  // kNoExpr: there is none
+
+    bool exists() const { return share != kNoExpr; }
+};
+
 // A term of the surface with its operands as expressions.
 struct ClosureTerm {
     ClosureOp op = ClosureOp::lambert;
@@ -33,6 +41,7 @@ struct ClosureTerm {
     std::vector<ExprId> in;  // operands, as many as the row says
     CoatOver coat;
     Grain grain;
+    BelowSurface below;
     bool on_caster_normal = false, on_slope_map = false;
 
     // Dims what glints by the normal of each place of the slope map.

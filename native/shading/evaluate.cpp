@@ -351,6 +351,26 @@ private:
     }
     void add_rough_diffuse(const ClosureInstruction& c, const Spectrum& weight) {
         const Spectrum albedo = color(c, traits(c.op).diffuse);
+        if (c.below_share != kNoOperand) {
+            const float share = clamp01(r_.scalar(c.below_share));
+            if (share > 0.0f) add_below(c, facet::saturate(albedo), weight * share);
+            if (share == 1.0f) return;
+            return add_diffuse(c, albedo, weight * (1.0f - share));
+        }
+        add_diffuse(c, albedo, weight);
+    }
+    void add_below(const ClosureInstruction& c, const Spectrum& albedo, const Spectrum& weight) {
+        const Vector3<float> radius = r_.vector(c.below_radius), entry = r_.vector(c.below_entry);
+        const Spectrum reach(std::max(radius.x, 0.0f), std::max(radius.y, 0.0f),
+                             std::max(radius.z, 0.0f));
+        if (is_black(reach)) return add_diffuse(c, albedo, weight);
+        list_.add(albedo * weight,
+                  Subsurface{glossy_normal(c), albedo, reach, std::clamp(entry.x, 0.0f, 0.9f),
+                             clamp01(entry.y), std::clamp(entry.z, 1.01f, 3.8f), c.modes.entry,
+                             c.modes.dipole_radius},
+                  point_.wo, false);
+    }
+    void add_diffuse(const ClosureInstruction& c, const Spectrum& albedo, const Spectrum& weight) {
         const float roughness = clamp01(scalar(c, traits(c.op).diffuse_roughness));
         if (roughness < kSmoothDiffuse)
             return list_.add(albedo * weight, Lambert{diffuse_normal(c)}, point_.wo, false);

@@ -59,6 +59,8 @@ struct Instruction {
 struct ClosureModes {
     MicrofacetModel model = MicrofacetModel::ggx;
     bool energy_compensated = false;
+    SubsurfaceEntry entry = SubsurfaceEntry::diffuse;
+    bool dipole_radius = true;
     bool exchanges = true;  // diffuse facets give light to each other
     bool reflects = true, refracts = true, fresnel_weighted = true;  // dielectric
 };
@@ -71,6 +73,8 @@ struct ClosureInstruction {
     Operand through = kNoOperand;  // what the coat above lets through, a colour; none: all
     // Of a lobe that is stretched along a tangent, by a factor that the other axis lacks; none: it is round.
     Operand stretch = kNoOperand, tangent = kNoOperand;
+    // Of a diffuse part of which a share goes on below: the share, the radius in m, and (anisotropy, alpha, index).
+    Operand below_share = kNoOperand, below_radius = kNoOperand, below_entry = kNoOperand;
     // For a lobe on the slope map under a coat: the coat's (share, alpha, index), and its tint.
     Operand coat = kNoOperand, coat_tint = kNoOperand;
 };

@@ -98,9 +98,9 @@ void mix_shader(NodeContext& node, ExprId weight);
 void add_shader(NodeContext& node, ExprId weight);
 void output(NodeContext& node, ExprId weight);
 void principled(NodeContext& node, ExprId weight);
+void subsurface(NodeContext& node, ExprId weight);
 
 // nodes_stand_ins.cpp
-void subsurface(NodeContext& node, ExprId weight);
 void hair(NodeContext& node, ExprId weight);
 void principled_hair(NodeContext& node, ExprId weight);
 void ray_portal(NodeContext& node, ExprId weight);

@@ -42,12 +42,6 @@ ExprId absorption_of_melanin(NodeContext& node, ExprId melanin, ExprId redness) 
 
 }  // namespace
 
-void subsurface(NodeContext& node, ExprId weight) {
-    enum { kColor, kScale, kRadius, kIor, kRoughness, kAnisotropy, kNormal };
-    node.warn("subsurface scattering is not supported, light leaves where it enters");
-    add_diffuse(node, weight, node.normal(kNormal), node.input(kColor), false);
-}
-
 void hair(NodeContext& node, ExprId weight) {
     enum { kColor, kOffset, kRoughnessU, kRoughnessV };
     node.warn("hair is not supported, it is drawn as a diffuse surface");

@@ -239,6 +239,39 @@ void transparent(NodeContext& node, ExprId weight) {
     node.c.add_term(term(node, ClosureOp::transparent, "", {weight, kNoExpr, node.input(0)}));
 }
 
+namespace {
+
+// Of a node's inputs. With method BURLEY a random walk stands in for it.
+BelowSurface below_of(NodeContext& node, ClosureModes& modes, const std::string& method,
+                      ExprId share, ExprId radius, ExprId anisotropy, ExprId alpha, ExprId ior) {
+    if (node.e.is_constant(share, 0.0f) || node.e.is_constant(radius, 0.0f)) return {};
+    if (method == "BURLEY")
+        node.warn("Christensen and Burley's method is not supported, a random walk stands in");
+    modes.entry = method == "RANDOM_WALK"        ? SubsurfaceEntry::facets
+                  : method == "RANDOM_WALK_SKIN" ? SubsurfaceEntry::both
+                                                 : SubsurfaceEntry::diffuse;
+    modes.dipole_radius = method == "RANDOM_WALK_SKIN" || method == "RANDOM_WALK_DIPOLE";
+    return {share, radius, node.e.combine(anisotropy, alpha, ior)};
+}
+
+}  // namespace
+
+void subsurface(NodeContext& node, ExprId weight) {
+    enum { kColor, kScale, kRadius, kIor, kRoughness, kAnisotropy, kNormal };
+    ExprBuilder& e = node.e;
+    const std::string& method = node.option(0);
+    const bool skin = method == "RANDOM_WALK_SKIN";
+    ClosureModes modes;
+    const BelowSurface below = below_of(
+        node, modes, method, e.constant(1.0f), e.scale(node.input(kRadius), node.input(kScale)),
+        node.input(kAnisotropy), skin ? e.constant(1.0f) : node.input(kRoughness), node.input(kIor));
+    ClosureTerm diffuse =
+        term(node, ClosureOp::rough_diffuse, "",
+             {weight, node.normal(kNormal), node.input(kColor), e.constant(0.0f)}, modes);
+    diffuse.below = below;
+    node.c.add_term(diffuse);
+}
+
 // Layers from the top: Alpha over all, then sheen, the coat, then emission, then a mix of metal, of
 // glass, and of a dielectric's reflection over what is diffuse. The last pair divides light by the reflection's
 // albedo where it is evaluated. The coat's term comes last: where terms compete for what only one of
@@ -267,7 +300,12 @@ void principled(NodeContext& node, ExprId weight) {
         kSheenTint,
         kAnisotropic,
         kAnisotropicRotation,
-        kTangent
+        kTangent,
+        kSubsurface,
+        kSubsurfaceRadius,
+        kSubsurfaceScale,
+        kSubsurfaceIor,
+        kSubsurfaceAnisotropy
     };
     ExprBuilder& e = node.e;
     const ClosureModes modes = modes_of(node.option(0));
@@ -323,23 +361,39 @@ void principled(NodeContext& node, ExprId weight) {
     node.c.add_term(glass);
     weight = e.multiply(weight, e.one_minus(transmission));
 
-    if (!layered) {
-        node.c.add_term(
-            term(node, ClosureOp::schlick_sheen, " (sheen)",
-                 {e.multiply(weight, sheen), normal, hue_of(node, base, e.lane(sheen_tint, 0))}));
-        node.c.add_term(term(node, ClosureOp::burley_diffuse, " (base)",
-                             {weight, normal, base, node.input(kRoughness)}));
-    }
-
     const ExprId index = e.make(Op::dielectric_ior, {ior, node.input(kSpecularLevel)});
     const ExprId ratio =
         e.divide(e.subtract(index, e.constant(1.0f)), e.add(index, e.constant(1.0f)));
     const ExprId f0 = e.clamp01(e.scale(tint, e.multiply(ratio, ratio)));
+    ClosureModes base_modes = modes;
+    const std::string& method = node.option(2);
+    const bool skin = method == "RANDOM_WALK_SKIN";
+    const ExprId scattered = e.clamp01(node.input(kSubsurface));
+    const BelowSurface below =
+        below_of(node, base_modes, method, scattered,
+                 e.scale(node.input(kSubsurfaceRadius), node.input(kSubsurfaceScale)),
+                 node.input(kSubsurfaceAnisotropy), skin ? e.constant(1.0f) : rough_alpha,
+                 skin ? node.input(kSubsurfaceIor) : index);
     ClosureTerm coated =
         term(node, ClosureOp::coated, " (specular)",
              {weight, normal, rough_alpha, index, f0, layered ? base : e.constant(Vec3(0.0f)),
               node.input(kDiffuseRoughness)},
-             modes);
+             layered ? base_modes : modes);
+    if (layered) {
+        coated.below = below;
+    } else {
+        node.c.add_term(
+            term(node, ClosureOp::schlick_sheen, " (sheen)",
+                 {e.multiply(weight, sheen), normal, hue_of(node, base, e.lane(sheen_tint, 0))}));
+        node.c.add_term(term(
+            node, ClosureOp::burley_diffuse, " (base)",
+            {e.multiply(weight, e.one_minus(scattered)), normal, base, node.input(kRoughness)}));
+        ClosureTerm walks =
+            term(node, ClosureOp::rough_diffuse, " (subsurface)",
+                 {e.multiply(weight, scattered), normal, base, e.constant(0.0f)}, base_modes);
+        walks.below = {one, below.radius, below.entry};
+        node.c.add_term(walks);
+    }
     coated.coat = over;
     coated.grain = grain;
     node.c.add_term(coated);

@@ -101,6 +101,7 @@ struct Material {
         0.0f};  // for light selection: constant emission, or with the textures' means
     Spectrum absorption{0.0f};        // 1/m, of the homogeneous medium behind front faces
     bool may_be_transparent = false;  // some Transparent closure or alpha < 1 may exist
+    bool has_subsurface = false;      // light may go on below it
     bool moves_vertices = false;      // evaluate_displacement() has something to say
     DisplacementMode displacement = DisplacementMode::bump;
     bool has_smooth = false;  // some closure that is not a delta may exist (a possible receiver)

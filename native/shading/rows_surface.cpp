@@ -75,7 +75,15 @@ constexpr InputSocket kPrincipledIn[] = {grey_input(0.8f, "Base Color"),
                                          grey_input(1.0f, "Sheen Tint"),
                                          scalar_input("Anisotropic", 0.0f),
                                          scalar_input("Anisotropic Rotation", 0.0f),
-                                         kTangentInput};
+                                         kTangentInput,
+                                         scalar_input("Subsurface Weight", 0.0f),
+                                         {"Subsurface Radius", {1.0f, 0.2f, 0.1f}, vector},
+                                         scalar_input("Subsurface Scale", 0.05f),
+                                         scalar_input("Subsurface IOR", 1.4f),
+                                         scalar_input("Subsurface Anisotropy", 0.0f)};
+constexpr const char* kSubsurfaceMethods =
+    "RANDOM_WALK|RANDOM_WALK_SKIN|RANDOM_WALK_FIXED_RADIUS|RANDOM_WALK_DIPOLE|BURLEY";
+constexpr NodeOption kSubsurfaceOptions[] = {{"falloff", kSubsurfaceMethods}};
 constexpr InputSocket kSubsurfaceIn[] = {grey_input(0.8f),
                                          scalar_input("Scale", 0.05f),
                                          {"Radius", {1.0f, 0.2f, 0.1f}, vector},
@@ -98,7 +106,8 @@ constexpr InputSocket kPrincipledHairIn[] = {
 constexpr NodeOption kPrincipledHairModels[] = {{"parametrization", "COLOR|MELANIN|ABSORPTION"}};
 constexpr InputSocket kPortalIn[] = {grey_input(1.0f)};
 constexpr NodeOption kPrincipledModels[] = {{"distribution", "GGX|MULTI_GGX"},
-                                            {"model", "LAYERED|BURLEY"}};
+                                            {"model", "LAYERED|BURLEY"},
+                                            {"subsurface_method", kSubsurfaceMethods}};
 
 constexpr NodeKind kRows[] = {
     {.name = "output",
@@ -169,6 +178,7 @@ constexpr NodeKind kRows[] = {
      .label = "Subsurface Scattering",
      .inputs = kSubsurfaceIn,
      .outputs = kBssrdf,
+     .options = kSubsurfaceOptions,
      .shade = nodes::subsurface},
     {.name = "bsdf_hair",
      .label = "Hair BSDF",

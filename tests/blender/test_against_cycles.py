@@ -96,6 +96,22 @@ OTHERS = {
         "GGX",
         {"Base Color": COPPER, "Sheen Weight": 1.0, "Sheen Roughness": 0.4},
     ),
+    "subsurface": ("ShaderNodeSubsurfaceScattering", None, {"Color": COPPER, "Scale": 0.1}),
+    "far subsurface": (
+        "ShaderNodeSubsurfaceScattering",
+        None,
+        {"Color": COPPER, "Scale": 0.5, "Anisotropy": 0.5},
+    ),
+    "dull skin": (
+        "ShaderNodeBsdfPrincipled",
+        "GGX",
+        {"Base Color": COPPER, "Subsurface Weight": 1.0, "Specular IOR Level": 0.0},
+    ),
+    "skin": (
+        "ShaderNodeBsdfPrincipled",
+        "GGX",
+        {"Base Color": COPPER, "Subsurface Weight": 1.0},
+    ),
     "brushed": (
         "ShaderNodeBsdfAnisotropic",
         "GGX",

@@ -23,6 +23,7 @@ BY_DESIGN: dict[str, str] = {
     "closure/glass/*ggx/roughness=1.0": "directions that no facet joins by refraction are black;"
     " Cycles has light there where it looks for lamps, more than comes in",
     "closure/glass/*=ggx/roughness=0.6": "as with a roughness of 1",
+    "closure/principled/subsurface_half": "Blender 3.4 has a retroreflection over what is below",
     "closure/sheen/*=microfiber/roughness=0.2": "fits to the tables that Cycles interpolates",
     "closure/toon/*": "samples of Blender 3.4 fade otherwise at the soft edge than its lamps do",
     "closure/refraction/*=ggx/roughness=1.0": "as rough glass",

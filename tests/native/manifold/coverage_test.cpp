@@ -33,7 +33,7 @@ Coverage measure(const RenderScene& world, const ManifoldSettings& settings, Rec
                              root * (1.0f - v), root * v};
         const Vec3 d = normalize(surface_position(*world.scene, aim) - x);
         const std::optional<Hit> hit =
-            world.scene->accel->intersect_caster(caster.instance, {x, d, 1e-4f, kInfinity});
+            world.scene->accel->intersect_alone(caster.instance, {x, d, 1e-4f, kInfinity});
         if (!hit) continue;
         const DifferentialGeometry geometry = evaluate_caster(*world.scene, hit->surface, false);
         const SpecularInterface& specular = world.scene->material_of(hit->surface).specular;

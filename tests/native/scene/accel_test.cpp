@@ -178,7 +178,7 @@ TEST_P(Trees, CasterAloneIgnoresEverythingElse) {
         for (int i = 0; i < 1000; ++i) {
             const Ray ray = random_ray(uniforms);
             const Nearest expected = search(*scene, ray, 0, false, instance);
-            const std::optional<Hit> hit = scene->accel->intersect_caster(instance, ray);
+            const std::optional<Hit> hit = scene->accel->intersect_alone(instance, ray);
             if (hit.has_value() != std::isfinite(expected.t) ||
                 (hit && std::abs(double(hit->t) - expected.t) > 1e-4 * (1 + expected.t))) {
                 ++disputed;

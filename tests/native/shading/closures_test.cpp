@@ -135,10 +135,29 @@ TEST(Sheen, OfAnOlderPrincipled) {
                 (Vec3(0.5f) + hue * 0.5f) * (0.8f * 0.75f), 1e-5f);
 }
 
+// A share goes on below; the rest, and all without a radius, is diffuse.
+TEST(Subsurface, TakesItsShareOfTheBase) {
+    const auto base = [](float share, float radius) {
+        return closures_of(single("bsdf_principled", {{"Base Color", {0.5f, 0.5f, 0.5f}},
+                                                      {"Specular IOR Level", {0}},
+                                                      {"Subsurface Weight", {share}},
+                                                      {"Subsurface Radius", {radius, 0, 0}},
+                                                      {"Subsurface Scale", {2}}}));
+    };
+    const ClosureList both = base(0.25f, 0.1f);
+    ASSERT_EQ(both.count, 2);
+    EXPECT_EQ(kind_of<Subsurface>(both, 0).radius, Spectrum(0.2f, 0.0f, 0.0f));
+    expect_near(Vec3(both.closures[0].weight), Vec3(0.125f), 1e-6f);
+    expect_near(Vec3(both.closures[1].weight), Vec3(0.375f), 1e-6f);
+    EXPECT_EQ(base(1.0f, 0.1f).count, 1);
+    const ClosureList flat = base(0.0f, 0.1f);
+    ASSERT_EQ(flat.count, 1);
+    EXPECT_TRUE(std::holds_alternative<Lambert>(flat.closures[0].kind));
+}
+
 TEST(StandIns, SayWhatTheyAre) {
-    for (const char* kind : {"subsurface_scattering", "bsdf_hair", "bsdf_hair_principled"}) {
-        const bool bssrdf = kind == std::string("subsurface_scattering");
-        const Material material = compile(single(kind, {}, {}, bssrdf ? "BSSRDF" : "BSDF"), {});
+    for (const char* kind : {"bsdf_hair", "bsdf_hair_principled"}) {
+        const Material material = compile(single(kind), {});
         EXPECT_EQ(material.warnings.size(), 1u) << kind;
         const TestPoint at;
         const ClosureList list = closures_of(material, at.point);

@@ -110,6 +110,12 @@ class Refinement:
             return False
         return self._denoiser is None or self._denoiser.is_done_with(self._noisy)
 
+    def report(self) -> list[str]:
+        """What the core says of the scene, and what the method has chosen so far."""
+        if self._render is None:
+            return []
+        return [*self._scene.report(), *self._render.report()]
+
     def pause(self, paused: bool) -> None:
         """Holds the samples of the full picture back, or lets them go on."""
         self._is_paused = paused
@@ -219,6 +225,9 @@ class _Render:
             for session, samples in self._whole
         )
         return blend.reshape(self._crop[3], self._crop[2], -1)
+
+    def report(self) -> list[str]:
+        return self._sessions[-1].report()
 
     def pause(self, paused: bool) -> None:
         for session in self._sessions:

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Panels: Specula's own, and Blender's that make sense for it."""
 
+import sys
+
 import bpy
 
 from . import diagnosis, statistics
@@ -146,6 +148,17 @@ def draw_forecast(column, ask) -> None:
     for text in (found.reason, SEARCHES.get(found.search)):
         for line in text.split(", ") if text else ():
             draw_note(column, line)
+
+
+def draw_live_report(column, context) -> None:
+    """What a rendered viewport has found of the active object, if one shows it."""
+    viewport = sys.modules.get(f"{__package__}.viewport")  # loaded by the first of them
+    lines = viewport.live_report(context.scene, context.object.name) if viewport else []
+    if lines:
+        column.label(text="In the viewport", icon="SHADING_RENDERED")
+    for line in lines:
+        for part in line.split(", "):
+            draw_note(column, part)
 
 
 class SPECULA_PT_sampling(SpeculaPanel, bpy.types.Panel):
@@ -441,6 +454,7 @@ class SPECULA_PT_object_caustics(SpeculaPanel, bpy.types.Panel):
         obj, column = context.object, self.column()
         column.prop(obj.specula, "caustics")
         draw_forecast(column, lambda forecast: forecast.of_object(obj))
+        draw_live_report(column, context)
         cycles = getattr(obj, "cycles", None)
         if cycles:
             flags = column.column(heading="Cycles")

@@ -43,6 +43,16 @@ def draw_note(region, text: str) -> None:
     blf.draw(FONT, text)
 
 
+_alive: weakref.WeakSet[Viewport] = weakref.WeakSet()
+
+
+def live_report(scene, name: str) -> list[str]:
+    """What a viewport that shows `scene` has found of the object of that name, for the panels."""
+    lines = [line for view in _alive if view.shows(scene) for line in view.report()]
+    own = [line.removeprefix(f"{name}: ") for line in lines if line.startswith(f"{name}: ")]
+    return list(dict.fromkeys(own))
+
+
 class Viewport:
     """What one 3D view in rendered mode shows; its engine keeps it until the mode is left."""
 
@@ -60,6 +70,14 @@ class Viewport:
         self._texture = None
         self._ticks = 0
         self._timer = None
+        _alive.add(self)
+
+    def shows(self, scene) -> bool:
+        """Whether it renders `scene` now."""
+        return self._refinement is not None and self._shown[0] == scene.name
+
+    def report(self) -> list[str]:
+        return self._refinement.report()
 
     def update(self, context, depsgraph) -> None:
         """Takes over the scene as it is now, if it has changed."""

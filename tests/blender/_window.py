@@ -214,7 +214,11 @@ def run():
         bpy.ops.render.render(write_still=True)
     if STEPS == "states":
         yield from two_views_and_f12()
-    View().space.shading.type = "SOLID"
+        report = viewport.live_report(bpy.context.scene, "Ball")
+        print("report", json.dumps(report), flush=True)
+    for area in View().window.screen.areas:
+        if area.type == "VIEW_3D":
+            area.spaces[0].shading.type = "SOLID"
     yield 1.0
     gc.collect()
     print("left", sum(view._refinement is not None for view in shown), flush=True)
@@ -241,7 +245,6 @@ def two_views_and_f12():
         screenshot(name)
         tell(name, View(number).frame())
         bpy.data.images["Render Result"].save_render(f"{FOLDER}/{name}_f12.png")
-    View(1).space.shading.type = "SOLID"
 
 
 running = run()

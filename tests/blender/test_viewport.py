@@ -24,7 +24,9 @@ CLOSE = 0.03  # of display values, mean of a block: noise of the samples
 def make_scene(path: str) -> None:
     material = new_material("Ball")
     add_node(material, "ShaderNodeBsdfDiffuse", surface(material)).name = "Shader"
-    add_mesh("Ball", material=material).location.z = 0.6
+    ball = add_mesh("Ball", material=material)
+    ball.location.z = 0.6
+    ball.specula.caustics = "CASTER"  # which its material cannot be
     floor = add_mesh("Floor")
     floor.scale = (3, 3, 1)
     own = bpy.data.collections.new("Floors")
@@ -114,6 +116,8 @@ def test_the_viewport_shows_what_f12_renders(tmp_path, steps, unseen):
             assert np.abs(final - before).max() > CLOSE, f"{name} does not show"
         before = final
     assert "left 0" in output.splitlines()
+    if steps == "states":
+        assert 'report ["marked as caster, but path traced: ' in output
 
 
 def inside(part: list[float]) -> np.ndarray:

@@ -99,10 +99,9 @@ std::vector<double> chains_by_sheets(const CasterSet& casters, const SheetPool& 
     constexpr uint32_t kPoints = 256;  // of each sheet
     std::vector<double> sum(casters.casters.size(), 0.0), lit = sum, of_point = sum;
     std::vector<SheetSeed> chain_seeds;
-    for (size_t s = 0; s < sheets.size(); ++s) {
+    for (size_t s = 0; s < sheets.size() && !budget.is_cancelled(); ++s) {
         Pcg pcg(mix_bits(seed + (uint64_t{s} << 32)));
         for (const Vec3& p : sheets[s]->lit_points(kPoints, pcg)) {
-            if (budget.is_cancelled()) return sum;
             chain_seeds.clear();
             sheets[s]->find_seeds(p, Vec3(0.0f), std::numeric_limits<float>::max(), 0.0f,
                                   chain_seeds);

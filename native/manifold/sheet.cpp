@@ -89,7 +89,7 @@ LightSheet::LightSheet(const SheetWorld& world, const LightPoint& y, uint32_t em
                        float reach, std::span<const LightPoint> around)
     : y_(y), all_(trace_beams(world, y, emission_cells, around)) {
     if (!y.delta) build_folds(reach, world.budget);  // rays do not come to points
-    build_layers(reach, world);
+    if (!world.budget.is_cancelled()) build_layers(reach, world);
 }
 
 float LightSheet::Entry::density() const {
@@ -133,6 +133,7 @@ void LightSheet::build_layers(float reach, const SheetWorld& world) {
         std::vector<uint32_t> order;
         layer.tree = PrismTree(static_cast<uint32_t>(own.size()), shape, reach, order,
                                PrismTree::Volumes::move, world.budget);
+        if (world.budget.is_cancelled()) return;
         layer.entries.reserve(order.size());
         for (const uint32_t i : order) layer.entries.push_back(unordered[own[i].entry]);
     });

@@ -85,6 +85,11 @@ def luxcore_python() -> Path:
     return ensure("luxcore", (REQUIREMENTS / "luxcore.txt").read_text())
 
 
+def openjd_python() -> Path:
+    """Python of the environment that holds the command `openjd`, which runs a farm's template."""
+    return ensure("openjd", (REQUIREMENTS / "openjd.txt").read_text())
+
+
 def coverage_python() -> Path:
     """Python of the environment that holds gcovr and coverage.py."""
     return ensure("coverage", (REQUIREMENTS / "coverage.txt").read_text())

@@ -205,6 +205,13 @@ def is_sharp(node) -> bool:
     return getattr(node, "distribution", "") == "SHARP"
 
 
+def film_on_metal() -> bool:
+    """Whether the thin film of a Principled BSDF covers its metal, too. The version tells."""
+    import bpy  # not above: tables that use this module are also read without Blender
+
+    return bpy.app.version >= (5, 0, 0)
+
+
 def diffuse_exchanges() -> bool:
     """Whether facets of a rough diffuse surface give light to each other. The version tells."""
     import bpy  # not above: tables that use this module are also read without Blender

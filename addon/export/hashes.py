@@ -32,6 +32,11 @@ def hash_of_two(a: int, b: int) -> int:
     return int(_mixed((np.uint32(a), np.uint32(b)))[0])
 
 
+def hash_with_to_unit(values: np.ndarray, word: int) -> np.ndarray:
+    """0 to 1, of uint32 values (N,), each together with another one."""
+    return _mixed((values, np.full_like(values, word))) / np.float64(_MASK)
+
+
 def hash_of_text(text: str) -> int:
     value = 0
     for byte in text.encode():

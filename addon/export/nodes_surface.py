@@ -93,8 +93,9 @@ def _subsurface(converter, node, desc) -> None:
         converter.warn(node, "Subsurface Color has no effect beside textures")
 
 
-def _old_principled(converter, node, desc) -> None:
-    """Converts what the Principled BSDF called and meant otherwise until 3.6."""
+def _principled(converter, node, desc) -> None:
+    """Converts what the Principled BSDF called and meant otherwise in older Blenders."""
+    desc.options["film_on_metal"] = str(compat.film_on_metal())
     _scalar_tint(converter, node, desc)
     _clearcoat(converter, node, desc)
     _principled_model(converter, node, desc)
@@ -153,20 +154,20 @@ SURFACE_NODES = {
             "Rotation",
             "Normal",
             "Tangent",
+            "Thin Film Thickness",
+            "Thin Film IOR",
         ),
         ("BSDF",),
         options={
             "distribution": DISTRIBUTIONS,
             "fresnel_type": ("F82", "PHYSICAL_CONDUCTOR"),
         },
-        neutral_inputs={"Thin Film Thickness": 0.0},
     ),
     "ShaderNodeBsdfGlass": NodeKind(
         "bsdf_glass",
-        ("Color", "Roughness", "IOR", "Normal"),
+        ("Color", "Roughness", "IOR", "Normal", "Thin Film Thickness", "Thin Film IOR"),
         ("BSDF",),
         options={"distribution": DISTRIBUTIONS},
-        neutral_inputs={"Thin Film Thickness": 0.0},
         adjust=_sharp,
     ),
     "ShaderNodeBsdfRefraction": NodeKind(
@@ -212,17 +213,16 @@ SURFACE_NODES = {
             "Subsurface Scale",
             "Subsurface IOR",
             "Subsurface Anisotropy",
+            "Thin Film Thickness",
+            "Thin Film IOR",
         ),
         ("BSDF",),
         options={
             "distribution": ("GGX", "MULTI_GGX"),
             "subsurface_method": SUBSURFACE_METHODS,
         },
-        fixed_options={"model": "LAYERED"},
-        neutral_inputs={
-            "Thin Film Thickness": 0.0,
-        },
-        adjust=_old_principled,
+        fixed_options={"model": "LAYERED", "film_on_metal": "True"},
+        adjust=_principled,
     ),
     "ShaderNodeSubsurfaceScattering": NodeKind(
         "subsurface_scattering",
@@ -245,10 +245,20 @@ SURFACE_NODES = {
             "Melanin Redness",
             "Tint",
             "Absorption Coefficient",
+            "Roughness",
             "Radial Roughness",
+            "Coat",
+            "IOR",
+            "Offset",
+            "Random Color",
+            "Random Roughness",
+            "Random",
         ),
         ("BSDF",),
-        options={"parametrization": ("COLOR", "MELANIN", "ABSORPTION")},
+        options={
+            "parametrization": ("COLOR", "MELANIN", "ABSORPTION"),
+            "model": ("CHIANG", "HUANG"),
+        },
     ),
     "ShaderNodeBsdfRayPortal": NodeKind("bsdf_ray_portal", ("Color",), ("BSDF",)),
     "ShaderNodeVolumeAbsorption": NodeKind("volume_absorption", ("Color", "Density"), ("Volume",)),

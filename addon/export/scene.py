@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
 from .. import cryptomatte
@@ -121,7 +123,7 @@ class SceneExport:
             return
         self._check_object(instance, owner)
         if obj.type == "CURVES" and self.layer.use_strand:
-            self._strand_instance(instance, (obj.data, "strands"), 0, lambda _: strands.curves(obj))
+            self._strand_instance(instance, (obj.data, "strands"), 0, partial(strands.curves, obj))
         if not self.layer.use_solid:
             return
         if obj.type == "POINTCLOUD":

@@ -10,7 +10,15 @@ import math
 
 import numpy as np
 
-from .desc import AttributeKind, AttributeNeed, MeshDesc, uv_layer
+from .desc import (
+    AttributeDesc,
+    AttributeDomain,
+    AttributeKind,
+    AttributeNeed,
+    MeshDesc,
+    uv_layer,
+)
+from .hashes import hash_with_to_unit
 
 SIDES = 4  # of a tube
 # A tube of so many sides is as wide, on average over the directions that it is seen from.
@@ -18,6 +26,9 @@ WIDENING = math.pi / (SIDES * math.sin(math.pi / SIDES))
 CURVE_RADIUS = 0.005  # m, of curves without one
 POINT_RADIUS = 0.01
 BALL_SUBDIVISIONS = 3  # of an octahedron
+# Attributes by which the core knows strands (nodes_hair.cpp): (V, 3) along them, unit, and (V, 4)
+# how far along of the length, length and thickness (m), and a random number for each strand.
+TANGENT, INFO = ".strand_tangent", ".strand"
 
 
 def tubes(
@@ -26,14 +37,18 @@ def tubes(
     radii: np.ndarray,
     counts: np.ndarray,
     uv: dict[str, np.ndarray] | None = None,
+    needs: frozenset[AttributeNeed] = frozenset(),
 ) -> MeshDesc | None:
     """Tubes with smooth normals along strands; None if no strand has two points.
 
     `points` (P, 3) and `radii` (P,), strand after strand; `counts` (S,): points of each; `uv`: by
-    layer (S, 2), one for all of a strand; the first is the active one.
+    layer (S, 2), one for all of a strand; the first is the active one. TANGENT and INFO are
+    made if they are among `needs`.
     """
     first = np.cumsum(counts) - counts
     parts, owners, offset = [], [], 0
+    makers = {TANGENT: lambda strands, index: _ahead(points[index]), INFO: _info(points, radii)}
+    own = {need.name: [] for need in sorted(needs) if need.name in makers}
     for count in np.unique(counts[counts > 1]):
         strands = np.flatnonzero(counts == count)
         index = first[strands][:, None] + np.arange(count)
@@ -41,6 +56,9 @@ def tubes(
         faces = _faces(len(strands), count)
         positions = points[index][:, :, None] + around * (WIDENING * radii[index])[..., None, None]
         parts.append((positions.reshape(-1, 3), faces + offset, around.reshape(-1, 3)[faces]))
+        for named, values in own.items():
+            at = makers[named](strands, index)
+            values.append(np.repeat(at, SIDES, axis=1).reshape(-1, at.shape[2]))
         owners.append(np.repeat(strands, (count - 1) * SIDES * 2))
         offset += positions.size // 3
     if not parts:
@@ -59,13 +77,51 @@ def tubes(
                 active=number == 0,
             )
             for number, (layer, at) in enumerate((uv or {}).items())
+        ]
+        + [
+            AttributeDesc(
+                named,
+                AttributeKind.NAMED,
+                AttributeDomain.VERTEX,
+                np.concatenate(values).astype(np.float32),
+            )
+            for named, values in own.items()
         ],
     )
 
 
+def _ahead(points: np.ndarray) -> np.ndarray:
+    """Along strands (S, P, 3), unit."""
+    return _unit(np.gradient(points, axis=1))
+
+
+def _info(points: np.ndarray, radii: np.ndarray):
+    """What makes INFO of strands of numbers (S,) and the indices (S, P) of their points."""
+
+    def info(strands: np.ndarray, index: np.ndarray) -> np.ndarray:
+        so_far = _so_far(points[index])
+        lengths = np.broadcast_to(so_far[:, -1:], so_far.shape)
+        random = hash_with_to_unit(strands.astype(np.uint32), 0)
+        columns = (
+            so_far / np.maximum(lengths, 1e-30),
+            lengths,
+            2.0 * radii[index],
+            np.broadcast_to(random[:, None], so_far.shape),
+        )
+        return np.stack(columns, axis=-1)
+
+    return info
+
+
+def _so_far(points: np.ndarray) -> np.ndarray:
+    """Lengths (S, P) of strands (S, P, 3) up to each point."""
+    steps = np.linalg.norm(np.diff(points, axis=1), axis=2)
+    return np.pad(np.cumsum(steps, axis=1), ((0, 0), (1, 0)))
+
+
 def _directions(points: np.ndarray) -> np.ndarray:
     """From the middle of strands (S, P, 3) to their sides (S, P, SIDES, 3), without twist, unit."""
-    ahead = _unit(np.gradient(points, axis=1))
+    ahead = _ahead(points)
     side = np.zeros_like(points[:, 0])
     side[np.arange(len(side)), np.abs(ahead[:, 0]).argmin(axis=1)] = 1.0
     sides = np.empty_like(points)
@@ -97,7 +153,7 @@ def _unit(vectors: np.ndarray) -> np.ndarray:
 def particle_hair(obj, system, needs: frozenset[AttributeNeed], is_render: bool) -> MeshDesc | None:
     """The strands of a particle system of the evaluated object `obj`, in object space.
 
-    Of what their material `needs`, they have the UV layers of their emitter.
+    Of what their material `needs`, they have the UV layers of their emitter and what tubes have.
     """
     named = (AttributeKind.UV, AttributeKind.NAMED)
     layers = frozenset(need.name for need in needs if need.kind in named)
@@ -117,13 +173,13 @@ def particle_hair(obj, system, needs: frozenset[AttributeNeed], is_render: bool)
     counts = np.full(len(keys), keys.shape[1])
     radii = _hair_radii(settings, keys)
     uv = _emitter_uv(obj, system, numbers, layers)
-    return tubes(f"{obj.name}: {system.name}", keys.reshape(-1, 3), radii.ravel(), counts, uv)
+    name = f"{obj.name}: {system.name}"
+    return tubes(name, keys.reshape(-1, 3), radii.ravel(), counts, uv, needs)
 
 
 def _hair_radii(settings, keys: np.ndarray) -> np.ndarray:
     """(S, P) from root to tip, as the particle settings shape them."""
-    lengths = np.linalg.norm(np.diff(keys, axis=1), axis=2)
-    along = np.pad(np.cumsum(lengths, axis=1), ((0, 0), (1, 0)))
+    along = _so_far(keys)
     along /= np.maximum(along[:, -1:], 1e-30)
     shape = settings.shape
     power = 1.0 + shape if shape < 0.0 else 1.0 / max(1.0 - shape, 1e-6)
@@ -160,7 +216,7 @@ def _emitter_uv(obj, system, numbers, layers: frozenset[str]) -> dict[str, np.nd
     return uv
 
 
-def curves(obj) -> MeshDesc | None:
+def curves(obj, needs: frozenset[AttributeNeed]) -> MeshDesc | None:
     """The strands of an evaluated Curves object, in object space."""
     data = obj.data
     counts = np.empty(len(data.curves), np.int32)
@@ -170,7 +226,7 @@ def curves(obj) -> MeshDesc | None:
     radii = _values(data, "radius", "value", (len(points),), CURVE_RADIUS)
     surface_uv = _values(data, "surface_uv_coordinate", "vector", (len(counts), 2), None)
     uv = {} if surface_uv is None else {data.surface_uv_map or "UVMap": surface_uv}
-    return tubes(obj.name, points.astype(np.float64), radii, counts, uv)
+    return tubes(obj.name, points.astype(np.float64), radii, counts, uv, needs)
 
 
 def points(obj) -> tuple[np.ndarray, np.ndarray]:

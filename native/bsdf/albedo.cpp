@@ -253,14 +253,15 @@ Spectrum schlick(const Spectrum& f0, float rise) { return f0 + (Spectrum(1.0f) -
 // A conductor as the f82 curve that agrees with it at normal incidence and at 82 degrees, which
 // integrates in closed form; other kinds as they are.
 Fresnel as_f82(const Fresnel& conductor) {
-    const Spectrum f0 = fresnel(conductor, 1.0f), edge = fresnel(conductor, 1.0f / 7.0f);
-    const Spectrum untinted = schlick(f0, 7776.0f / 16807.0f);
-    return {Fresnel::Kind::f82, 1.0f, f0, edge / untinted};
+    const Fresnel bare{conductor.kind, conductor.eta, conductor.f0, conductor.f82};
+    const Spectrum f0 = fresnel(bare, 1.0f), edge = fresnel(bare, 1.0f / 7.0f);
+    return {Fresnel::Kind::f82, 1.0f, f0, facet::f82_tint(f0, edge)};
 }
 
-// Mean reflectance over the lobe seen from an angle.
+// Mean reflectance over the lobe seen from an angle; under a film about that of a mirror.
 Spectrum lobe_mean(const Fresnel& f, MicrofacetModel model, float alpha, float cos_o,
                    const ReflectionTable::Entry& entry) {
+    if (f.film.exists()) return fresnel(f, cos_o);
     switch (f.kind) {
         case Fresnel::Kind::none: return f.f0;
         case Fresnel::Kind::dielectric:
@@ -284,7 +285,7 @@ float dielectric_mean(float eta) {
     return (eta - 1.0f) / (4.08567f + 1.00071f * eta);
 }
 
-// The same for any Fresnel term. Schlick's curve and its dip have closed forms, 1/21 and 1/126.
+// The same for any Fresnel term, without its film. Schlick's curve and its dip have closed forms, 1/21 and 1/126.
 Spectrum hemisphere_mean(const Fresnel& f) {
     switch (f.kind) {
         case Fresnel::Kind::none: return f.f0;
@@ -343,19 +344,24 @@ Spectrum albedo_of(const MicrofacetDielectric& c, const Vec3& wo) {
     const Spectrum reflection = c.reflects ? c.reflection_tint : Spectrum(0.0f);
     const Spectrum transmission = c.refracts ? c.transmission_tint : Spectrum(0.0f);
     if (is_delta(c)) {
-        const float f = facet::dielectric(cos_o, c.eta);
-        if (c.fresnel_weighted) return reflection * f + transmission * (1.0f - f);
-        return reflection + transmission * (f < 1.0f ? 1.0f : 0.0f);
+        const Spectrum f = facet::reflectance(c, cos_o);
+        if (c.fresnel_weighted) return reflection * f + transmission * (Spectrum(1.0f) - f);
+        const bool passes = facet::refracted_cos_squared(cos_o, c.eta) > 0.0f;
+        return reflection + transmission * (passes ? 1.0f : 0.0f);
     }
     const float white = reflection_table(c.model)(c.alpha, cos_o).energy;
     const DielectricTable& table = dielectric_table(c.model);
     const DielectricTable::Entry entry = table(c.alpha, cos_o, c.eta);
     if (!c.fresnel_weighted)
         return reflection * white + transmission * std::max(entry.through, kLeastTransmission);
-    const float reflected = std::min(
-        white * clamp01(lerp(facet::dielectric_f0(c.eta), 1.0f, entry.rise)), entry.energy);
-    const Spectrum once = reflection * reflected +
-                          transmission * std::max(entry.energy - reflected, kLeastTransmission);
+    const float bare = clamp01(lerp(facet::dielectric_f0(c.eta), 1.0f, entry.rise));
+    const Spectrum facets = c.film.exists() ? facet::reflectance(c, cos_o) : Spectrum(bare);
+    const auto least = [](const Spectrum& a, float b) {
+        return Spectrum(std::min(a.x, b), std::min(a.y, b), std::min(a.z, b));
+    };
+    const Spectrum reflected = least(facets * white, entry.energy);
+    const Spectrum rest = least(reflected, entry.energy - kLeastTransmission);
+    const Spectrum once = reflection * reflected + transmission * (Spectrum(entry.energy) - rest);
     if (!compensated(c)) return once;
     return once * compensation(c.transmission_tint, entry.energy, table.mean(c.alpha, c.eta));
 }

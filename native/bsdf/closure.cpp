@@ -33,9 +33,11 @@ struct Division {
     float p_reflect, p_transmit;
 };
 Division divide(const MicrofacetDielectric& c, float cos_facet) {
-    const float f = facet::dielectric(cos_facet, c.eta);
-    const float r = !c.reflects ? 0.0f : c.fresnel_weighted ? f : 1.0f;
-    const float t = !c.refracts || f >= 1.0f ? 0.0f : c.fresnel_weighted ? 1.0f - f : 1.0f;
+    const Spectrum f = facet::reflectance(c, cos_facet);
+    const Spectrum none(0.0f), all_of_it(1.0f);
+    const bool passes = c.refracts && facet::refracted_cos_squared(cos_facet, c.eta) > 0.0f;
+    const Spectrum r = !c.reflects ? none : c.fresnel_weighted ? f : all_of_it;
+    const Spectrum t = !passes ? none : c.fresnel_weighted ? all_of_it - f : all_of_it;
     Division d{c.reflection_tint * r, c.transmission_tint * t, 0.0f, 0.0f};
     const float reflected = mean(d.reflected), transmitted = mean(d.transmitted),
                 all = reflected + transmitted;
@@ -184,6 +186,9 @@ template <class C>
 bool restrict_glossy(C&, bool reflective, bool) {
     return C::kTraits.reflected != BounceKind::glossy || reflective;
 }
+// As in Cycles hair is no caustic.
+bool restrict_glossy(HairFibre&, bool, bool) { return true; }
+bool restrict_glossy(HairLobe&, bool, bool) { return true; }
 bool restrict_glossy(MicrofacetDielectric& c, bool reflective, bool refractive) {
     c.reflects = c.reflects && reflective;
     c.refracts = c.refracts && refractive;
@@ -194,7 +199,10 @@ template <class C>
 Vec3 normal_of(const C& c) {
     return c.n;
 }
+// Of what has none.
 Vec3 normal_of(const Transparent&) { return Vec3(0.0f); }
+Vec3 normal_of(const HairFibre&) { return Vec3(0.0f); }
+Vec3 normal_of(const HairLobe&) { return Vec3(0.0f); }
 
 // Of the terminator, for light that is not a delta's. Lobes that glint have the normals of their map.
 float fade_of(const Terminator& terminator, const Closure& closure, const Vec3& wi) {
@@ -391,6 +399,9 @@ std::optional<ClosureSample> sample(const ClosureList& list, const Vec3& ng, con
     const std::optional<LobeSample> lobe = std::visit(
         [&](const auto& c) { return sample_lobe(c, wo, u_lobe, Vec2(u.y, u.z)); }, closure.kind);
     if (!lobe) return std::nullopt;
+    const float side = dot(ng, lobe->wi);
+    const BounceKind kind =
+        traits(closure.kind).all_around ? kind_of(closure, side < 0.0f) : lobe->kind;
     ClosureSample result{
         .wi = lobe->wi,
         .weight = Spectrum(0.0f),
@@ -398,19 +409,18 @@ std::optional<ClosureSample> sample(const ClosureList& list, const Vec3& ng, con
         .probability = 0.0f,
         .delta = lobe->delta,
         .on_caster_normal = closure.on_caster_normal,
-        .refracted = lobe->kind == BounceKind::transmission,
+        .refracted = kind == BounceKind::transmission,
         .facets = traits(closure.kind).has_facets,
         .alpha = std::visit([](const auto& c) { return alpha_of(c); }, closure.kind),
         .eta = std::visit([](const auto& c) { return eta_of(c); }, closure.kind),
         .glints = list.glints_apart && closure.glints,
         .below = std::get_if<Subsurface>(&closure.kind),
-        .kind = lobe->kind};
+        .kind = kind};
     if (result.below != nullptr) {
         result.probability = closure.sample_weight / total;
         result.weight = closure.weight * (1.0f / result.probability);
         return result;
     }
-    const float side = dot(ng, lobe->wi);
     if (lobe->delta) {
         const bool crosses = lobe->kind == BounceKind::transmission;
         if (lobe->kind != BounceKind::transparent && !(crosses ? side < 0.0f : side > 0.0f))
@@ -422,7 +432,7 @@ std::optional<ClosureSample> sample(const ClosureList& list, const Vec3& ng, con
     // A direction on the wrong side for its lobe may still be right for another closure of the
     // list, but then it is drawn from outside the density that eval() states.
     const bool above = side > 0.0f;
-    if (above != (lobe->kind != BounceKind::transmission)) return std::nullopt;
+    if (above != (kind != BounceKind::transmission)) return std::nullopt;
     const ClosureEval sum = eval(list, ng, wo, lobe->wi, group_of(list, closure, !above));
     if (!(sum.pdf_of_kinds > 0.0f)) return std::nullopt;
     result.pdf_omega = sum.pdf_omega;

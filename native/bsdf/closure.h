@@ -16,6 +16,7 @@
 
 #include "bsdf/ashikhmin_shirley.h"
 #include "bsdf/diffuse.h"
+#include "bsdf/hair.h"
 #include "bsdf/subsurface.h"
 #include "bsdf/terminator.h"
 
@@ -28,6 +29,15 @@ namespace spc {
 inline constexpr float kDeltaAlpha = 2e-5f;
 
 enum class MicrofacetModel : uint8_t { ggx, beckmann };
+
+// A film on an interface, of its thickness times the index of wo's side, and of an index over that of
+// wo's side: so it is the same film from both sides.
+struct ThinFilm {
+    float thickness = 0.0f;  // nm
+    float ior = 1.0f;
+
+    bool exists() const { return thickness > 0.1f; }  // Cycles' bound
+};
 
 // How much of the light a microfacet reflects, by the cosine between half-vector and wo.
 struct Fresnel {
@@ -44,6 +54,7 @@ struct Fresnel {
     float eta = 1.0f;
     Spectrum f0{1.0f};   // f82, dielectric_f0: normal incidence; dielectric: tint; conductor: eta
     Spectrum f82{1.0f};  // f82: tint at 82 degrees; conductor: k
+    ThinFilm film{};     // over dielectric_f0, conductor, f82
 };
 Spectrum fresnel(const Fresnel& fresnel, float cos_wo_h);
 // Reflectance of a dielectric interface; eta as above; 1 at total internal reflection.
@@ -88,6 +99,7 @@ struct MicrofacetDielectric {
     bool fresnel_weighted;
     Spectrum reflection_tint, transmission_tint;
     bool energy_compensated = false;
+    ThinFilm film{};  // read where it is fresnel_weighted
 };
 struct Transparent {  // a delta
     static constexpr ClosureTraits kTraits{.reflected = BounceKind::transparent,
@@ -95,9 +107,10 @@ struct Transparent {  // a delta
                                            .straight = true};
 };
 
-using ClosureKind = std::variant<Lambert, MicrofacetReflection, MicrofacetDielectric, Transparent,
-                                 Translucent, OrenNayar, Sheen, Velvet, BurleyDiffuse, SchlickSheen,
-                                 DiffuseToon, GlossyToon, AshikhminShirley, Subsurface>;
+using ClosureKind =
+    std::variant<Lambert, MicrofacetReflection, MicrofacetDielectric, Transparent, Translucent,
+                 OrenNayar, Sheen, Velvet, BurleyDiffuse, SchlickSheen, DiffuseToon, GlossyToon,
+                 AshikhminShirley, Subsurface, HairFibre, HairLobe>;
 inline const ClosureTraits& traits(const ClosureKind& kind) {
     return *std::visit([](const auto& c) { return &c.kTraits; }, kind);
 }

@@ -17,6 +17,7 @@ struct ClosureTraits {
     bool has_facets = false;
     bool straight = false;       // lets light pass as it came: shadow rays see through it
     bool crosses = false;        // scatters to the other side without facets
+    bool all_around = false;     // scatters to either side, as one lobe
     bool enters = false;         // goes on below the surface: an integrator finds where it leaves
     bool albedo_varies = false;  // how much it scatters depends on wo
 };

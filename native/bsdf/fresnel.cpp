@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bsdf/fresnel.h"
 
+#include "bsdf/thin_film.h"
+#include "core/error.h"
+
 namespace spc {
 namespace {
 
@@ -20,12 +23,44 @@ float conductor(float cos_o, float eta, float k) {
     return clamp01(0.5f * s * (1.0f + (p_base - p_mixed) / (p_base + p_mixed)));
 }
 
+// With a film some colours may reflect less than at normal incidence without one: what a tint f0 says of
+// that is scaled, the less the nearer to total reflection, as in Cycles.
+Spectrum film_with_f0(const Fresnel& f, float cos_o) {
+    const float natural = facet::dielectric_f0(f.eta);
+    const Spectrum filmed = facet::film_over_dielectric(f.film, cos_o, f.eta);
+    if (!(natural > 1e-5f)) return filmed;
+    const Spectrum share = facet::saturate((Spectrum(1.0f) - filmed) * (1.0f / (1.0f - natural)));
+    return filmed * (Spectrum(1.0f) + (f.f0 * (1.0f / natural) - Spectrum(1.0f)) * share);
+}
+
+Spectrum with_film(const Fresnel& f, float cos_o) {
+    switch (f.kind) {
+        case Fresnel::Kind::dielectric_f0: return film_with_f0(f, cos_o);
+        case Fresnel::Kind::conductor:
+            return facet::film_over_conductor(f.film, cos_o, f.f0, f.f82);
+        case Fresnel::Kind::f82: {
+            const Fresnel bare{f.kind, f.eta, f.f0, f.f82};
+            return facet::film_over_f82(f.film, cos_o, f.f0, fresnel(bare, 1.0f / 7.0f));
+        }
+        case Fresnel::Kind::none:
+        case Fresnel::Kind::dielectric: break;
+    }
+    SPC_ASSERT(false);
+    return Spectrum(0.0f);
+}
+
 }  // namespace
+
+Spectrum facet::reflectance(const MicrofacetDielectric& c, float cos_o) {
+    if (c.film.exists()) return film_over_dielectric(c.film, cos_o, c.eta);
+    return Spectrum(dielectric(cos_o, c.eta));
+}
 
 float fresnel_dielectric(float cos_i, float eta) { return facet::dielectric(cos_i, eta); }
 
 Spectrum fresnel(const Fresnel& f, float cos_wo_h) {
     const float c = clamp01(std::abs(cos_wo_h));
+    if (f.film.exists()) return with_film(f, c);
     switch (f.kind) {
         case Fresnel::Kind::none: return f.f0;
         case Fresnel::Kind::dielectric: return f.f0 * facet::dielectric(c, f.eta);

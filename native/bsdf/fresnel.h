@@ -53,4 +53,12 @@ inline Spectrum f82_dip(const Spectrum& f0, const Spectrum& f82) {
     return schlick * (Spectrum(1.0f) - f82) * (1.0f / kShape);
 }
 
+// The tint of an F82 model by what it reflects at 82 degrees.
+inline Spectrum f82_tint(const Spectrum& f0, const Spectrum& at_82) {
+    return at_82 / (f0 + (Spectrum(1.0f) - f0) * (7776.0f / 16807.0f));
+}
+
+// Share of the light that a facet of a dielectric reflects, whatever it does with it.
+Spectrum reflectance(const MicrofacetDielectric& c, float cos_o);
+
 }  // namespace spc::facet

@@ -29,7 +29,10 @@ enum class ClosureOp : uint8_t {  // operands after weight and normal
     dielectric,  // alpha, index of a front face, reflection tint, transmission tint
     coated,  // alpha, index, reflectance at normal incidence, colour and roughness below: a dielectric's reflection over
              // rough_diffuse
-    coat,    // alpha, index: the reflection of what lies over other terms
+    hair_fibre,         // tangent, absorption, roughness along and around, coat, index, tilt
+    hair_reflection,    // colour, tangent, roughness along and around, offset
+    hair_transmission,  // likewise
+    coat,               // alpha, index: the reflection of what lies over other terms
     count
 };
 
@@ -89,6 +92,9 @@ inline constexpr std::array<ClosureOpTraits, static_cast<size_t>(ClosureOp::coun
      .matched_index_is_black = true,
      .weak = true,
      .may_glint = true},
+    {.op = ClosureOp::hair_fibre, .arity = 9, .diffuse = kUncolored},
+    {.op = ClosureOp::hair_reflection, .arity = 7, .diffuse = 2},
+    {.op = ClosureOp::hair_transmission, .arity = 7, .diffuse = 2},
     {.op = ClosureOp::coat,
      .arity = 4,
      .alpha = 2,

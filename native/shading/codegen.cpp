@@ -184,9 +184,10 @@ Program generate(const ExprBuilder& expr, const std::vector<ClosureTerm>& terms,
     std::vector<ExprId> surface_roots{roots.emission, roots.surface_normal};
     for (const ClosureTerm& term : terms) {
         surface_roots.insert(surface_roots.end(), term.in.begin(), term.in.end());
-        surface_roots.insert(surface_roots.end(),
-                             {term.coat.through, term.grain.stretch, term.grain.tangent,
-                              term.below.share, term.below.radius, term.below.entry});
+        surface_roots.insert(
+            surface_roots.end(),
+            {term.coat.through, term.grain.stretch, term.grain.tangent, term.below.share,
+             term.below.radius, term.below.entry, term.film.thickness, term.film.ior});
         if (term.coated_on_slope_map())
             surface_roots.insert(surface_roots.end(), {term.coat.layer, term.coat.tint});
     }
@@ -199,6 +200,8 @@ Program generate(const ExprBuilder& expr, const std::vector<ClosureTerm>& terms,
         closure.through = generator.operand(term.coat.through);
         closure.stretch = generator.operand(term.grain.stretch);
         closure.tangent = generator.operand(term.grain.tangent);
+        closure.film_thickness = generator.operand(term.film.thickness);
+        closure.film_ior = generator.operand(term.film.ior);
         closure.below_share = generator.operand(term.below.share);
         closure.below_radius = generator.operand(term.below.radius);
         closure.below_entry = generator.operand(term.below.entry);

@@ -92,7 +92,8 @@ void Compiler::add_term(ClosureTerm term) {
     SPC_ASSERT(term.in.size() == row.arity);
     if (is_black(term.weight())) return;
     if (is_world_) return warn(term.node, std::string(term.label) + " in a background is ignored");
-    const bool matched = row.matched_index_is_black && expr.is_constant(term.ior(), 1.0f);
+    const bool matched =
+        row.matched_index_is_black && !term.film.exists() && expr.is_constant(term.ior(), 1.0f);
     term.modes.reflects = term.reflects() && scatters(term, row.reflection) && !matched;
     term.modes.refracts = term.refracts() && scatters(term, row.refraction);
     const bool facets = term.modes.reflects || term.modes.refracts;
@@ -138,10 +139,13 @@ void Compiler::describe(Material& material) {
     const auto delta = [&](ExprId alpha) {
         return expr.is_constant(alpha) && expr.scalar(alpha) <= kDeltaAlpha;
     };
+    const auto reads_ray = [&](ExprId id) {
+        return id != kNoExpr && (expr.reads(id) & kReadsRay) != 0;
+    };
     for (const ClosureTerm& term : terms_) {
         const ClosureOpTraits& row = term.row();
-        for (const ExprId operand : term.in)
-            material.depends_on_ray |= operand != kNoExpr && (expr.reads(operand) & kReadsRay) != 0;
+        for (const ExprId operand : term.in) material.depends_on_ray |= reads_ray(operand);
+        material.depends_on_ray |= reads_ray(term.film.thickness) || reads_ray(term.film.ior);
         if (material.narrow_lobe.empty()) material.narrow_lobe = narrow_lobe(term);
         material.has_subsurface |= term.below.exists();
         material.may_be_transparent |= row.straight != kAbsent;

@@ -24,6 +24,13 @@ struct Grain {
     bool exists() const { return stretch != kNoExpr; }
 };
 
+// The film over a reflection: its thickness in nm, and its index.
+struct FilmOver {
+    ExprId thickness = kNoExpr, ior = kNoExpr;  // kNoExpr: there is none
+
+    bool exists() const { return thickness != kNoExpr; }
+};
+
 // What goes on below the diffuse part of a term: its share, the radius in m, and (anisotropy, alpha,
 // index) of the medium and where light enters it.
 struct BelowSurface {
@@ -41,6 +48,7 @@ struct ClosureTerm {
     std::vector<ExprId> in;  // operands, as many as the row says
     CoatOver coat;
     Grain grain;
+    FilmOver film;
     BelowSurface below;
     bool on_caster_normal = false, on_slope_map = false;
 

@@ -275,6 +275,7 @@ public:
                 fresnel.kind = Fresnel::Kind::f82;
                 fresnel.f0 = color(c, 3);
                 fresnel.f82 = color(c, 4);
+                fresnel.film = film(c);
                 return add_reflection(c, weight, fresnel);
             }
             case ClosureOp::conductor: {
@@ -282,10 +283,14 @@ public:
                 fresnel.kind = Fresnel::Kind::conductor;
                 fresnel.f0 = color(c, 3);
                 fresnel.f82 = color(c, 4);
+                fresnel.film = film(c);
                 return add_reflection(c, weight, fresnel);
             }
             case ClosureOp::dielectric: return add_dielectric(c, weight);
             case ClosureOp::coated: return add_coated(c, weight);
+            case ClosureOp::hair_fibre: return add_fibre(c, weight);
+            case ClosureOp::hair_reflection: return add_hair_lobe(c, weight, false);
+            case ClosureOp::hair_transmission: return add_hair_lobe(c, weight, true);
             case ClosureOp::coat: return add_reflection(c, weight, coat_fresnel(ior(c)));
             case ClosureOp::count: return;
         }
@@ -315,6 +320,10 @@ private:
     }
     Vec3 diffuse_normal(const ClosureInstruction& c) const {
         return bump_correction_ == BumpCorrection::smoothed ? glossy_normal(c) : normal(c);
+    }
+    ThinFilm film(const ClosureInstruction& c) const {
+        if (c.film_thickness == kNoOperand) return {};
+        return {r_.scalar(c.film_thickness), std::max(r_.scalar(c.film_ior), 1e-5f)};
     }
     MicrofacetReflection reflection(const ClosureInstruction& c, const Fresnel& fresnel) const {
         MicrofacetReflection lobe{glossy_normal(c), alpha(c), c.modes.model, fresnel,
@@ -407,7 +416,31 @@ private:
         d.reflection_tint = color(c, 4);
         d.transmission_tint = color(c, 5);
         d.energy_compensated = c.modes.energy_compensated;
+        const float index_of_wo = point_.backfacing ? ior(c) : 1.0f;
+        d.film = film(c);
+        d.film.thickness *= index_of_wo;
+        d.film.ior /= index_of_wo;
         add(c, weight, d);
+    }
+
+    // On what is no strand it lies along a side of the triangle, as in Cycles.
+    void add_fibre(const ClosureInstruction& c, const Spectrum& weight) {
+        const Vec3 along = value_of(r_.vector(operand(c, 2)));
+        const bool strand = length_squared(along) > 0.0f;
+        const Vec3 tangent = normalize(strand ? along : point_.dp_du);
+        const float h = strand ? across_tube(tangent, surface_normal_, point_.ng, point_.wo)
+                               : across_fibre(tangent, point_.ng, point_.wo);
+        add(c, weight,
+            hair_fibre(tangent, h, color(c, 3), scalar(c, 4), scalar(c, 5), scalar(c, 6),
+                       scalar(c, 7), scalar(c, 8)));
+    }
+    void add_hair_lobe(const ClosureInstruction& c, const Spectrum& weight, bool transmits) {
+        const auto width = [](float roughness) { return std::clamp(roughness, 0.001f, 1.0f); };
+        const Vec3 along = value_of(r_.vector(operand(c, 3)));
+        const bool strand = length_squared(along) > 0.0f;
+        add(c, color(c, 2) * weight,
+            HairLobe{normalize(strand ? along : point_.dp_dv), width(scalar(c, 4)),
+                     width(scalar(c, 5)), strand ? -scalar(c, 6) : 0.0f, transmits});
     }
 
     void add_coated(const ClosureInstruction& c, const Spectrum& weight) {
@@ -415,8 +448,9 @@ private:
         fresnel.kind = Fresnel::Kind::dielectric_f0;
         fresnel.eta = ior(c);
         fresnel.f0 = color(c, 4);
+        fresnel.film = film(c);
         Spectrum below = weight;
-        if (fresnel.eta != 1.0f) {
+        if (fresnel.eta != 1.0f || fresnel.film.exists()) {
             const MicrofacetReflection layer = reflection(c, fresnel);
             add_reflection(c, weight, fresnel);
             below *= clamp01(1.0f - max_component(kept_from_below(layer, point_.wo)));

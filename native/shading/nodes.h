@@ -65,6 +65,7 @@ ExprId blackbody(NodeContext& node, int output);
 ExprId wavelength(NodeContext& node, int output);
 ExprId bevel(NodeContext& node, int output);
 ExprId ambient_occlusion(NodeContext& node, int output);
+ExprId hair_info(NodeContext& node, int output);
 ExprId absent_info(NodeContext& node, int output);
 ExprId vertex_color(NodeContext& node, int output);
 ExprId object_info(NodeContext& node, int output);

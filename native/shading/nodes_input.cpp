@@ -191,7 +191,7 @@ ExprId ambient_occlusion(NodeContext& node, int output) {
     return output == kOcclusion ? node.e.constant(1.0f) : node.input(kColor);
 }
 
-// Of hair, points and volumes on a mesh, which is none of them.
+// Of points and volumes on a mesh, which is neither.
 ExprId absent_info(NodeContext& node, int output) { return zero(node, output); }
 
 ExprId attribute(NodeContext& node, int output) {

@@ -50,6 +50,13 @@ ExprId stretch_of(NodeContext& node, ExprId anisotropic) {
     return e.divide(e.constant(1.0f), e.square_root(ratio));
 }
 
+// None where it is of no thickness.
+FilmOver film_of(NodeContext& node, int thickness_socket, int ior_socket) {
+    const ExprId thickness = node.input(thickness_socket);
+    if (node.e.is_constant(thickness) && !(node.e.scalar(thickness) > 0.0f)) return {};
+    return {thickness, node.input(ior_socket)};
+}
+
 ClosureModes modes_of(const std::string& distribution) {
     ClosureModes modes;
     if (distribution == "BECKMANN") modes.model = MicrofacetModel::beckmann;
@@ -197,7 +204,9 @@ void metallic(NodeContext& node, ExprId weight) {
         kAnisotropy,
         kRotation,
         kNormal,
-        kTangent
+        kTangent,
+        kFilmThickness,
+        kFilmIor
     };
     ExprBuilder& e = node.e;
     const ExprId normal = node.normal(kNormal), alpha = alpha_of(node, node.input(kRoughness));
@@ -212,16 +221,20 @@ void metallic(NodeContext& node, ExprId weight) {
                                        modes_of(node.option(0)));
     lobe.grain =
         grain_of(node, stretch_of(node, node.input(kAnisotropy)), normal, kTangent, kRotation);
+    lobe.film = film_of(node, kFilmThickness, kFilmIor);
     node.c.add_term(lobe);
 }
 
 void glass(NodeContext& node, ExprId weight) {
-    enum { kColor, kRoughness, kIor, kNormal };
+    enum { kColor, kRoughness, kIor, kNormal, kFilmThickness, kFilmIor };
     const ExprId color = node.input(kColor);
-    node.c.add_term(term(node, ClosureOp::dielectric, "",
-                         {weight, node.normal(kNormal), alpha_of(node, node.input(kRoughness)),
-                          ior_of(node, node.input(kIor)), color, color},
-                         modes_of(node.option(0))));
+    ClosureTerm interface =
+        term(node, ClosureOp::dielectric, "",
+             {weight, node.normal(kNormal), alpha_of(node, node.input(kRoughness)),
+              ior_of(node, node.input(kIor)), color, color},
+             modes_of(node.option(0)));
+    interface.film = film_of(node, kFilmThickness, kFilmIor);
+    node.c.add_term(interface);
 }
 
 void refraction(NodeContext& node, ExprId weight) {
@@ -305,7 +318,9 @@ void principled(NodeContext& node, ExprId weight) {
         kSubsurfaceRadius,
         kSubsurfaceScale,
         kSubsurfaceIor,
-        kSubsurfaceAnisotropy
+        kSubsurfaceAnisotropy,
+        kFilmThickness,
+        kFilmIor
     };
     ExprBuilder& e = node.e;
     const ClosureModes modes = modes_of(node.option(0));
@@ -317,6 +332,7 @@ void principled(NodeContext& node, ExprId weight) {
     const ExprId ior = ior_of(node, node.input(kIor));
     const Grain grain = grain_of(node, stretch_of(node, node.input(kAnisotropic)), normal, kTangent,
                                  kAnisotropicRotation);
+    const FilmOver film = film_of(node, kFilmThickness, kFilmIor);
 
     const ExprId coverage = e.clamp01(node.input(kAlpha));
     node.c.add_term(term(node, ClosureOp::transparent, " (alpha)",
@@ -348,6 +364,7 @@ void principled(NodeContext& node, ExprId weight) {
         {e.multiply(weight, metallic), normal, rough_alpha, clamped_base, clamped_tint}, modes);
     metal.coat = over;
     metal.grain = grain;
+    if (node.enabled(3)) metal.film = film;
     node.c.add_term(metal);
     weight = e.multiply(weight, e.one_minus(metallic));
 
@@ -358,6 +375,7 @@ void principled(NodeContext& node, ExprId weight) {
                               clamped_tint, e.square_root(clamped_base)},
                              modes);
     glass.coat = over;
+    glass.film = film;
     node.c.add_term(glass);
     weight = e.multiply(weight, e.one_minus(transmission));
 
@@ -396,6 +414,7 @@ void principled(NodeContext& node, ExprId weight) {
     }
     coated.coat = over;
     coated.grain = grain;
+    coated.film = film;
     node.c.add_term(coated);
     node.c.add_term(coat);
 }

@@ -115,7 +115,7 @@ constexpr NodeKind kRows[] = {
      .inputs = kOcclusionIn,
      .outputs = kOcclusionOut,
      .value = nodes::ambient_occlusion},
-    {.name = "hair_info", .label = "Curves Info", .outputs = kHairOut, .value = nodes::absent_info},
+    {.name = "hair_info", .label = "Curves Info", .outputs = kHairOut, .value = nodes::hair_info},
     {.name = "point_info", .label = "Point Info", .outputs = kPointOut, .value = nodes::absent_info},
     {.name = "volume_info", .label = "Volume Info", .outputs = kVolumeOut, .value = nodes::absent_info},
     {.name = "light_path", .label = "Light Path", .outputs = kLightPathOut, .value = nodes::light_path},

@@ -24,6 +24,8 @@ constexpr InputSocket kSheenIn[] = {grey_input(0.8f), scalar_input("Roughness", 
 constexpr InputSocket kToonIn[] = {grey_input(0.8f), scalar_input("Size", 0.5f),
                                    scalar_input("Smooth", 0.0f), kNormalInput};
 constexpr InputSocket kTangentInput{"Tangent", {}, vector, Unlinked::tangent};
+constexpr InputSocket kFilmThicknessInput = scalar_input("Thin Film Thickness", 0.0f);  // nm
+constexpr InputSocket kFilmIorInput = scalar_input("Thin Film IOR", 1.33f);
 constexpr InputSocket kGlossyIn[] = {grey_input(0.8f),
                                      scalar_input("Roughness", 0.5f),
                                      kNormalInput,
@@ -38,11 +40,14 @@ constexpr InputSocket kMetallicIn[] = {{"Base Color", {0.617f, 0.577f, 0.540f}, 
                                        scalar_input("Anisotropy", 0.0f),
                                        scalar_input("Rotation", 0.0f),
                                        kNormalInput,
-                                       kTangentInput};
+                                       kTangentInput,
+                                       kFilmThicknessInput,
+                                       kFilmIorInput};
 constexpr NodeOption kMetallicModels[] = {{"distribution", "GGX|BECKMANN|MULTI_GGX"},
                                           {"fresnel_type", "F82|PHYSICAL_CONDUCTOR"}};
-constexpr InputSocket kGlassIn[] = {grey_input(1.0f), scalar_input("Roughness", 0.0f),
-                                    scalar_input("IOR", 1.5f), kNormalInput};
+constexpr InputSocket kGlassIn[] = {grey_input(1.0f),          scalar_input("Roughness", 0.0f),
+                                    scalar_input("IOR", 1.5f), kNormalInput,
+                                    kFilmThicknessInput,       kFilmIorInput};
 constexpr InputSocket kRefractionIn[] = {grey_input(1.0f), scalar_input("Roughness", 0.0f),
                                          scalar_input("IOR", 1.45f), kNormalInput};
 constexpr InputSocket kTransparentIn[] = {grey_input(1.0f)};
@@ -80,7 +85,9 @@ constexpr InputSocket kPrincipledIn[] = {grey_input(0.8f, "Base Color"),
                                          {"Subsurface Radius", {1.0f, 0.2f, 0.1f}, vector},
                                          scalar_input("Subsurface Scale", 0.05f),
                                          scalar_input("Subsurface IOR", 1.4f),
-                                         scalar_input("Subsurface Anisotropy", 0.0f)};
+                                         scalar_input("Subsurface Anisotropy", 0.0f),
+                                         kFilmThicknessInput,
+                                         kFilmIorInput};
 constexpr const char* kSubsurfaceMethods =
     "RANDOM_WALK|RANDOM_WALK_SKIN|RANDOM_WALK_FIXED_RADIUS|RANDOM_WALK_DIPOLE|BURLEY";
 constexpr NodeOption kSubsurfaceOptions[] = {{"falloff", kSubsurfaceMethods}};
@@ -102,12 +109,21 @@ constexpr InputSocket kPrincipledHairIn[] = {
     scalar_input("Melanin Redness", 1.0f),
     grey_input(1.0f, "Tint"),
     {"Absorption Coefficient", {0.245531f, 0.52f, 1.365f}, vector},
-    scalar_input("Radial Roughness", 0.3f)};
-constexpr NodeOption kPrincipledHairModels[] = {{"parametrization", "COLOR|MELANIN|ABSORPTION"}};
+    scalar_input("Roughness", 0.3f),
+    scalar_input("Radial Roughness", 0.3f),
+    scalar_input("Coat", 0.0f),
+    scalar_input("IOR", 1.55f),
+    scalar_input("Offset", 0.0349066f),  // rad
+    scalar_input("Random Color", 0.0f),
+    scalar_input("Random Roughness", 0.0f),
+    scalar_input("Random", 0.0f)};
+constexpr NodeOption kPrincipledHairModels[] = {{"parametrization", "COLOR|MELANIN|ABSORPTION"},
+                                                {"model", "CHIANG|HUANG"}};
 constexpr InputSocket kPortalIn[] = {grey_input(1.0f)};
 constexpr NodeOption kPrincipledModels[] = {{"distribution", "GGX|MULTI_GGX"},
                                             {"model", "LAYERED|BURLEY"},
-                                            {"subsurface_method", kSubsurfaceMethods}};
+                                            {"subsurface_method", kSubsurfaceMethods},
+                                            {"film_on_metal", "True|False"}};
 
 constexpr NodeKind kRows[] = {
     {.name = "output",

@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from tools import venvs
+
 FARM = Path(__file__).resolve().parents[2] / "docs" / "farm"
 
 # Runs an array job's script for each task at once, and prints the job's number.
@@ -32,7 +34,9 @@ def program(folder: Path, name: str, text: str) -> None:
     path.chmod(0o755)
 
 
-def test_slurm_divides_samples_and_merges(tmp_path):
+@pytest.fixture
+def farm(tmp_path):
+    """A folder with parts of frames 3 and 4, and programs that record how they are called."""
     programs, out = tmp_path / "bin", tmp_path / "out"
     programs.mkdir()
     program(programs, "sbatch", SBATCH)
@@ -42,16 +46,23 @@ def test_slurm_divides_samples_and_merges(tmp_path):
     for frame in (3, 4):
         for begin in (0, 33, 66):
             (out / f"{frame:04}_View Layer_{begin}.part").touch()
-    record = tmp_path / "record"
+    return tmp_path
+
+
+def calls(farm: Path, command: list) -> list[str]:
+    """Of Blender and Python, by a command that finds the stand-ins first."""
+    record = farm / "record"
     env = os.environ | {
-        "PATH": f"{programs}:{os.environ['PATH']}",
+        "PATH": f"{farm / 'bin'}:{os.environ['PATH']}",
         "RECORD": str(record),
         "SPECULA_PATH": "/addons",
     }
-    subprocess.run(
-        [FARM / "slurm.sh", "a.blend", "3", "4", "100", "3", out], env=env, check=True, timeout=60
-    )
-    lines = record.read_text().splitlines()
+    subprocess.run(command, env=env, check=True, timeout=60)
+    return record.read_text().splitlines()
+
+
+def check_calls(lines: list[str]) -> None:
+    """Each frame's 100 samples are there once, in three parts, and are merged."""
     renders = [line for line in lines if line.startswith("blender ")]
     for frame in (3, 4):
         ranges = [line.split()[-1] for line in renders if f" -f {frame} -- " in line]
@@ -59,6 +70,31 @@ def test_slurm_divides_samples_and_merges(tmp_path):
     merges = [line for line in lines if line.startswith("python3 -m specula.merge")]
     assert len(merges) == 2
     assert all(line.count(".part") == 3 and line.endswith(".exr") for line in merges)
+    assert lines[-1] in merges
+
+
+def test_slurm_divides_samples_and_merges(farm):
+    check_calls(calls(farm, [FARM / "slurm.sh", "a.blend", "3", "4", "100", "3", farm / "out"]))
+
+
+def test_openjd_divides_samples_and_merges(farm):
+    """By the program that the specification's authors give out, which checks the template, too."""
+    (farm / "a.blend").touch()
+    python = venvs.openjd_python()
+    openjd = [python, python.parent / "openjd"]
+    template = FARM / "openjd.yaml"
+    subprocess.run([*openjd, "check", template], check=True, timeout=60)
+    values = {
+        "SceneFile": farm / "a.blend",
+        "OutFolder": farm / "out",
+        "Frames": "3,4",
+        "Samples": 100,
+        "Parts": 3,
+        "Addons": "/addons",
+    }
+    given = [word for name, value in values.items() for word in ("-p", f"{name}={value}")]
+    run = [*openjd, "run", template, "--step", "Merge", "--run-dependencies", *given]
+    check_calls(calls(farm, run))
 
 
 FLAMENCO = """

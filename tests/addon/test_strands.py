@@ -4,7 +4,9 @@
 import numpy as np
 import pytest
 
-from specula.export.strands import SIDES, ball, particle_hair, tubes
+from specula.export.desc import AttributeKind, AttributeNeed
+from specula.export.hashes import hash_with_to_unit
+from specula.export.strands import INFO, SIDES, TANGENT, ball, particle_hair, tubes
 
 
 def face_normals(mesh):
@@ -99,3 +101,28 @@ def test_hair_is_in_object_space_and_children_stand_for_their_parents(children, 
     )
     widths = across[0, :, 0] / across[0, 0, 0]
     np.testing.assert_allclose(widths, (1, 0.75, 0.5), atol=1e-5)
+
+
+def test_tubes_tell_of_their_strands():
+    points, counts = bent()
+    needs = frozenset(AttributeNeed(AttributeKind.NAMED, name) for name in (TANGENT, INFO))
+    mesh = tubes("Hair", points, np.full(len(points), 0.05), counts, needs=needs)
+    found = {attribute.name: attribute.values for attribute in mesh.attributes}
+    assert set(found) == {TANGENT, INFO}
+    positions = mesh.positions.reshape(-1, SIDES, 3)
+    middles = positions.mean(axis=1)
+    along, info = (found[name].reshape(len(middles), SIDES, -1) for name in (TANGENT, INFO))
+    assert (along == along[:, :1]).all() and (info == info[:, :1]).all()
+    straight = middles[:, 0] > 2.0
+    np.testing.assert_allclose(along[straight, 0], [(0, 0, 1)] * 2, atol=1e-6)
+    np.testing.assert_allclose(info[straight, 0, :3], [(0, 2, 0.1), (1, 2, 0.1)], rtol=1e-5)
+    # Of an arc: the angle tells how far along a place is; its chords are a little shorter.
+    angles = np.arcsin(np.clip(middles[~straight, 0], 0, 1)) / (np.pi / 2)
+    np.testing.assert_allclose(info[~straight, 0, 0], angles, atol=1e-3)
+    np.testing.assert_allclose(info[~straight, 0, 1], np.pi / 2, rtol=0.01)
+    inner = np.flatnonzero(~straight)[1:-1]
+    angles *= np.pi / 2
+    tangents = np.stack([np.cos(angles), 0 * angles, np.sin(angles)], axis=1)[1:-1]
+    np.testing.assert_allclose(along[inner, 0], tangents, atol=0.01)
+    random = hash_with_to_unit(np.array([0, 1], np.uint32), 0)
+    np.testing.assert_allclose(sorted(set(info[:, 0, 3])), sorted(random), rtol=1e-6)

@@ -351,6 +351,20 @@ def geometry__particle_hair(stage):
     stage.particles("HAIR", "PATH")
 
 
+HAIR = {
+    "chiang": N("BsdfHairPrincipled", {"Color": (0.6, 0.3, 0.1, 1.0)}),
+    "chiang_black": N("BsdfHairPrincipled", {"Melanin": 0.9}, parametrization="MELANIN"),
+    "chiang_random": N("BsdfHairPrincipled", {"Random Color": 0.8}, parametrization="MELANIN"),
+    "chiang_coat": N("BsdfHairPrincipled", {"Coat": 0.8, "Roughness": 0.5}),
+    "reflection": N("BsdfHair", {"RoughnessU": 0.3, "RoughnessV": 0.4}),
+    "transmission": N("BsdfHair", {"RoughnessU": 0.3}, component="Transmission"),
+    "intercept": N("Emission", {"Color": N("HairInfo", output="Intercept")}),
+    "random": N("Emission", {"Color": N("HairInfo", output="Random")}),
+}
+for name, shader in HAIR.items():
+    ROWS.append(Row(f"hair/{name}", lambda stage, s=shader: stage.dress_particles(s)))
+
+
 @row
 def geometry__point_cloud(stage):
     stage.geometry_nodes("points")

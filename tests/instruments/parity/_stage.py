@@ -406,6 +406,12 @@ class Stage:
         assign(settings, values)
         self.scene.frame_set(1)
 
+    def dress_particles(self, shader: Node) -> None:
+        """Strands of a shader on the ball, which keeps its own."""
+        self.sphere.data.materials.append(self.material(shader))
+        self.particles("HAIR", "PATH")
+        self.sphere.particle_systems[0].settings.material = 2
+
     def geometry_nodes(self, what: str) -> None:
         """Points on the card's vertices, shown as such or as beads."""
         group = bpy.data.node_groups.new("Scatter", "GeometryNodeTree")

@@ -190,12 +190,6 @@ inline Picture true_picture(const std::string& name, uint32_t rounds,
     std::copy(means.begin(), means.end(), picture.mean.begin());
     return picture;
 }
-inline Picture path_traced(const std::string& name, const RenderScene& world,
-                           const IntegratorSettings& settings, uint32_t rounds) {
-    return true_picture(name, rounds, [&](uint32_t count) {
-        return render(world, settings, kPathTracing, count, 1);
-    });
-}
 
 inline void expect_same(const Picture& a, const Picture& b, const std::string& what,
                         int comparisons) {
@@ -272,19 +266,6 @@ inline void add_ball(SceneMaker& maker, const Graph& graph) {
 }
 inline void add_panel(SceneMaker& maker, const Graph& graph) {
     add_caster(maker, square(0.6f), graph, rotation_x(1.3f, Vec3(0.0f, 0.9f, 0.6f)));
-}
-
-// Whether light paths give enough of a picture for its comparison to notice if they were wrong.
-inline void expect_light_paths_to_matter(const Picture& actual, const Picture& expected,
-                                         const std::string& what) {
-    const double share = actual.splats.mean() / actual.mean[4].mean(),
-                 noise =
-                     std::hypot(expected.mean[4].standard_error(), actual.mean[4].standard_error());
-    std::cout << what << ": light paths give " << share << " of the picture, known to "
-              << noise / expected.mean[4].mean() << std::endl;
-    EXPECT_GT(share, 0.02) << what;
-    const double wrong = power(0.6, 0.5);  // by so much of their share
-    EXPECT_GT(wrong * actual.splats.mean(), 5.0 * noise) << what;
 }
 
 }  // namespace spc::test

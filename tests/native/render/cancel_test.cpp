@@ -32,8 +32,8 @@ RenderScene pool() {
     SceneMaker maker;
     Camera camera;
     camera.to_world = test::translation({0.0f, 0.0f, 6.0f});
-    camera.width = 512;
-    camera.height = 256;
+    camera.width = 256;
+    camera.height = 128;
     camera.crop = {0, 0, camera.width, camera.height};
     camera.viewplane = {-0.4f, 0.4f, -0.2f, 0.2f};
     maker.builder.set_camera(camera);
@@ -77,8 +77,8 @@ double preparation_seconds(const RenderScene& world) {
 }
 
 TEST(Cancelling, EndsEveryStageSoon) {
-    constexpr int kMoments = 32;
-    constexpr double kShare = 0.03;  // of the preparation
+    constexpr int kMoments = 12;
+    constexpr double kShare = 0.05;  // of the preparation
     const RenderScene world = pool();
     const double whole = preparation_seconds(world);
     std::set<RenderStage> stages;

@@ -313,6 +313,7 @@ class LightDesc(SizedStructure):
         ("visibility", c_uint32),
         ("feeds_caustics", c_uint32),
         ("soft_falloff", c_uint32),
+        ("material", c_uint32),
     ]
 
 

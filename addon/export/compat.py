@@ -336,6 +336,25 @@ def has_light_linking(obj) -> bool:
     return bool(linking and (linking.receiver_collection or linking.blocker_collection))
 
 
+def ies_text(node) -> str:
+    """What an IES Texture reads. Raises OSError."""
+    import bpy  # not above: tables that use this module are also read without Blender
+
+    if node.mode == "INTERNAL":
+        return node.ies.as_string() if node.ies else ""
+    path = bpy.path.abspath(node.filepath, library=node.id_data.library)
+    with open(path, encoding="latin-1") as file:
+        return file.read()
+
+
+def lights_have_coordinates() -> bool:
+    """Whether Object and Generated coordinates of a light are its own: lights became objects of
+    Cycles with 4.4; before, they are the world's. Nothing but the version tells."""
+    import bpy  # not above: tables that use this module are also read without Blender
+
+    return bpy.app.version >= (4, 4, 0)
+
+
 def is_normalized(light) -> bool:
     """False if the light's power is per unit of its area (since 4.5)."""
     return getattr(light, "normalize", True)

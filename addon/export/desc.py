@@ -164,6 +164,7 @@ class LightDesc:
     spread: float = np.pi  # area: full angle of the beam, rad
     visibility: Visibility = Visibility.ALL
     feeds_caustics: bool = True
+    material: int = NONE  # whose emission is a factor of the light; NONE: 1
 
 
 @dataclass

@@ -31,6 +31,7 @@ OBJECT = (
     ),
 )
 ADAPTIVE_MESSAGE = "adaptive subdivision is not supported, its modifier's own levels are used"
+SHADOW_MESSAGE = "shadows of what is looked through are always transparent"
 # Bounces after which the light of a lamp or the world counts no more.
 BOUNCES = 1024
 BOUNCES_MESSAGE = "a limit of its bounces is not supported, it lights all of them"
@@ -52,6 +53,13 @@ def warn_of_subdivision(scene, obj, log: ExportLog) -> None:
         getattr(modifier, "use_adaptive_subdivision", False) for modifier in obj.modifiers
     ):
         log.warn(f"object {obj.name}", ADAPTIVE_MESSAGE)
+
+
+def warn_of_material(material, log: ExportLog) -> None:
+    """Cycles' own switch until 4.1, since then Blender's."""
+    own = getattr(material, "use_transparent_shadow", True)
+    if not compat.cycles_value(material, "use_transparent_shadow", own):
+        log.warn(f"material {material.name}", SHADOW_MESSAGE)
 
 
 def warn_of_bounces(owner, label: str, log: ExportLog) -> None:

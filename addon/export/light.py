@@ -4,15 +4,26 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 
-from ..inquiry import Inquiry
+from ..abi import NONE
 from . import compat, ignored
-from .desc import AreaShape, LightDesc, LightType, Visibility
+from .desc import AreaShape, LightDesc, LightType, LinkDesc, MaterialDesc, NodeDesc, Visibility
 from .image import Images
 from .log import ExportLog
-from .material import Converter
+from .material import Converter, make_emission
+
+# What the nodes of a light emit where they do so everywhere alike, and the index of the material
+# that says it where they do not, or NONE.
+Shade = Callable[[object], tuple[tuple[float, float, float], int]]
+
+# Textures that are laid out by Generated coordinates where nothing else is linked.
+BY_GENERATED = {
+    f"{name}_texture"
+    for name in ["brick", "checker", "gradient", "magic", "musgrave", "noise", "voronoi", "wave"]
+}
 
 # Blender's area shape -> the core's, and the properties that hold its extents in x and y.
 AREA_SHAPES = {
@@ -27,14 +38,10 @@ def export_light(
     obj,
     transform: np.ndarray,
     visibility: Visibility,
-    images: Images,
-    core: Inquiry,
+    shade: Shade,
     log: ExportLog,
 ) -> LightDesc | None:
-    """The light of `obj` at `transform` (3, 4); None if it gives no light to the scene.
-
-    `core` says what its nodes emit; those refer to `images`.
-    """
+    """The light of `obj` at `transform` (3, 4); None if it gives no light to the scene."""
     light = obj.data
     owner = f"light {obj.name}"
     if getattr(compat.cycles_settings(light), "is_portal", False):
@@ -48,13 +55,15 @@ def export_light(
     ignored.warn_of_bounces(light, owner, log)
     if not compat.casts_shadows(light):
         visibility &= ~Visibility.SHADOW
+    emission, material = shade(light) if compat.uses_nodes(light) else ((1.0, 1.0, 1.0), NONE)
     desc = LightDesc(
         name=obj.name,
         type=LightType[light.type],
         transform=transform,
-        power=_power(light, _node_emission(light, owner, images, core, log), owner, log),
+        power=_power(light, emission, owner, log),
         visibility=visibility,
         feeds_caustics=light.specula.caustics,
+        material=material,
     )
     _TYPES[desc.type](desc, light, owner, log)
     return desc
@@ -75,7 +84,7 @@ def _usable(transform: np.ndarray, light) -> np.ndarray | None:
 
 
 def _power(light, emission, owner: str, log: ExportLog) -> tuple[float, float, float]:
-    """Colour times energy (W; sun: W/m^2), times what the light's nodes emit."""
+    """Colour times energy (W; sun: W/m^2), times what its nodes emit everywhere alike."""
     factors = (light.color, compat.light_gain(light), emission)
     power = tuple(light.energy * math.prod(channels) for channels in zip(*factors, strict=True))
     if min(power) < 0.0:
@@ -83,22 +92,35 @@ def _power(light, emission, owner: str, log: ExportLog) -> tuple[float, float, f
     return tuple(max(channel, 0.0) for channel in power)
 
 
-def _node_emission(
-    light, owner: str, images: Images, core: Inquiry, log: ExportLog
-) -> tuple[float, float, float]:
-    """What the light's nodes emit, on average over all that they vary with; 1 without nodes."""
-    if not compat.uses_nodes(light):
-        return (1.0, 1.0, 1.0)
+def export_light_nodes(light, images: Images, log: ExportLog) -> MaterialDesc:
+    """The graph of what shades `light`; its emission is a factor of the light's own."""
+    owner = f"light {light.name}"
     converter = Converter(owner, images, log)
     material = converter.convert(owner, light.node_tree)
     converter.draw_suns()
-    emission, varies = core.emission(core.add(material, images.descs))
-    if not varies:
-        return emission
-    known = any(emission)  # the mean of what depends on the ray is not
-    used = "their mean" if known else "white emission"
-    log.warn(owner, f"nodes that vary are not supported in a light, {used} is used")
-    return emission if known else (1.0, 1.0, 1.0)
+    make_emission(material)
+    if not compat.lights_have_coordinates():
+        _place_in_world(material)
+    return material
+
+
+def _place_in_world(material: MaterialDesc) -> None:
+    """What is laid out by Object or Generated coordinates goes by the world's."""
+    index = len(material.nodes)
+    position = (index, "Position")
+    placed = {(link.to_node, link.to_socket) for link in material.links}
+    links = []
+    for link in material.links:
+        source = material.nodes[link.from_node]
+        by_lamp = source.kind == "texture_coordinate" and "Object" not in source.arrays
+        if by_lamp and link.from_socket in ("Object", "Generated"):
+            link = LinkDesc(*position, link.to_node, link.to_socket)
+        links.append(link)
+    for i, node in enumerate(material.nodes):
+        if node.kind in BY_GENERATED and (i, "Vector") not in placed:
+            links.append(LinkDesc(*position, i, "Vector"))
+    material.nodes.append(NodeDesc("World", "geometry"))
+    material.links = links
 
 
 def _point(desc: LightDesc, light, owner: str, log: ExportLog) -> None:

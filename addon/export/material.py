@@ -6,7 +6,7 @@ from __future__ import annotations
 from dataclasses import replace
 from operator import attrgetter
 
-from . import compat, graph
+from . import compat, graph, ignored
 from .desc import Glints, LinkDesc, MaterialDesc, NodeDesc
 from .image import Images
 from .log import ExportLog
@@ -40,6 +40,7 @@ def default_material() -> MaterialDesc:
 
 def export_material(material, images: Images, log: ExportLog) -> MaterialDesc:
     """The node graph of `material`'s surface and volume."""
+    ignored.warn_of_material(material, log)
     if not compat.uses_nodes(material):
         color = (*material.diffuse_color[:3], 1.0)
         desc = plain_material(material.name, "bsdf_diffuse", "BSDF", color)
@@ -49,7 +50,7 @@ def export_material(material, images: Images, log: ExportLog) -> MaterialDesc:
     converter.material_index = material.pass_index
     desc = converter.convert(material.name, material.node_tree)
     converter.draw_suns()
-    _make_emission(desc)
+    make_emission(desc)
     desc.glints = Glints[material.specula.glints]
     desc.displacement = compat.displacement(material)
     desc.bump_correction = compat.bump_correction(material)
@@ -57,7 +58,7 @@ def export_material(material, images: Images, log: ExportLog) -> MaterialDesc:
     return desc
 
 
-def _make_emission(desc: MaterialDesc) -> None:
+def make_emission(desc: MaterialDesc) -> None:
     """A Background shader on a surface is an emission."""
     backgrounds = {i for i, node in enumerate(desc.nodes) if node.kind == "background"}
     for index in backgrounds:

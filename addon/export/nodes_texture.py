@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from . import compat, sky
+from . import compat, ies, sky
 from .node_kind import ANY, SWITCH, NodeKind
 
 INTERPOLATIONS = ("Linear", "Closest", "Cubic", "Smart")
@@ -28,6 +28,25 @@ def _brick_rows(node) -> np.ndarray:
     """How rows of bricks are moved and squeezed, with every how many of them are: (2, 2)."""
     rows = ((node.offset, node.offset_frequency), (node.squash, node.squash_frequency))
     return np.array(rows, np.float32)
+
+
+def _read_ies(node) -> tuple[np.ndarray, str]:
+    """The table of a text or file, and what is wrong with that."""
+    try:
+        return ies.profile(compat.ies_text(node)), ""
+    except (OSError, ies.IesError) as error:
+        return ies.constant_profile(), str(error)
+
+
+def _ies_profile(node) -> np.ndarray:
+    return _read_ies(node)[0]
+
+
+def _ies(converter, node, desc) -> None:
+    """Tells of a table that cannot be read."""
+    _, problem = _read_ies(node)
+    if problem:
+        converter.warn(node, f"cannot be read ({problem}), shines evenly by {ies.NOT_READ:g}")
 
 
 def _image(converter, node, desc) -> None:
@@ -198,5 +217,12 @@ TEXTURE_NODES = {
         ),
         ("Color", "Fac"),
         arrays={"Rows": _brick_rows},
+    ),
+    "ShaderNodeTexIES": NodeKind(
+        "ies_texture",
+        ("Vector", "Strength"),
+        ("Fac",),
+        arrays={"Profile": _ies_profile},
+        adjust=_ies,
     ),
 }

@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 
 from .. import cryptomatte
-from ..abi import Crypto
+from ..abi import NONE, Crypto
 from ..inquiry import Inquiry
 from ..native import NativeError
 from . import compat, ignored, strands
@@ -24,7 +24,7 @@ from .desc import (
     SceneDesc,
 )
 from .image import Images
-from .light import export_light
+from .light import export_light, export_light_nodes
 from .log import ExportLog
 from .material import default_material, export_material
 from .mesh import export_mesh
@@ -68,6 +68,7 @@ class SceneExport:
         self.scene = SceneDesc(images=self.images.descs)
         self.scene.crypto_names = {kind: set() for kind in cryptomatte.kinds(self.layer)}
         self._materials: dict = {}  # evaluated material or None -> (index, needs)
+        self._lights: dict = {}  # evaluated light -> what `_light_nodes` says of it
         self._meshes: dict = {}  # mesh_key -> (index or None, needs)
 
     def run(self) -> SceneDesc:
@@ -117,7 +118,7 @@ class SceneExport:
         transform = np.array(instance.matrix_world, np.float32)[:3]
         if obj.type == "LIGHT":
             visibility = instance_visibility(instance, self.layer)
-            light = export_light(obj, transform, visibility, self.images, self._core, self.log)
+            light = export_light(obj, transform, visibility, self._light_nodes, self.log)
             if light:
                 self.scene.lights.append(light)
             return
@@ -279,6 +280,23 @@ class SceneExport:
         desc.crypto = cryptomatte.identifier(desc.name)
         needs = self._core.needs(self._core.add(desc, self.images.descs))
         return KeptMaterial(desc, self.images.used_by(desc), needs, warnings)
+
+    def _light_nodes(self, light) -> tuple[tuple[float, float, float], int]:
+        """See light.Shade."""
+        if light not in self._lights:
+            kept = self.cache.material(light, self.images, self.log)
+            if kept is None:
+                with self.log.recording() as warnings:
+                    desc = export_light_nodes(light, self.images, self.log)
+                kept = KeptMaterial(desc, self.images.used_by(desc), frozenset(), warnings)
+                self.cache.keep_material(light, kept)
+            material = self._core.add(kept.desc, self.images.descs)
+            emission, varies = self._core.emission(material)
+            if varies:
+                emission = (1.0, 1.0, 1.0)
+                self.scene.materials.append(kept.desc)
+            self._lights[light] = emission, len(self.scene.materials) - 1 if varies else NONE
+        return self._lights[light]
 
     def _crypto(self, kind: Crypto, name: str) -> float:
         """The name's identifier, if the view layer asks for the kind."""

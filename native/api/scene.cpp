@@ -249,6 +249,7 @@ LightDesc to_light(const spc_light_desc& desc) {
     check_visibility(desc.visibility, owner);
     light.visibility = desc.visibility;
     light.feeds_caustics = desc.feeds_caustics != 0;
+    light.material = desc.material;
     return light;
 }
 

@@ -56,8 +56,10 @@ public:
         away_ = emitted.direction;
         end_ = light_end(y_, away_);
         end_.pdf_emitted = emitted.pdf;
-        radiance_ = radiance_at(world_.lights, scene_, y_, away_);
-        if (is_black(radiance_)) return std::nullopt;
+        if (!shines_by_length(world_.lights, scene_, y_)) {
+            radiance_ = radiance_at(world_.lights, scene_, y_, away_, 0.0f);
+            if (is_black(radiance_)) return std::nullopt;
+        }
         ray_ = {offset_from_light(scene_, y_, emitted.origin, away_), away_, 0.0f, kInfinity};
         media_ = media_at(scene_, ray_.origin, stats_.rays);
         if (y_.distant) passed_ = media_.transmittance(kInfinity);
@@ -108,6 +110,10 @@ private:
         if (y_.distant) return true;
         if (!shows_itself(world_.lights, y_, p)) return false;
         const Vec3 begin = light_begins(world_.lights, y_, p);
+        if (shines_by_length(world_.lights, scene_, y_)) {
+            radiance_ = radiance_at(world_.lights, scene_, y_, away_, length(p - begin));
+            if (is_black(radiance_)) return false;
+        }
         if (begin == y_.p || transparent_ > settings_.limits.transparent) return begin == y_.p;
         uint32_t transparent_left = settings_.limits.transparent - transparent_;
         Media media = media_at(scene_, y_.p, stats_.rays);

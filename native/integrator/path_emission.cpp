@@ -8,8 +8,8 @@ void PathTracer::add_from_afar(PathLight& light) const {
     add_met(throughput * emission_of_world(), Pass::environment, light);
     for (const uint32_t sun : world.lights.disc_suns) {
         if ((light_visibility(world.lights, sun) & ray_kind) == 0) continue;
-        const Spectrum radiance =
-            lamp_radiance(world.lights.lamps[sun], Vec3(0.0f), ray.direction * -1.0f);
+        const Spectrum radiance = radiance_of_lamp(world.lights, scene(), sun, Vec3(0.0f),
+                                                   ray.direction * -1.0f, seen_by(kFromAfar));
         if (is_black(radiance)) continue;
         const float weight = weight_of_lamp(
             end_afar(sun, pdf_light_point_sun(world.lights, sun, ray.direction),
@@ -39,7 +39,8 @@ Spectrum PathTracer::emission_of_world() const {
 Spectrum PathTracer::emission_of_lamp(const Hit& hit) const {
     const Lamp& lamp = world.lights.lamps[hit.light];
     const Spectrum radiance =
-        lamp_radiance(lamp, ray.origin + ray.direction * hit.t, ray.direction * -1.0f);
+        radiance_of_lamp(world.lights, scene(), hit.light, ray.origin + ray.direction * hit.t,
+                         ray.direction * -1.0f, seen_by(hit.t));
     if (is_black(radiance)) return radiance;
     const Vec3 y = lamp_point_seen(lamp, ray.origin, ray.direction, hit.t);
     float pdf_direct = 0.0f, pdf_point = 0.0f, cos_y = 0.0f;

@@ -29,28 +29,6 @@ float smoothstep(float t) {
     return s * s * (3.0f - 2.0f * s);
 }
 
-SpotProfile make_profile(const LightDesc& desc) {
-    SpotProfile profile;
-    if (desc.type != LightType::spot) return profile;
-    profile.uniform = false;
-    const Vec3 x = desc.to_world.column(0), y = desc.to_world.column(1),
-               z = desc.to_world.column(2) * -1.0f;
-    const auto over_square = [](const Vec3& a) {
-        return a * (1.0f / std::max(length_squared(a), 1e-30f));
-    };
-    const float unit = length(z);
-    profile.x = over_square(x) * unit;
-    profile.y = over_square(y) * unit;
-    profile.z = over_square(z) * unit;
-    const float half = 0.5f * desc.spot_angle;
-    profile.cos_half = std::cos(half);
-    profile.inv_smooth = std::min(1.0f / ((1.0f - profile.cos_half) * desc.spot_blend), 1e30f);
-    const float widest =
-        std::tan(half) * std::sqrt(std::max(length_squared(x), length_squared(y))) / unit;
-    profile.cos_widest = half < 0.5f * kPi ? 1.0f / std::sqrt(1.0f + widest * widest) : 0.0f;
-    return profile;
-}
-
 SpreadProfile make_spread(float spread) {
     const double half = 0.5 * static_cast<double>(std::max(spread, kLeastSpread));
     // Closer to a right angle single precision cannot tell the profile from an even one.
@@ -309,6 +287,28 @@ AreaLamp make_area(const LightDesc& desc) {
 
 }  // namespace
 
+SpotProfile make_spot_profile(const LightDesc& desc) {
+    SpotProfile profile;
+    if (desc.type != LightType::spot) return profile;
+    profile.uniform = false;
+    const Vec3 x = desc.to_world.column(0), y = desc.to_world.column(1),
+               z = desc.to_world.column(2) * -1.0f;
+    const auto over_square = [](const Vec3& a) {
+        return a * (1.0f / std::max(length_squared(a), 1e-30f));
+    };
+    const float unit = length(z);
+    profile.x = over_square(x) * unit;
+    profile.y = over_square(y) * unit;
+    profile.z = over_square(z) * unit;
+    const float half = 0.5f * desc.spot_angle;
+    profile.cos_half = std::cos(half);
+    profile.inv_smooth = std::min(1.0f / ((1.0f - profile.cos_half) * desc.spot_blend), 1e30f);
+    const float widest =
+        std::tan(half) * std::sqrt(std::max(length_squared(x), length_squared(y))) / unit;
+    profile.cos_widest = half < 0.5f * kPi ? 1.0f / std::sqrt(1.0f + widest * widest) : 0.0f;
+    return profile;
+}
+
 float SpotProfile::towards(const Vec3& direction) const {
     if (uniform) return 1.0f;
     const Vec3 local(dot(direction, x), dot(direction, y), dot(direction, z));
@@ -334,7 +334,7 @@ Lamp make_lamp(const LightDesc& desc) {
     switch (desc.type) {
         case LightType::point:
         case LightType::spot: {
-            const SpotProfile profile = make_profile(desc);
+            const SpotProfile profile = make_spot_profile(desc);
             if (!(desc.radius > kLeastLampRadius))
                 return PointLamp{desc.position(), scaled(desc.power, 1.0 / (4.0 * pi)), profile};
             const double r = desc.radius;

@@ -27,6 +27,7 @@ struct SpotProfile {
 
     float towards(const Vec3& direction) const;  // unit, away from the lamp
 };
+SpotProfile make_spot_profile(const LightDesc& desc);  // uniform, unless it is a spot
 
 // Brightness of an area light by direction: what a fine grid of slats in front of it lets through.
 // It keeps the flux: along the normal the light is the brighter.

@@ -11,8 +11,6 @@ namespace {
 // Share of the choice for casters that goes to all lights alike: power says nothing of where a
 // light stands.
 constexpr double kEvenShare = 0.2;
-// Length of a ray that leaves the scene, m: as good as infinite, but can be reckoned with.
-constexpr float kFromAfar = std::numeric_limits<float>::max();
 // Most parts of emissive meshes that are leaves of the tree: of all meshes, and of one. More take
 // long to build.
 constexpr uint32_t kMostParts = 1u << 16, kMostPartsOfOne = 1u << 10;
@@ -35,7 +33,8 @@ float probability_of(const DiscreteDistribution& selection, uint32_t light) {
     return selection.empty() ? 0.0f : selection.probability(light);
 }
 
-LightBounds bounds_of(const LightDesc& desc, const Lamp& lamp, double flux) {
+// `flux`, and the light's power times `factor`, are what its nodes leave on average.
+LightBounds bounds_of(const LightDesc& desc, const Lamp& lamp, double flux, float factor) {
     if (is_sun(lamp))
         return {
             .distant = true, .strength = static_cast<float>(flux), .center = desc.axis() * -1.0f};
@@ -46,10 +45,20 @@ LightBounds bounds_of(const LightDesc& desc, const Lamp& lamp, double flux) {
         bounds.radius = std::sqrt(sqr(area->length_x) + sqr(area->length_y));
         bounds.cosine = true;
     } else {
-        bounds.strength = luminance(desc.power) * 0.25f * kInvPi;
+        bounds.strength = luminance(desc.power) * factor * 0.25f * kInvPi;
         bounds.radius = desc.radius;
     }
     return bounds;
+}
+
+// Paths that know nothing of their other end cannot tell what such a light sends along them.
+bool depends_on_kind(const Scene& scene, uint32_t material) {
+    return material != kNone && (scene.materials[material]->emission_reads & kReadsRay) != 0;
+}
+
+RayState with_length(RayState ray, float length) {
+    ray.length = std::isinf(length) ? kFromAfar : length;
+    return ray;
 }
 
 std::optional<DirectSample> sample_part_from(const LightSet& lights, const Scene& scene,
@@ -86,10 +95,13 @@ LightSet build_lights(const Scene& scene, uint32_t threads, const LightSet* befo
             lights.disc_suns.push_back(static_cast<uint32_t>(lights.lamps.size() - 1));
         lights.visibility.push_back(desc.visibility);
         const bool seen = (desc.visibility & kVisibleScattered) != 0;
-        const double flux = lamp_flux(desc, lamp);
+        lights.shadings.push_back(make_lamp_shading(desc));
+        const float factor = mean_lamp_factor(scene, lights.shadings.back());
+        const double flux = lamp_flux(desc, lamp) * static_cast<double>(factor);
         lights.leaves.push_back({static_cast<uint32_t>(lights.lamps.size() - 1), 0});
-        light_bounds.push_back(seen && flux > 0.0 ? bounds_of(desc, lamp, flux) : LightBounds{});
-        const bool feeds = seen && desc.feeds_caustics;
+        light_bounds.push_back(seen && flux > 0.0 ? bounds_of(desc, lamp, flux, factor)
+                                                  : LightBounds{});
+        const bool feeds = seen && desc.feeds_caustics && !depends_on_kind(scene, desc.material);
         caustic_power.push_back(feeds ? flux * (is_sun(lamp) ? disc : 1.0) : 0.0);
     }
     lights.emissive_of_instance.assign(scene.instances.size(), kNone);
@@ -138,6 +150,14 @@ uint32_t light_visibility(const LightSet& lights, uint32_t light) {
     return lights.visibility[light];
 }
 
+Spectrum radiance_of_lamp(const LightSet& lights, const Scene& scene, uint32_t light, const Vec3& q,
+                          const Vec3& away, const RayState& ray) {
+    const Lamp& lamp = lights.lamps[light];
+    const Spectrum radiance = lamp_radiance(lamp, q, away);
+    if (is_black(radiance)) return radiance;
+    return radiance * lamp_factor(scene, lamp, lights.shadings[light], q, away, ray);
+}
+
 LitPoint lit_point(const Surface& surface) {
     return {surface.p, has_smooth_transmission(surface.closures) ? Vec3(0.0f) : surface.ng};
 }
@@ -150,8 +170,13 @@ std::optional<DirectSample> sample_leaf(const LightSet& lights, const Scene& sce
     const LightSet::Leaf& leaf = lights.leaves[chosen.light];
     std::optional<DirectSample> sample;
     if (leaf.light < lights.lamps.size()) {
-        if (const std::optional<LampSample> s = sample_lamp(lights.lamps[leaf.light], at.p, u))
-            sample = {s->wi, s->distance, s->radiance, s->density, s->delta, leaf.light};
+        const Lamp& lamp = lights.lamps[leaf.light];
+        if (const std::optional<LampSample> s = sample_lamp(lamp, at.p, u)) {
+            const Spectrum factor =
+                lamp_factor(scene, lamp, lights.shadings[leaf.light], at.p + s->wi * s->distance,
+                            s->wi * -1.0f, with_length(ray, s->distance));
+            sample = {s->wi, s->distance, s->radiance * factor, s->density, s->delta, leaf.light};
+        }
     } else if (leaf.light == lights.of_world()) {
         if (const std::optional<WorldSample> s = sample_world(lights, u))
             sample = {s->wi,        kInfinity, world_radiance(lights, scene, s->wi, ray),
@@ -269,17 +294,44 @@ std::optional<LightPoint> sample_light_point(const LightSet& lights, const Scene
     return y;
 }
 
-Spectrum radiance_at(const LightSet& lights, const Scene& scene, const LightPoint& y,
-                     const Vec3& away) {
-    if (y.light >= lights.lamps.size())
-        return y.distant ? world_radiance(lights, scene, y.direction)
-                         : surface_emission(scene, y.surface, away);
-    const Lamp& lamp = lights.lamps[y.light];
+namespace {
+
+Spectrum even_radiance_at(const Lamp& lamp, const LightPoint& y, const Vec3& away) {
     if (const auto* sun = std::get_if<DiscSun>(&lamp)) return sun->radiance;
     if (y.delta) return delta_strength(lamp, away);
     // A sphere's inner side is lit for those inside, but hidden by the outer one from here.
     if (dot(y.n, away) <= 0.0f) return Spectrum(0.0f);
     return lamp_radiance(lamp, y.p, away);
+}
+
+}  // namespace
+
+Spectrum radiance_at(const LightSet& lights, const Scene& scene, const LightPoint& y,
+                     const Vec3& away, float length) {
+    const RayState ray = with_length({}, y.distant ? kInfinity : length);
+    if (y.light >= lights.lamps.size())
+        return y.distant ? world_radiance(lights, scene, y.direction)
+                         : surface_emission(scene, y.surface, away, ray);
+    const Lamp& lamp = lights.lamps[y.light];
+    const Spectrum even = even_radiance_at(lamp, y, away);
+    if (is_black(even)) return even;
+    return even * lamp_factor(scene, lamp, lights.shadings[y.light], y.p, away, ray);
+}
+
+bool shines_by_length(const LightSet& lights, const Scene& scene, const LightPoint& y) {
+    if (y.distant) return false;
+    const uint32_t material = y.light < lights.lamps.size()
+                                  ? lights.shadings[y.light].material
+                                  : scene.material_index(y.surface.instance, y.surface.triangle);
+    return material != kNone && (scene.materials[material]->emission_reads & kReadsRayLength) != 0;
+}
+
+Spectrum brightest_at(const LightSet& lights, const Scene& scene, const LightPoint& y,
+                      const Vec3& p, const Vec3& away) {
+    if (y.light >= lights.lamps.size() || y.distant || y.delta)
+        return radiance_at(lights, scene, y, away, length(p - y.p));
+    return brightest_radiance(lights.lamps[y.light], p) *
+           mean_lamp_factor(scene, lights.shadings[y.light]);
 }
 
 bool shows_itself(const LightSet& lights, const LightPoint& y, const Vec3& p) {

@@ -9,6 +9,7 @@
 #pragma once
 
 #include "core/distribution.h"
+#include "light/lamp_shading.h"
 #include "light/light_tree.h"
 #include "scene/scene.h"
 #include "scene/transmittance.h"
@@ -44,9 +45,10 @@ struct LightSet {
     // Chooses a light for casters, among those that feed them: by power, mixed with an even choice,
     // so that no light starves.
     DiscreteDistribution caustic_selection;
-    std::vector<Lamp> lamps;           // as Scene::lights
-    std::vector<uint32_t> disc_suns;   // lamps that are suns of some extent
-    std::vector<uint32_t> visibility;  // of every light
+    std::vector<Lamp> lamps;            // as Scene::lights
+    std::vector<LampShading> shadings;  // likewise
+    std::vector<uint32_t> disc_suns;    // lamps that are suns of some extent
+    std::vector<uint32_t> visibility;   // of every light
     std::vector<EmissiveInstance> emissive;
     std::vector<uint32_t> emissive_of_instance;  // index into `emissive`, or kNone
     bool has_world = false;
@@ -78,6 +80,11 @@ LightSet build_lights(const Scene& scene, uint32_t threads = 0, const LightSet* 
 // Bits of Visibility: the rays that see a light. kVisibleShadow: objects cast shadows of it; only
 // lamps can lack it.
 uint32_t light_visibility(const LightSet& lights, uint32_t light);
+
+// Radiance that a ray meets at the point q of a lamp, which shines along the unit direction `away`; its
+// nodes included. q is unset for a sun.
+Spectrum radiance_of_lamp(const LightSet& lights, const Scene& scene, uint32_t light, const Vec3& q,
+                          const Vec3& away, const RayState& ray);
 
 // ---- from a receiver
 
@@ -149,8 +156,14 @@ std::optional<LightPoint> sample_light_point(const LightSet& lights, const Scene
 // Radiance of the light at y towards the unit direction `away` (distant lights: radiance from
 // y.direction). For delta lights intensity (W/sr) or irradiance (W/m^2): geometry_term() is the
 // Jacobian that belongs to either.
+// Of the ray from y its graph is told the length alone.
 Spectrum radiance_at(const LightSet& lights, const Scene& scene, const LightPoint& y,
-                     const Vec3& away);
+                     const Vec3& away, float length);
+// Whether it depends on the length.
+bool shines_by_length(const LightSet& lights, const Scene& scene, const LightPoint& y);
+// For some point of y's light that shines brightest towards p.
+Spectrum brightest_at(const LightSet& lights, const Scene& scene, const LightPoint& y,
+                      const Vec3& p, const Vec3& away);
 
 // Whether p sees the light of y, which only some lamps can hide, and the point between which and p
 // there must be no occluder. For lights that are not distant.

@@ -149,12 +149,9 @@ private:
     // See Landing::light. For a lamp it is the largest over the lamp's points: where this light
     // point does not shine, a neighbour may.
     float emitted_to(const Vec3& p, const Vec3& direction) const {
-        const bool lamp = y_.light < world_.lights.lamps.size();
         const float cosine = dot(y_.n, direction);
         const Spectrum radiance =
-            lamp && !y_.distant && !y_.delta
-                ? brightest_radiance(world_.lights.lamps[y_.light], p)
-                : radiance_at(world_.lights, scene_, y_, cosine >= 0.0f ? direction : y_.n);
+            brightest_at(world_.lights, scene_, y_, p, cosine >= 0.0f ? direction : y_.n);
         return max_component(radiance) *
                (y_.distant || y_.delta ? 1.0f : std::max(kLeastCosine, cosine));
     }

@@ -270,7 +270,8 @@ private:
         float distance_y = 0.0f;
         const Vec3 away = end_of(y_).from(last, distance_y) * -1.0f;
         Connection result;
-        result.radiance = radiance_at(lights_, scene_, y_, away);
+        const float length_y = length(light_begins(lights_, y_, last) - last);
+        result.radiance = radiance_at(lights_, scene_, y_, away, length_y);
         if (is_black(result.radiance) || !shows_itself(lights_, y_, last)) return std::nullopt;
 
         CausticPath path = receiver_.camera != nullptr

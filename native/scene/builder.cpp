@@ -224,6 +224,8 @@ uint32_t SceneBuilder::add_light(LightDesc light) {
         if (!holds) invalid(fmt::format("{}: {}", name, what));
     };
     checked_inverse(light.to_world, name);
+    require(light.material == kNone || light.material < scene_->materials.size(),
+            "the material does not exist");
     require(
         is_finite(light.power) && std::min({light.power.x, light.power.y, light.power.z}) >= 0.0f,
         "the power must be finite and not negative");

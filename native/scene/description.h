@@ -111,6 +111,7 @@ struct LightDesc {
     float spread = kPi;  // area: full angle of the beam, rad
     uint32_t visibility = kVisibleAll;
     bool feeds_caustics = true;
+    uint32_t material = kNone;  // whose emission is a factor of the light; kNone: 1
 
     Vec3 position() const { return to_world.translation; }
     // Unit axis along which spot, sun and area lights shine.

@@ -6,6 +6,7 @@
 #include "bsdf/fresnel.h"
 #include "shading/color_functions.h"
 #include "shading/instruction.h"
+#include "shading/light_profile.h"
 #include "shading/textures.h"
 
 namespace spc {
@@ -312,6 +313,11 @@ void run_arithmetic(const Instruction& i, const Registers<T>& r) {
         case Op::equirectangular: return r.store(i.out, equirectangular(r.vector(i, 0)));
         case Op::curves: return run_curves(i, r);
         case Op::ramp: return run_ramp(i, r);
+        case Op::light_profile: {
+            const Vector3<T> at = r.vector(i, 0);
+            const Vec3 direction(value_of(at.x), value_of(at.y), value_of(at.z));
+            return r.store(i.out, T(LightProfile(r.blocks + i.index).at(direction)));
+        }
         case Op::box_weights: return r.store(i.out, box_weights(r.vector(i, 0), r.scalar(i, 1)));
         case Op::absolute: return each_lane(r, i, [](T a) { return absolute(a); });
         case Op::exponent: return each_lane(r, i, [](T a) { return T(exp(a)); });

@@ -140,7 +140,7 @@ void Compiler::describe(Material& material) {
         return expr.is_constant(alpha) && expr.scalar(alpha) <= kDeltaAlpha;
     };
     const auto reads_ray = [&](ExprId id) {
-        return id != kNoExpr && (expr.reads(id) & kReadsRay) != 0;
+        return id != kNoExpr && (expr.reads(id) & (kReadsRay | kReadsRayLength)) != 0;
     };
     for (const ClosureTerm& term : terms_) {
         const ClosureOpTraits& row = term.row();
@@ -156,6 +156,7 @@ void Compiler::describe(Material& material) {
     material.is_background = is_world_;
     material.constant_emission = expr.is_constant(emission);
     material.emits = !is_black(emission);
+    material.emission_reads = expr.reads(emission);
     if (material.emits) material.mean_emission = Spectrum(expr.mean_value(emission, images_));
     material.absorption = medium();
 }

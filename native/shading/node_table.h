@@ -21,6 +21,7 @@ enum class ShaderPart : uint8_t { surface, volume, both };
 enum class Unlinked : uint8_t {
     constant,
     normal,     // the interpolated normal
+    incoming,   // to where the point is seen from, in the object's space
     tangent,    // around the Z axis of the object
     uv,         // the active UV layer
     generated,  // the position within the object's bounds

@@ -42,6 +42,7 @@ ExprId color_ramp(NodeContext& node, int output);
 ExprId checker_texture(NodeContext& node, int output);
 ExprId gradient_texture(NodeContext& node, int output);
 ExprId white_noise_texture(NodeContext& node, int output);
+ExprId ies_texture(NodeContext& node, int output);
 ExprId noise_texture(NodeContext& node, int output);
 ExprId musgrave_texture(NodeContext& node, int output);
 ExprId voronoi_texture(NodeContext& node, int output);

@@ -2,6 +2,8 @@
 // Procedural textures. Semantics are Cycles'; docs/nodes.md lists what differs.
 #include <string>
 
+#include "core/error.h"
+#include "shading/light_profile.h"
 #include "shading/node_table.h"
 #include "shading/nodes.h"
 #include "shading/textures.h"
@@ -39,6 +41,13 @@ FractalType fractal_type(const std::string& name) {
 uint8_t choice(NodeContext& node, int option) {
     const NodeOption& row = node.c.node(node.index).kind->options[static_cast<size_t>(option)];
     return static_cast<uint8_t>(choice_of(row.values, node.option(option)));
+}
+
+// From the point to where it is seen from.
+ExprId opposite_of_ray(NodeContext& node) {
+    ExprBuilder& e = node.e;
+    return node.c.is_world() ? e.scale(e.make(Op::position, {}), e.constant(-1.0f))
+                             : e.make(Op::incoming, {});
 }
 
 }  // namespace
@@ -195,6 +204,29 @@ ExprId brick_texture(NodeContext& node, int output) {
     const ExprId stone =
         e.make(Op::mix, {node.input(kColor1), node.input(kColor2), e.splat(e.lane(found, 0))});
     return e.make(Op::mix, {stone, node.input(kMortar), e.splat(mortar)});
+}
+
+// The profile is stored without its mean, which stands before it: what varies then has a mean of 1.
+ExprId ies_texture(NodeContext& node, int) {
+    enum { kVector, kStrength };
+    ExprBuilder& e = node.e;
+    std::vector<float> table = node.array(0);
+    if (!LightProfile::is_valid(table))
+        throw Error(ErrorKind::invalid_argument,
+                    where(node.c.material_name(), *node.c.node(node.index).graph) +
+                        ", array \"Profile\": not the table of a lamp");
+    const auto mean = static_cast<float>(LightProfile(table.data()).mean());
+    if (mean > 0.0f)
+        for (auto value = table.begin() + 2 + static_cast<long>(table[0] + table[1]);
+             value != table.end(); ++value)
+            *value /= mean;
+    ExprId direction = node.input(kVector);
+    if (direction == kNoExpr)
+        direction =
+            e.make(Op::transform, {opposite_of_ray(node)},
+                   transform_mode(VectorSpace::world, VectorSpace::object, VectorMeaning::normal));
+    const ExprId strength = e.multiply(node.input(kStrength), e.constant(mean));
+    return e.multiply(strength, e.make(Op::light_profile, {direction}, 0, e.block(table)));
 }
 
 }  // namespace spc::nodes

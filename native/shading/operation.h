@@ -36,6 +36,7 @@ enum class Op : uint8_t {
     equirectangular,  // direction to image coordinates
     mirror_ball,      // likewise
     curves,           // lane by lane: a block of least, most and rows of a number for each lane
+    light_profile,    // direction to the brightness of a lamp: a block as profile_at() reads it
     ramp,             // factor to colour, and alpha in a fourth lane: a block of rows of four
     absolute,
     exponent,
@@ -182,6 +183,12 @@ inline constexpr std::array<OpTraits, static_cast<size_t>(Op::count)> kOpTraits{
     {Op::equirectangular, 1, 3},
     {Op::mirror_ball, 1, 3},
     {.op = Op::curves, .arity = 1, .lanes = 0, .index = IndexOf::block, .interpolates = true},
+    {.op = Op::light_profile,
+     .arity = 1,
+     .lanes = 1,
+     .mean = MeanOf::one,
+     .index = IndexOf::block,
+     .derivatives = 0},
     {.op = Op::ramp,
      .arity = 1,
      .lanes = 3,
@@ -350,7 +357,7 @@ inline constexpr std::array<OpTraits, static_cast<size_t>(Op::count)> kOpTraits{
      .arity = 0,
      .lanes = 1,
      .varies = true,
-     .reads = kReadsRay,
+     .reads = kReadsRayLength,
      .mean = MeanOf::one,
      .derivatives = 0},
     {.op = Op::ray_depth,

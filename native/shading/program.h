@@ -110,7 +110,8 @@ struct Material {
     std::string narrow_lobe;
     bool depends_on_ray = false;  // the surface, beyond its emission, reads a RayState
     BumpCorrection bump_correction = BumpCorrection::none;
-    bool is_background = false;  // surface is a Background shader
+    bool is_background = false;   // surface is a Background shader
+    uint32_t emission_reads = 0;  // of ProgramReads, emission alone
     bool constant_emission =
         true;  // the same everywhere and in every direction, by the graph itself
     std::vector<uint32_t> images;  // that some part of it reads, by index into the scene's

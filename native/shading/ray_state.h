@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 
 namespace spc {
 
@@ -28,6 +29,9 @@ enum RayKind : uint32_t {
     kRayReflection = 32,
     kRayTransmission = 64
 };
+
+// Length of a ray that leaves the scene, m: as good as infinite, but can be reckoned with.
+inline constexpr float kFromAfar = std::numeric_limits<float>::max();
 
 // By default the ray is of no kind, as that to a light in next event estimation is in Cycles: the
 // light is evaluated once for all that the receiver scatters.

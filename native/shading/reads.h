@@ -13,9 +13,10 @@ enum ProgramReads : uint32_t {
     kReadsObjectPosition = 8,
     kReadsObjectNormal = 16,
     kReadsHeights = 32,
-    kReadsRay = 64,
+    kReadsRay = 64,  // but its length
     kReadsView = 128,
-    kReadsSides = 256
+    kReadsSides = 256,
+    kReadsRayLength = 512
 };
 
 }  // namespace spc

@@ -89,6 +89,10 @@ constexpr InputSocket kBrickIn[] = {kTextureVector,
                                     scalar_input("Row Height", 0.25f)};
 constexpr NodeArray kBrickArrays[] = {{"Rows", 2}};  // offset and squash with their frequencies
 
+constexpr InputSocket kIesIn[] = {{"Vector", {}, vector, Unlinked::incoming},
+                                  scalar_input("Strength", 1.0f)};
+constexpr NodeArray kIesArrays[] = {{"Profile", 1}};  // as LightProfile reads it
+
 constexpr NodeKind kRows[] = {
     {.name = "checker_texture",
      .label = "Checker Texture",
@@ -143,6 +147,12 @@ constexpr NodeKind kRows[] = {
      .outputs = kColorFacOut,
      .arrays = kBrickArrays,
      .value = nodes::brick_texture},
+    {.name = "ies_texture",
+     .label = "IES Texture",
+     .inputs = kIesIn,
+     .outputs = kFacOut,
+     .arrays = kIesArrays,
+     .value = nodes::ies_texture},
 };
 
 }  // namespace

@@ -110,19 +110,19 @@ def test_nodes_of_constants_count():
     assert warnings == []
 
 
-def test_nodes_that_vary_are_named():
+def test_nodes_that_vary_are_a_material():
     obj = add_light("POINT", energy=2.0)
     emission = emission_of(obj.data)
-    emission.inputs["Strength"].default_value = 3.0
-    checker = add_node(obj.data, "ShaderNodeTexChecker", emission.inputs["Color"])
-    checker.inputs["Color1"].default_value = (1, 1, 1, 1)
-    checker.inputs["Color2"].default_value = (0, 0, 0, 1)
-    uv = add_node(obj.data, "ShaderNodeUVMap", checker.inputs["Vector"])
-    light, warnings = only_light()
-    assert uv and light.power == (3, 3, 3)
-    assert warnings == [
-        "light Light: nodes that vary are not supported in a light, their mean is used"
+    add_node(obj.data, "ShaderNodeTexChecker", emission.inputs["Color"])
+    twin = bpy.data.objects.new("Twin", obj.data)
+    bpy.context.scene.collection.objects.link(twin)
+    scene, warnings = export()
+    assert [light.power for light in scene.lights] == [(2, 2, 2)] * 2
+    assert {light.material for light in scene.lights} == {len(scene.materials) - 1}
+    assert [node.kind for node in scene.materials[-1].nodes if "check" in node.kind] == [
+        "checker_texture"
     ]
+    assert warnings == []
 
 
 def test_a_light_can_be_kept_from_caustics_shadows_and_rays():

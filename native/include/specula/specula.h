@@ -439,6 +439,9 @@ typedef struct spc_light_desc {
     /* 0: walks, light sheets and light paths ignore it; its caustics are left to path tracing */
     uint32_t feeds_caustics;
     uint32_t soft_falloff; /* point, spot; 1: a disk that faces what it lights, not a sphere */
+    /* Material whose emission is a factor of the light by point and direction, or SPC_NONE: as it is.
+     * Object space is the light's; a sun is seen at the unit vector along its light. */
+    uint32_t material;
 } spc_light_desc;
 
 /* Adds a light and gives its index. Errors: SPC_WRONG_STATE (after commit). */

@@ -149,6 +149,8 @@ private:
         desc.shape = spoiler_.count(dice_.below(2));
         desc.visibility = dice_.chance(0.8) ? 31u : dice_.below(40);
         desc.feeds_caustics = spoiler_.count(dice_.below(2));
+        if (materials_ > 0 && dice_.chance(0.5))
+            desc.material = spoiler_.count(dice_.below(materials_));
         add(spc_scene_add_light, desc, right);
     }
 

@@ -11,7 +11,6 @@ without a warning.
 from __future__ import annotations
 
 import argparse
-import os
 import shlex
 import subprocess
 import sys
@@ -27,13 +26,13 @@ from tests.instruments.bench._machine import CpuTimes
 from tests.instruments.field import _measure, _page
 from tests.instruments.field._measure import TOLERANCE, Child
 from tests.instruments.pairs import files as pictures
+from tests.instruments.pairs.arguments import BLENDERS, add_shared
 from tests.instruments.pairs.comparison import Picture, compare, picture
 from tools import host
-from tools.common import BUILD, DevError
+from tools.common import DevError
 
 HERE = Path(__file__).resolve().parent
 JOB, MAKER = HERE / "_job.py", HERE / "_make.py"
-BLENDERS = {"3.4": "debian", "5.0": "specula in bpy"}  # of _children.HOSTS
 SEEDS = (1, 2)
 # Seconds of a whole process, beside so many times what its renders may take: Blender's start, what
 # modifiers take, and a machine that others use as well.
@@ -62,24 +61,18 @@ def arguments() -> argparse.Namespace:
         "dirs", nargs="*", type=Path, metavar="DIR", help="folders, or .blend files"
     )
     parser.add_argument("--make", type=Path, metavar="DIR", help="write made-up scenes there")
-    parser.add_argument("--blender", choices=BLENDERS, default="3.4", help="(%(default)s)")
+    add_shared(parser, "field", blender="3.4", samples=64, only="paths that contain one of these")
     parser.add_argument(
         "--seconds", type=float, default=10.0, help="limit of each render (%(default)g)"
     )
     parser.add_argument(
         "--size", type=int, default=256, help="pixels along the longer side (%(default)s)"
     )
-    parser.add_argument("--samples", type=int, default=64, help="of each render (%(default)s)")
     parser.add_argument(
         "--hard-limit",
         type=float,
         help="seconds after which a process, of two renders, is killed "
         f"(default {PATIENCE:g} + {PATIENCE_FACTOR:g} times both limits)",
-    )
-    parser.add_argument("--only", metavar="NAMES", help="paths that contain one of these")
-    parser.add_argument("--threads", type=int, default=len(os.sched_getaffinity(0)))
-    parser.add_argument(
-        "--out", type=Path, default=BUILD / "field", metavar="DIR", help="(%(default)s)"
     )
     args = parser.parse_args()
     if not args.dirs and not args.make:

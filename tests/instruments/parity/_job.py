@@ -22,8 +22,10 @@ from pathlib import Path
 import bpy
 import numpy as np
 
+from specula.export import compat
 from tests.images._render import render_result
 from tests.instruments.pairs.comparison import Picture, noise, picture
+from tests.instruments.parity import _passes
 from tests.instruments.parity._rows import ROWS
 from tests.instruments.parity._stage import Absent, Stage
 from tests.instruments.parity._verdict import REFUSED
@@ -62,7 +64,22 @@ def prepare(scene, job: dict) -> None:
     scene.specula.method = job["method"]
 
 
-def rendered(scene, job: dict, engine: str) -> tuple[Picture, int, list[str]]:
+def render(scene, job: dict, shows: str) -> np.ndarray:
+    """(H, W, 3) float64 of the pass that a row shows, 0 where there is none; bottom row first."""
+    if shows == "Combined":
+        bpy.ops.render.render()
+        return render_result(scene, job["result"])
+    settings, path = scene.render.image_settings, f"{job['result']}.layers.exr"
+    if hasattr(settings, "media_type"):
+        settings.media_type = "MULTI_LAYER_IMAGE"
+    settings.file_format, settings.color_depth = "OPEN_EXR_MULTILAYER", "32"
+    scene.render.filepath = path
+    bpy.ops.render.render(write_still=True)
+    size = (scene.render.resolution_y, scene.render.resolution_x)
+    return _passes.comparable(shows, _passes.read(path, compat.pass_name(shows), size))
+
+
+def rendered(scene, job: dict, engine: str, shows: str) -> tuple[Picture, int, list[str]]:
     """Of as many renders as the noise asks for; how many; Specula's warnings."""
     from specula import statistics
 
@@ -70,8 +87,7 @@ def rendered(scene, job: dict, engine: str) -> tuple[Picture, int, list[str]]:
     renders, warnings, splats = [], [], 0
     while True:
         scene.cycles.seed = scene.specula.seed = len(renders) + 1
-        bpy.ops.render.render()
-        renders.append({"Combined": render_result(scene, job["result"])})
+        renders.append({"Combined": render(scene, job, shows)})
         if engine == "SPECULA":
             stats = statistics.last[scene.name, scene.view_layers[0].name]
             warnings = [*stats.warnings, *(line for line in stats.report if REFUSED in line)]
@@ -84,15 +100,16 @@ def rendered(scene, job: dict, engine: str) -> tuple[Picture, int, list[str]]:
 
 def examine(name: str, path: str, job: dict, report: Report) -> None:
     stage = Stage()
+    row = ROWS[name]
     try:
-        ROWS[name].build(stage)
+        row.build(stage)
     except Absent as absent:
         report.tell(outcome="absent", why=str(absent))
         return
     prepare(stage.scene, job)
     arrays, noises, counts = {}, {}, {}
     for engine in ENGINES:
-        found, counts[engine], warnings = rendered(stage.scene, job, engine)
+        found, counts[engine], warnings = rendered(stage.scene, job, engine, row.shows)
         noises[engine] = noise(found)
         arrays[f"{engine}/mean"], arrays[f"{engine}/variance"] = found.mean, found.variance
         arrays[f"{engine}/splats"] = found.stats["splats"]

@@ -33,6 +33,7 @@ class Row:
 
     name: str
     build: Callable
+    shows: str = "Combined"  # the pass that is compared, by its name in Blender 5
 
 
 # What varies over the stage, by nodes that have long been there.

@@ -7,6 +7,7 @@ from itertools import chain
 
 from tests.instruments.parity import (
     _rows_closures,
+    _rows_passes,
     _rows_scene,
     _rows_textures,
     _rows_values,
@@ -20,6 +21,7 @@ ROWS = {
         _rows_textures.rows(),
         _rows_closures.rows(),
         _rows_scene.rows(),
+        _rows_passes.rows(),
         _rows_zones.rows(),
     )
 }

@@ -164,6 +164,19 @@ class Stage:
         for obj in self.subjects:
             obj.data.materials[0] = material
 
+    def put(self, obj, shader: Node, index: int) -> None:
+        """A material of its own on an object; `index` is that of both in passes."""
+        material = self.material(shader)
+        material.pass_index = obj.pass_index = index
+        obj.data.materials[0] = material
+
+    def switch_on(self, switch: str) -> None:
+        """One of a view layer, or "cycles.NAME"."""
+        assign(self.scene.view_layers[0], {switch: True})
+
+    def mist(self, start: float, depth: float) -> None:
+        assign(self.scene.world.mist_settings, {"start": start, "depth": depth})
+
     def show(self, shader: Node, floor: Node | None = None) -> None:
         """As light, in the dark; the floor shows it, too, unless it has a shader of its own."""
         self.light_off()

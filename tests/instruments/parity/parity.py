@@ -10,7 +10,6 @@ after it. DIR/index.html and DIR/results.json are there from the first process o
 from __future__ import annotations
 
 import argparse
-import os
 import shlex
 import sys
 import time
@@ -24,19 +23,15 @@ import numpy as np
 from tests.instruments.bench import _children, _machine, _program
 from tests.instruments.bench._children import Ended, Progress
 from tests.instruments.pairs import files
+from tests.instruments.pairs.arguments import BLENDERS, add_shared
 from tests.instruments.pairs.comparison import Picture, compare
 from tests.instruments.parity import _page, _verdict
 from tests.instruments.parity._page import Result
 from tests.instruments.parity._rows import ROWS
 from tests.instruments.parity._verdict import Outcome
-from tools.common import BUILD, DevError
+from tools.common import DevError
 
 JOB = Path(__file__).resolve().parent / "_job.py"
-BLENDERS = {  # of _children.HOSTS
-    "3.4": "debian",
-    "4.5": "specula in bpy 4.5",
-    "5.0": "specula in bpy",
-}
 CHUNK = 40  # rows of a process
 START_SECONDS = 120.0  # of a process, beside its rows
 GUESS = 1.0  # seconds for a row, for the progress bar alone
@@ -61,16 +56,16 @@ def arguments() -> argparse.Namespace:
         description=__doc__,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument(
-        "--only",
-        metavar="PATTERNS",
-        help="rows with one of these names; else those whose name contains it, or matches it where "
+    add_shared(
+        parser,
+        "parity",
+        blender="5.0",
+        samples=16,
+        only="rows with one of these names; else those whose name contains it, or matches it where "
         "it has * or ?",
     )
     parser.add_argument("--list", action="store_true", help="print the names of the rows")
-    parser.add_argument("--blender", choices=BLENDERS, default="5.0", help="(%(default)s)")
     parser.add_argument("--method", default="PT", help="Specula's (%(default)s)")
-    parser.add_argument("--samples", type=int, default=16, help="of each render (%(default)s)")
     parser.add_argument(
         "--noise", type=float, default=0.005, help="of a block, that is asked for (%(default)g)"
     )
@@ -79,10 +74,6 @@ def arguments() -> argparse.Namespace:
     )
     parser.add_argument(
         "--seconds", type=float, default=300.0, help="that a row may take (%(default)g)"
-    )
-    parser.add_argument("--threads", type=int, default=len(os.sched_getaffinity(0)))
-    parser.add_argument(
-        "--out", type=Path, default=BUILD / "parity", metavar="DIR", help="(%(default)s)"
     )
     return parser.parse_args()
 

@@ -7,11 +7,12 @@ import sys
 from fnmatch import fnmatchcase
 
 import numpy as np
+import OpenImageIO as oiio
 import pytest
 
 from tests.instruments.bench import _children
 from tests.instruments.pairs.comparison import compare, noise, picture
-from tests.instruments.parity import _known, _verdict, parity
+from tests.instruments.parity import _known, _passes, _verdict, parity
 from tests.instruments.parity._rows import ROWS
 from tests.instruments.parity._verdict import TOLERANCE, Outcome, verdict
 
@@ -34,6 +35,25 @@ def test_rows_are_chosen_by_name_by_part_of_it_or_by_pattern():
     assert parity.select("math/ad?") == ["math/add"]
     assert parity.select(None) == list(ROWS)
     assert parity.select("no such row") == []
+
+
+def test_passes_are_read_by_name_and_without_them_nothing(tmp_path):
+    path = str(tmp_path / "layers.exr")
+    names = [f"Layer.{rest}" for rest in ("Depth.Z", "Normal.Z", "Normal.X", "Normal.Y")]
+    spec = oiio.ImageSpec(2, 3, len(names), "float")
+    spec.channelnames = names
+    pixels = np.arange(6.0 * len(names), dtype=np.float32).reshape(3, 2, len(names)) - 9.0
+    output = oiio.ImageOutput.create(path)
+    output.open(path, spec)
+    output.write_image(pixels)
+    output.close()
+    upright = pixels[::-1]
+    depth, normal, mist = (_passes.read(path, name, (3, 2)) for name in ("Depth", "Normal", "Mist"))
+    np.testing.assert_array_equal(depth, np.repeat(upright[..., :1], 3, axis=2))
+    np.testing.assert_array_equal(normal, upright[..., [2, 3, 1]])
+    assert mist.shape == (3, 2, 3) and not mist.any()
+    np.testing.assert_array_equal(_passes.comparable("Normal", normal), 0.5 + 0.5 * normal)
+    assert _passes.comparable("Depth", depth + 1e10).max() == _passes.FARTHEST
 
 
 @pytest.mark.parametrize("table", [_known.BY_DESIGN, _known.FAILING])

@@ -16,6 +16,8 @@ pytestmark = pytest.mark.slow  # it starts Blender
 ROWS = {
     "closure/diffuse/roughness=0": _verdict.ALIKE,
     "texture/image": _verdict.ALIKE,
+    "pass/normal": _verdict.ALIKE,
+    "pass/vector": _verdict.WARNED,
     "camera/panorama/mirrorball": _verdict.ALIKE,
     "object/shadow_catcher": _verdict.WARNED,
     "volume/scatter": _verdict.WARNED,

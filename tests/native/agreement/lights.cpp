@@ -18,6 +18,25 @@ Part panorama() {
             }};
 }
 
+// Brighter to one side, and by the distance that its light goes to where it first turns.
+Part with_nodes(const std::string& name, const LightDesc& lamp) {
+    return {name, [lamp](SceneMaker& m) {
+                Graph graph = emission(1.0f);
+                graph.nodes.push_back({"Coordinates", "texture_coordinate", kNone});
+                graph.nodes.push_back({"Mapping", "mapping", kNone});
+                graph.nodes.push_back({"Falloff", "light_falloff", kNone});
+                graph.inputs.push_back({3, "Scale", {0.9f, 0.5f, -0.5f, 0}});
+                graph.inputs.push_back({3, "Location", {1.0f, 0.6f, 0.5f, 0}});
+                graph.inputs.push_back({4, "Strength", {0.7f, 0, 0, 0}});
+                graph.links.push_back({2, "Normal", 3, "Vector"});
+                graph.links.push_back({3, "Vector", 1, "Color"});
+                graph.links.push_back({4, "Linear", 1, "Strength"});
+                LightDesc shaded = lamp;
+                shaded.material = m.builder.add_material(graph);
+                m.builder.add_light(shaded);
+            }};
+}
+
 std::vector<Part> lights() {
     LightDesc spot = lamp(LightType::spot, 100.0f);
     spot.radius = 0.3f;
@@ -48,6 +67,8 @@ std::vector<Part> lights() {
             light("spot", spot),
             light("sun", wide_sun()),
             light("rectangle", rectangle),
+            with_nodes("spot with nodes", spot),
+            with_nodes("rectangle with nodes", rectangle),
             light("sheared ellipse", sheared),
             {"emissive mesh",
              [](SceneMaker& m) {

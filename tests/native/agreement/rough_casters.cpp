@@ -29,12 +29,12 @@ std::vector<Row> of_each_kind() {
     return {
         {.casters = panel_of("smoother metal", 0.1f), .light = bulb("", {0, -0.7f, 2.2f})},
         {.casters = {"ball of metal", [](SceneMaker& m) { add_ball(m, metal(0.2f)); }}},
-        {.casters = {"two of metal",
-                     [](SceneMaker& m) {
-                         add_panel(m, metal(0.15f));
-                         add_caster(m, square(0.5f), metal(0.3f),
-                                    rotation_x(-1.2f, {0.0f, -0.9f, 0.8f}));
-                     }},
+        {.casters =
+             {"two of metal",
+              [](SceneMaker& m) {
+                  add_panel(m, metal(0.15f));
+                  add_caster(m, square(0.5f), metal(0.3f), rotation_x(-1.2f, {0.0f, -0.9f, 0.8f}));
+              }},
          .light = bulb("", {0, -0.2f, 1.8f}, 0.2f)},
         {.casters = {"metal that is diffuse, too", [half](SceneMaker& m) { add_panel(m, half); }},
          .light = bulb("", {0, -0.7f, 2.2f}, 0.2f, kVisibleAll)},

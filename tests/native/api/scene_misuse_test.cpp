@@ -353,6 +353,7 @@ TEST_F(SceneMisuse, Lights) {
         refuses(spoilt(type, [](auto& d) { d.transform[5] = 0.0f; }), {"Lantern", "transform"});
         refuses(spoilt(type, [](auto& d) { d.visibility = 64; }), {"Lantern", "visibility"});
         refuses(spoilt(type, [](auto& d) { d.shape = 2; }), {"Lantern", "shape"});
+        refuses(spoilt(type, [](auto& d) { d.material = 99; }), {"Lantern", "material"});
     }
     for (const uint32_t type : {SPC_LIGHT_POINT, SPC_LIGHT_SPOT})
         for (const float bad : beyond({-1e-6f}))

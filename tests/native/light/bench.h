@@ -158,13 +158,15 @@ inline MeanEstimate irradiance_light_point(const Lit& lit, const Vec3& p, const 
             sample_light_point(lit.lights, *lit.scene, uniforms.three());
         double value = 0;
         if (y && y->distant) {
-            value = radiance_at(lit.lights, *lit.scene, *y, y->direction * -1.0f)[channel] *
-                    std::max(dot(n, y->direction), 0.0f);
+            value =
+                radiance_at(lit.lights, *lit.scene, *y, y->direction * -1.0f, kFromAfar)[channel] *
+                std::max(dot(n, y->direction), 0.0f);
         } else if (y && shows_itself(lit.lights, *y, p)) {
             const Vec3 to_y = y->p - p;
             const Vec3 wi = normalize(to_y);
             const float cos_y = y->delta ? 1.0f : std::abs(dot(y->n, wi));
-            value = radiance_at(lit.lights, *lit.scene, *y, wi * -1.0f)[channel] *
+            value = radiance_at(lit.lights, *lit.scene, *y, wi * -1.0f,
+                                length(light_begins(lit.lights, *y, p) - p))[channel] *
                     std::max(dot(n, wi), 0.0f) * cos_y / length_squared(to_y);
         }
         estimate.add(y ? value / y->pdf : 0.0);

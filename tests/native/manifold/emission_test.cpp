@@ -208,7 +208,7 @@ TEST(Emission, ReachesEveryPointOfTheCasters) {
                 const Vec3 p = surface_position(*bench.world.scene, sample_on(caster, pcg));
                 const Vec3 away = y->distant ? y->direction * -1.0f : normalize(p - y->p);
                 if (guide.lights[bench.light].by_beam &&
-                    is_black(radiance_at(bench.world.lights, *bench.world.scene, *y, away)))
+                    is_black(radiance_at(bench.world.lights, *bench.world.scene, *y, away, 1.0f)))
                     continue;
                 ++(emission_pdf(guide, bench.light, end_of(*y), p) > 0.0f ? reached : missed);
             }
@@ -231,7 +231,8 @@ TEST(Emission, KeepsToTheBeam) {
                                                  bench.light, uniforms.two());
             ASSERT_TRUE(y);
             const EmittedRay ray = emit(guide, *y, uniforms.two());
-            lit += is_black(radiance_at(bench.world.lights, *bench.world.scene, *y, ray.direction))
+            lit += is_black(
+                       radiance_at(bench.world.lights, *bench.world.scene, *y, ray.direction, 1.0f))
                        ? 0
                        : 1;
         }

@@ -92,8 +92,9 @@ TEST(LightSheet, PromisesTheIrradianceOfTheMirrorImage) {
         const float distance = length(image - x), cosine = image.z / distance;
         const Vec3 up = (image - x) * (1.0f / distance);
         const Vec3 away(-up.x, -up.y, up.z);  // as the light leaves y
-        const float expected = max_component(radiance_at(world.lights, *world.scene, y, away)) *
-                               cosine / sqr(distance);
+        const float expected =
+            max_component(radiance_at(world.lights, *world.scene, y, away, distance)) * cosine /
+            sqr(distance);
         ASSERT_GT(expected, 0.0f);
         const float probability_per_density = 0.25f / expected;  // so that it is a probability
         std::vector<SheetSeed> chain_seeds;

@@ -165,6 +165,7 @@ inline spc_light_desc valid_light(uint32_t type) {
     desc.spread = 2.0f;
     desc.visibility = SPC_VISIBLE_ALL;
     desc.feeds_caustics = 1;
+    desc.material = SPC_NONE;
     return desc;
 }
 

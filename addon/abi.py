@@ -33,7 +33,7 @@ class SizedStructure(Structure):
         super().__init__(struct_size=sizeof(type(self)), **fields)
 
 
-API_VERSION = 14
+API_VERSION = 15
 NONE = 0xFFFFFFFF
 
 

@@ -48,7 +48,7 @@ extern "C" {
 #endif
 
 /* This number is raised whenever a struct or the meaning of a call changes. */
-#define SPC_API_VERSION 14u
+#define SPC_API_VERSION 15u
 
 /* This value stands for "no index" where an index is optional. */
 #define SPC_NONE 0xffffffffu

@@ -33,7 +33,7 @@ class SizedStructure(Structure):
         super().__init__(struct_size=sizeof(type(self)), **fields)
 
 
-API_VERSION = 15
+API_VERSION = 16
 NONE = 0xFFFFFFFF
 
 
@@ -261,6 +261,7 @@ class InstanceDesc(SizedStructure):
         ("pass_index", c_uint32),
         ("crypto_object", c_float),
         ("crypto_asset", c_float),
+        ("light_group", c_char_p),
         ("attributes", POINTER(Attribute)),
         ("attribute_count", c_uint32),
     ]
@@ -314,6 +315,7 @@ class LightDesc(SizedStructure):
         ("feeds_caustics", c_uint32),
         ("soft_falloff", c_uint32),
         ("material", c_uint32),
+        ("light_group", c_char_p),
     ]
 
 
@@ -355,6 +357,7 @@ class EnvironmentDesc(SizedStructure):
         ("material", c_uint32),
         ("visibility", c_uint32),
         ("feeds_caustics", c_uint32),
+        ("light_group", c_char_p),
     ]
 
 
@@ -442,6 +445,10 @@ class RenderSettings(SizedStructure):
         ("transparent_glass_roughness", c_float),
         ("chain_family", c_char_p),
         ("passes", c_uint64),
+        ("light_groups", c_char_p),
+        ("color_aovs", c_char_p),
+        ("value_aovs", c_char_p),
+        ("pass_alpha_threshold", c_float),
         ("mist_start", c_float),
         ("mist_depth", c_float),
         ("mist_exponent", c_float),
@@ -544,6 +551,12 @@ class Pass(IntEnum):
     DENOISING_NORMAL = 24
     DENOISING_DEPTH = 25
     SAMPLE_COUNT = 26
+
+
+class CustomPass(IntEnum):
+    LIGHT_GROUP = 256
+    COLOR_AOV = 512
+    VALUE_AOV = 768
 
 
 class Sums(SizedStructure):

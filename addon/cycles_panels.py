@@ -55,6 +55,10 @@ OWN = {
     "CYCLES_RENDER_PT_passes_data": "SPECULA_PT_passes_data",
     "CYCLES_RENDER_PT_passes_light": "SPECULA_PT_passes_light",
     "CYCLES_RENDER_PT_passes_crypto": "SPECULA_PT_passes_cryptomatte",
+    "CYCLES_RENDER_PT_passes_aov": "SPECULA_PT_passes_aov",
+    "CYCLES_RENDER_PT_passes_lightgroups": "SPECULA_PT_passes_lightgroups",
+    "CYCLES_OBJECT_PT_lightgroup": "SPECULA_PT_object_light_group",
+    "CYCLES_WORLD_PT_settings_light_group": "SPECULA_PT_world_light_group",
     "CYCLES_RENDER_PT_simplify": "SPECULA_PT_simplify",
     "CYCLES_RENDER_PT_simplify_viewport": "SPECULA_PT_simplify",
     "CYCLES_RENDER_PT_simplify_render": "SPECULA_PT_simplify",
@@ -85,7 +89,6 @@ _SEARCHED = "Lights are always chosen by a tree; faint ones are not left out"
 _CURVES = "Hair and curves are tubes of four sides"
 _VOLUMES = "Volumes absorb evenly; there are no steps through them"
 _MOTION = "Motion blur is not supported, the frame is still"
-_GROUPS = "Light groups are not supported"
 _GUIDING = "Paths are not guided; caustics are searched for"
 _CULLING = "Objects are not culled"
 _BAKING = "Specula cannot bake: choose Cycles for that"
@@ -107,19 +110,15 @@ STATED = {
     "CYCLES_RENDER_PT_performance_compositor": _COMPOSITOR,
     "CYCLES_RENDER_PT_performance_memory": "Images are kept whole, and nothing is tiled",
     "CYCLES_RENDER_PT_performance_acceleration_structure": "Embree's trees are always used",
-    "CYCLES_RENDER_PT_passes_aov": "Passes of shaders are not supported",
-    "CYCLES_RENDER_PT_passes_lightgroups": _GROUPS,
     "CYCLES_RENDER_PT_simplify_culling": _CULLING,
     "CYCLES_RENDER_PT_bake": _BAKING,
     "CYCLES_CAMERA_PT_lens_custom_parameters": "Custom cameras are refused",
     "CYCLES_OBJECT_PT_motion_blur": _MOTION,
     "CYCLES_OBJECT_PT_shading_gi_approximation": _FAST_GI,
-    "CYCLES_OBJECT_PT_lightgroup": _GROUPS,
     "CYCLES_OBJECT_PT_visibility_culling": _CULLING,
     "CYCLES_MATERIAL_PT_settings_volume": _VOLUMES,
     "CYCLES_WORLD_PT_volume": _VOLUME_OF_WORLD,
     "CYCLES_WORLD_PT_settings": _WORLD,
-    "CYCLES_WORLD_PT_settings_light_group": _GROUPS,
     "RENDER_PT_stereoscopy": "Stereoscopy is not supported, all views are the same",
 }
 
@@ -149,7 +148,7 @@ WITHOUT_PLACE = {
     "RENDER_PT_freestyle": "Freestyle is not supported",
     "RENDER_PT_simplify_viewport": "SPECULA_PT_simplify has them",
     "RENDER_PT_simplify_render": "SPECULA_PT_simplify has them",
-    "VIEWLAYER_PT_layer_passes_lightgroups": "light groups are not supported",
+    "VIEWLAYER_PT_layer_passes_lightgroups": "SPECULA_PT_passes_lightgroups has them",
     "CYCLES_WORLD_PT_settings_surface": "of Settings",
     "CYCLES_WORLD_PT_settings_volume": "of Settings",
     "NODE_CYCLES_WORLD_PT_settings": "as in the properties",

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
 from . import cryptomatte, native
-from .abi import Crypto, Pass
+from .abi import Crypto, CustomPass, Pass
 from .export import compat
 
 # Pass -> the switch that asks for it: of a view layer, of Cycles' settings of one, or of ours.
@@ -60,6 +60,13 @@ MISSING = {
     "cycles.pass_render_time": "Render Time",
 }
 
+# Light groups and AOVs: a letter for each channel.
+_CUSTOM_CHANNELS = {
+    CustomPass.LIGHT_GROUP: "RGB",
+    CustomPass.COLOR_AOV: "RGBA",
+    CustomPass.VALUE_AOV: "X",
+}
+
 GUIDES = (Pass.DENOISING_ALBEDO, Pass.DENOISING_NORMAL)  # of the denoiser
 NOISY = "Noisy Image"  # the picture before it is denoised
 
@@ -78,7 +85,8 @@ class RenderPass:
 
     name: str  # in Blender
     channels: str  # one letter each
-    source: Pass | tuple[Crypto, int]  # or a kind and a level of Cryptomatte
+    # Of the core: its number, or a kind and a level of Cryptomatte.
+    source: int | tuple[Crypto, int]
     read: Callable  # (session, width, height) -> (H * W, channels) float32
     is_light: bool = False  # scaled by the film's exposure
 
@@ -112,13 +120,40 @@ def mask(bits: Iterable[int]) -> int:
 
 def enabled(scene, view_layer) -> list[RenderPass]:
     """The passes that a view layer delivers, Combined first."""
-    rows = [_of_core(source) for source in sources(view_layer)]
+    rows = [_of_core(source) for source in sources(view_layer)] + _custom(view_layer)
     for kind in cryptomatte.kinds(view_layer):
         for level in range(cryptomatte.ranks(view_layer) // 2):
             name = f"{cryptomatte.PASS_NAMES[kind]}{level:02}"
             rows.append(RenderPass(name, "rgba", (kind, level), reader((kind, level))))
     if wants_denoising(scene, view_layer):
         rows.append(replace(rows[0], name=NOISY))
+    return rows
+
+
+def names(view_layer) -> dict[CustomPass, list[str]]:
+    """Of the light groups and AOVs of a view layer, in the order of their passes."""
+    aovs = [aov for aov in view_layer.aovs if aov.is_valid]
+    return {
+        CustomPass.LIGHT_GROUP: [group.name for group in view_layer.lightgroups],
+        CustomPass.COLOR_AOV: [aov.name for aov in aovs if aov.type == "COLOR"],
+        CustomPass.VALUE_AOV: [aov.name for aov in aovs if aov.type == "VALUE"],
+    }
+
+
+def lines(of: list[str]) -> bytes | None:
+    """Names for spc_render_settings."""
+    return "\n".join(of).encode() or None
+
+
+def _custom(view_layer) -> list[RenderPass]:
+    """The passes of light groups and AOVs, named as in Cycles."""
+    rows = []
+    for first, channels in _CUSTOM_CHANNELS.items():
+        is_light = first == CustomPass.LIGHT_GROUP
+        for index, name in enumerate(names(view_layer)[first]):
+            called = f"Combined_{name}" if is_light else name
+            source = int(first) + index
+            rows.append(RenderPass(called, channels, source, reader(source), is_light))
     return rows
 
 
@@ -141,7 +176,7 @@ def _of_core(source: Pass) -> RenderPass:
     )
 
 
-def reader(source: Pass | tuple[Crypto, int]) -> Callable:
+def reader(source: int | tuple[Crypto, int]) -> Callable:
     """For RenderPass.read."""
 
     def read(session, width: int, height: int):

@@ -4,6 +4,7 @@
 import sys
 
 import bpy
+from bl_ui import properties_view_layer
 
 from . import diagnosis, statistics
 from .abi import CausticsSearch
@@ -442,6 +443,57 @@ class SPECULA_PT_passes_cryptomatte(PassesPanel, bpy.types.Panel):
     )
 
 
+def _of_blender(name: str) -> type:
+    """What draws a panel of view layers for several engines, by its name until Blender 4.5."""
+    return getattr(properties_view_layer, f"{name}Helper", None) or getattr(
+        properties_view_layer, name
+    )
+
+
+class SPECULA_PT_passes_aov(SpeculaPanel, _of_blender("ViewLayerAOVPanel"), bpy.types.Panel):
+    bl_label = "Shader AOV"
+    bl_context = "view_layer"
+    bl_parent_id = "SPECULA_PT_passes"
+
+
+class SPECULA_PT_passes_lightgroups(
+    SpeculaPanel, _of_blender("ViewLayerLightgroupsPanel"), bpy.types.Panel
+):
+    bl_label = "Light Groups"
+    bl_context = "view_layer"
+    bl_parent_id = "SPECULA_PT_passes"
+
+
+def draw_light_group(column, owner, view_layer) -> None:
+    """The group of an object's or a world's light, with a button that makes it."""
+    row = column.row(align=True)
+    row.use_property_decorate = False
+    row.prop_search(
+        owner,
+        "lightgroup",
+        view_layer,
+        "lightgroups",
+        text="Light Group",
+        results_are_suggestions=True,
+    )
+    add = row.column(align=True)
+    known = {group.name for group in view_layer.lightgroups}
+    add.enabled = bool(owner.lightgroup) and owner.lightgroup not in known
+    add.operator("scene.view_layer_add_lightgroup", icon="ADD", text="").name = owner.lightgroup
+
+
+class SPECULA_PT_object_light_group(SpeculaPanel, bpy.types.Panel):
+    bl_label = "Shading"
+    bl_context = "object"
+
+    @classmethod
+    def poll(cls, context) -> bool:
+        return super().poll(context) and context.object.type in SURFACE_TYPES | {"LIGHT"}
+
+    def draw(self, context):
+        draw_light_group(self.column(), context.object, context.view_layer)
+
+
 class SPECULA_PT_object_caustics(SpeculaPanel, bpy.types.Panel):
     bl_label = "Caustics"
     bl_context = "object"
@@ -639,6 +691,18 @@ class SPECULA_PT_world_caustics(SpeculaPanel, bpy.types.Panel):
         self.column().prop(context.world.specula, "caustics")
 
 
+class SPECULA_PT_world_light_group(SpeculaPanel, bpy.types.Panel):
+    bl_label = "Settings"
+    bl_context = "world"
+
+    @classmethod
+    def poll(cls, context) -> bool:
+        return bool(context.world) and super().poll(context)
+
+    def draw(self, context):
+        draw_light_group(self.column(), context.world, context.view_layer)
+
+
 def draw_pause(header, context) -> None:
     """The pause button of a 3D view in rendered mode; Cycles' own setting."""
     cycles = getattr(context.scene, "cycles", None)
@@ -673,6 +737,9 @@ PANELS = (
     SPECULA_PT_passes_data,
     SPECULA_PT_passes_light,
     SPECULA_PT_passes_cryptomatte,
+    SPECULA_PT_passes_aov,
+    SPECULA_PT_passes_lightgroups,
+    SPECULA_PT_object_light_group,
     SPECULA_PT_object_caustics,
     SPECULA_PT_material_caustics,
     SPECULA_PT_material_settings,
@@ -682,6 +749,7 @@ PANELS = (
     SPECULA_PT_light_nodes,
     SPECULA_PT_panorama,
     SPECULA_PT_world_caustics,
+    SPECULA_PT_world_light_group,
 )
 
 

@@ -68,6 +68,7 @@ class ExportCache:
         graph = (
             compat.identity(depsgraph.scene),
             depsgraph.view_layer.name,
+            compat.aov_names(depsgraph.view_layer),
             depsgraph.mode,
             epoch.number(),
         )

@@ -290,6 +290,18 @@ def world_of(scene, view_layer):
     return getattr(view_layer, "world_override", None) or scene.world
 
 
+def aov_names(view_layer) -> frozenset[str]:
+    """Of the AOVs that a view layer delivers."""
+    return frozenset(aov.name for aov in view_layer.aovs if aov.is_valid)
+
+
+def aov_name(node) -> str | None:
+    """Of a node that writes an AOV, which is its own name in older Blenders; else None."""
+    if node.bl_idname != "ShaderNodeOutputAOV":
+        return None
+    return node.aov_name if hasattr(node, "aov_name") else node.name
+
+
 # ----------------------------------------------------------------------------------------- cameras
 
 

@@ -144,6 +144,7 @@ class InstanceDesc:
     pass_index: int = 0
     crypto_object: float = 0.0  # identifiers for Cryptomatte; 0: none
     crypto_asset: float = 0.0
+    light_group: str = ""  # of the light that it emits; "": none
 
 
 @dataclass
@@ -164,6 +165,7 @@ class LightDesc:
     spread: float = np.pi  # area: full angle of the beam, rad
     visibility: Visibility = Visibility.ALL
     feeds_caustics: bool = True
+    light_group: str = ""  # "": none
     material: int = NONE  # whose emission is a factor of the light; NONE: 1
 
 
@@ -197,6 +199,7 @@ class EnvironmentDesc:
     material: int
     visibility: Visibility = Visibility.ALL
     feeds_caustics: bool = True
+    light_group: str = ""  # "": none
 
 
 @dataclass

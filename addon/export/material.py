@@ -38,8 +38,10 @@ def default_material() -> MaterialDesc:
     return plain_material("(no material)", "bsdf_diffuse", "BSDF", DEFAULT_COLOR)
 
 
-def export_material(material, images: Images, log: ExportLog) -> MaterialDesc:
-    """The node graph of `material`'s surface and volume."""
+def export_material(
+    material, images: Images, log: ExportLog, aovs: frozenset[str] = frozenset()
+) -> MaterialDesc:
+    """The node graph of `material`'s surface and volume, with what writes `aovs`."""
     ignored.warn_of_material(material, log)
     if not compat.uses_nodes(material):
         color = (*material.diffuse_color[:3], 1.0)
@@ -49,6 +51,7 @@ def export_material(material, images: Images, log: ExportLog) -> MaterialDesc:
     converter = Converter(f"material {material.name}", images, log)
     converter.material_index = material.pass_index
     desc = converter.convert(material.name, material.node_tree)
+    converter.add_aovs(desc, material.node_tree, aovs)
     converter.draw_suns()
     make_emission(desc)
     desc.glints = Glints[material.specula.glints]
@@ -97,6 +100,27 @@ class Converter:
             if volume and volume.is_linked:
                 self.warn(output, "Volume is not supported and has no effect")
         return MaterialDesc(name, self._nodes, self._links)
+
+    def add_aovs(self, desc: MaterialDesc, tree, wanted: frozenset[str]) -> None:
+        """Adds the tree's nodes that write AOVs of these names to what `convert` gave."""
+        self._in_volume = False
+        if wanted:
+            self._add_aovs_of(tree, wanted, ())
+        desc.links = self._links
+
+    def _add_aovs_of(self, tree, wanted: frozenset[str], path: graph.GroupPath) -> None:
+        """Those of groups as well."""
+        for node in tree.nodes if tree else ():
+            if node.mute:
+                continue
+            if hasattr(node, "node_tree"):
+                self._add_aovs_of(node.node_tree, wanted, (*path, node))
+            name = compat.aov_name(node)
+            if name in wanted:
+                index = len(self._nodes)
+                self._nodes.append(NodeDesc(node.name, "aov_output", options={"aov_name": name}))
+                for socket in ("Color", "Value"):
+                    self._input(index, node, socket, path)
 
     def _volume(self, output) -> None:
         """What fills the mesh. As in Cycles its surface is invisible if only that is given."""

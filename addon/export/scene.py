@@ -30,7 +30,14 @@ from .material import default_material, export_material
 from .mesh import export_mesh
 from .object_attributes import object_attributes
 from .view import export_view, is_shown, shows_particles
-from .visibility import caustics_role, instance_visibility, instancer, original, world_visibility
+from .visibility import (
+    caustics_role,
+    instance_visibility,
+    instancer,
+    light_group,
+    original,
+    world_visibility,
+)
 from .world import export_world
 
 # Objects that carry something to see which Specula cannot show. Curves, surfaces, text and
@@ -67,6 +74,7 @@ class SceneExport:
         self.images = Images(log, images_as_pixels, depsgraph.scene_eval.frame_current, cache)
         self.scene = SceneDesc(images=self.images.descs)
         self.scene.crypto_names = {kind: set() for kind in cryptomatte.kinds(self.layer)}
+        self._aovs = compat.aov_names(self.layer)
         self._materials: dict = {}  # evaluated material or None -> (index, needs)
         self._lights: dict = {}  # evaluated light -> what `_light_nodes` says of it
         self._meshes: dict = {}  # mesh_key -> (index or None, needs)
@@ -120,6 +128,7 @@ class SceneExport:
             visibility = instance_visibility(instance, self.layer)
             light = export_light(obj, transform, visibility, self._light_nodes, self.log)
             if light:
+                light.light_group = light_group(instance)
                 self.scene.lights.append(light)
             return
         self._check_object(instance, owner)
@@ -234,6 +243,7 @@ class SceneExport:
                 pass_index=instancer(instance).pass_index,
                 crypto_object=self._crypto(Crypto.OBJECT, obj.name),
                 crypto_asset=self._crypto(Crypto.ASSET, cryptomatte.asset_name(obj)),
+                light_group=light_group(instance),
                 attributes=object_attributes(instance, self.depsgraph, needs),
             )
         )
@@ -275,7 +285,9 @@ class SceneExport:
     def _new_material(self, material) -> KeptMaterial:
         with self.log.recording() as warnings:
             desc = (
-                export_material(material, self.images, self.log) if material else default_material()
+                export_material(material, self.images, self.log, self._aovs)
+                if material
+                else default_material()
             )
         desc.crypto = cryptomatte.identifier(desc.name)
         needs = self._core.needs(self._core.add(desc, self.images.descs))
@@ -313,17 +325,19 @@ class SceneExport:
             material=len(self.scene.materials),
             visibility=world_visibility(world),
             feeds_caustics=world.specula.caustics,
+            light_group=world.lightgroup,
         )
         kept = self.cache.material(world, self.images, self.log)
         if kept is None:
             with self.log.recording() as warnings:
-                desc, sun = export_world(world, self.images, self.log)
+                desc, sun = export_world(world, self.images, self.log, self._aovs)
             kept = KeptMaterial(desc, self.images.used_by(desc), frozenset(), warnings, sun)
             self.cache.keep_material(world, kept)
         self.scene.materials.append(kept.desc)
         if kept.sun is not None:
             kept.sun.visibility = self.scene.environment.visibility
             kept.sun.feeds_caustics = world.specula.caustics
+            kept.sun.light_group = world.lightgroup
             self.scene.lights.append(kept.sun)
 
 

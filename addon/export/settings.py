@@ -30,6 +30,10 @@ CYCLES = {
 }
 
 
+# Fields with the names of `passes.names`.
+CUSTOM = ("light_groups", "color_aovs", "value_aovs")
+
+
 def export_settings(
     scene, is_preview: bool = False, view_layer=None, denoises: bool = False
 ) -> RenderSettings:
@@ -57,6 +61,9 @@ def export_settings(
         settings.passes = passes.mask(wanted)
         settings.crypto_kinds = passes.mask(cryptomatte.kinds(view_layer))
         settings.crypto_ranks = cryptomatte.ranks(view_layer)
+        for field, names in zip(CUSTOM, passes.names(view_layer).values(), strict=True):
+            setattr(settings, field, passes.lines(names))
+        settings.pass_alpha_threshold = view_layer.pass_alpha_threshold
     settings.for_denoiser = denoises
     if not is_preview and compat.cycles_value(scene, "use_adaptive_sampling", False):
         _export_adaptive(scene, settings)
@@ -74,6 +81,8 @@ def viewport_settings(scene, view_layer) -> RenderSettings:
     settings.samples = samples or MOST_VIEWPORT_SAMPLES
     settings.time_limit = 0.0
     settings.passes = settings.crypto_kinds = 0
+    for field in CUSTOM:
+        setattr(settings, field, None)
     settings.noise_threshold = 0.0
     return settings
 

@@ -48,6 +48,11 @@ def instance_visibility(instance, view_layer) -> Visibility:
     return visible
 
 
+def light_group(instance) -> str:
+    """Of a depsgraph instance: the object's own or, if that has none, its instancer's."""
+    return instance.object.lightgroup or instancer(instance).lightgroup
+
+
 def world_visibility(world) -> Visibility:
     """Cycles' flags of a world, which has none for shadows."""
     flags = getattr(world, "cycles_visibility", None)

@@ -15,8 +15,11 @@ from .sky import Sky, sun_irradiance
 BLACK = {"Strength": (0.0, 0.0, 0.0, 1.0)}
 
 
-def export_world(world, images: Images, log: ExportLog) -> tuple[MaterialDesc, LightDesc | None]:
-    """The world's nodes, or its plain colour, as a material whose surface is a background.
+def export_world(
+    world, images: Images, log: ExportLog, aovs: frozenset[str] = frozenset()
+) -> tuple[MaterialDesc, LightDesc | None]:
+    """The world's nodes, or its plain colour, as a material whose surface is a background, with
+    what writes `aovs`.
 
     A sky that shines through a plain Background gives its sun as a light. Others have it in their
     image.
@@ -27,6 +30,7 @@ def export_world(world, images: Images, log: ExportLog) -> tuple[MaterialDesc, L
     converter = Converter(f"world {world.name}", images, log)
     desc = converter.convert(world.name, world.node_tree)
     strength = _plain_strength(desc) if len(converter.skies) == 1 else None
+    converter.add_aovs(desc, world.node_tree, aovs)
     sun = None
     if strength is None:
         converter.draw_suns()

@@ -4,7 +4,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <limits>
+#include <sstream>
 
 #ifndef SPC_ISA_LEVEL
 #define SPC_ISA_LEVEL "unknown"
@@ -89,6 +91,8 @@ void exchange(const Way& way, Host& host, Core& core) {
     way.number("transparent_glass_roughness", host.transparent_glass_roughness,
                integrator.transparent_glass_alpha, 0.0f, 1.0f);
     way.number("total_samples", host.total_samples, core.total_samples, 0, kMost);
+    way.number("pass_alpha_threshold", host.pass_alpha_threshold, integrator.pass_alpha_threshold,
+               0.0f, 1.0f);
     way.number("mist_start", host.mist_start, core.mist.start, 0.0f, kLongest);
     way.number("mist_depth", host.mist_depth, core.mist.depth, 0.0f, kLongest);
     way.number("mist_exponent", host.mist_exponent, core.mist.exponent, 0.0f, kLongest);
@@ -138,12 +142,29 @@ void choose_method(const spc_render_settings& s, RenderSettings& settings) {
     settings.chooses = s.method == SPC_METHOD_AUTO;
 }
 
+// Names that stand in a line each.
+std::vector<std::string> to_names(const char* lines, const char* what) {
+    std::vector<std::string> names;
+    std::istringstream text(lines == nullptr ? "" : lines);
+    for (std::string name; std::getline(text, name);) {
+        require(std::ranges::find(names, name) == names.end(),
+                fmt::format("{} names \"{}\" twice", what, name));
+        names.push_back(name);
+    }
+    require(names.size() <= spc::kMostCustom,
+            fmt::format("{} holds more than {} names", what, spc::kMostCustom));
+    return names;
+}
+
 RenderSettings to_settings(const spc_render_settings& s) {
     RenderSettings settings;
     exchange(Take{}, s, settings);
     require(s.samples <= 0xffffffffu - s.first_sample, "first_sample + samples is out of range");
     choose_method(s, settings);
-    settings.passes = spc::PassSet(s.passes);
+    settings.custom.of = {to_names(s.light_groups, "light_groups"),
+                          to_names(s.color_aovs, "color_aovs"),
+                          to_names(s.value_aovs, "value_aovs")};
+    settings.passes = spc::PassSet(s.passes, settings.custom.counts());
     require(s.passes >> SPC_PASS_COUNT == 0, "passes holds a bit of no pass");
     if (s.total_samples > 0) {
         require(s.first_sample + s.samples <= s.total_samples,
@@ -177,7 +198,7 @@ void read_crypto(const Film& film, uint32_t kind, uint32_t level, float* buffer,
 }
 
 void read_pass(const Film& film, uint32_t pass, float* buffer, size_t count) {
-    require(pass < SPC_PASS_COUNT, fmt::format("unknown pass {}", pass));
+    require(spc::is_pass(pass), fmt::format("unknown pass {}", pass));
     require(buffer != nullptr, "buffer is null");
     require(film.can_read(static_cast<Pass>(pass)), fmt::format("pass {} was not asked for", pass));
     const size_t expected =
@@ -306,7 +327,7 @@ const char* spc_render_report(spc_session* session) {
 }
 
 uint32_t spc_pass_channels(uint32_t pass) {
-    return pass < SPC_PASS_COUNT ? spc::pass_channels(static_cast<spc::Pass>(pass)) : 0;
+    return spc::is_pass(pass) ? spc::pass_channels(static_cast<spc::Pass>(pass)) : 0;
 }
 
 const char* spc_passes(void) {

@@ -220,6 +220,7 @@ Instance to_instance(const spc_instance_desc& desc) {
     instance.pass_index = desc.pass_index;
     instance.crypto_object = desc.crypto_object;
     instance.crypto_asset = desc.crypto_asset;
+    instance.light_group = name_or(desc.light_group, "");
     instance.role =
         checked_enum<CausticsRole>(desc.caustics_role, SPC_CAUSTICS_BOTH, owner, "caustics role");
     instance.holdout = desc.holdout != 0;
@@ -249,6 +250,7 @@ LightDesc to_light(const spc_light_desc& desc) {
     check_visibility(desc.visibility, owner);
     light.visibility = desc.visibility;
     light.feeds_caustics = desc.feeds_caustics != 0;
+    light.light_group = name_or(desc.light_group, "");
     light.material = desc.material;
     return light;
 }
@@ -501,7 +503,8 @@ spc_status spc_scene_set_environment(spc_scene* scene, const spc_environment_des
         spc::SceneBuilder& builder = builder_of(scene);
         const spc_environment_desc& d = checked(desc, "desc");
         check_visibility(d.visibility, "world");
-        builder.set_environment({d.material, d.visibility, d.feeds_caustics != 0});
+        builder.set_environment(
+            {d.material, d.visibility, d.feeds_caustics != 0, name_or(d.light_group, "")});
     });
 }
 

@@ -45,6 +45,7 @@ public:
     };
     // `share` of the sample; further surfaces than kMost are lost.
     void add(const CryptoIds& ids, float share);
+    void clear() { count_ = 0; }
     std::span<const Part> parts() const { return {parts_.data(), count_}; }
 
 private:

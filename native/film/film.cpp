@@ -18,7 +18,7 @@ Film::Film(uint32_t width, uint32_t height, PassSet passes, SplatSpread spread,
       crypto_(crypto),
       mutexes_(static_cast<size_t>(tiles_across_) *
                ((uint64_t{height} + kTileSize - 1) / kTileSize)) {
-    for (uint32_t pass = 0; pass < kPasses; ++pass) add_plane(static_cast<Pass>(pass));
+    passes_.each([this](Pass pass) { add_plane(pass); });
     const size_t pixels = static_cast<size_t>(width) * height;
     pixels_.resize(pixels);
     high_.resize(pixels * high_stride_);
@@ -33,9 +33,9 @@ size_t Film::crypto_stride() const {
 
 void Film::add_plane(Pass pass) {
     const Accumulation how = describe(pass).accumulation;
-    if (!passes_.has(pass) || how == Accumulation::picture) return;
+    if (how == Accumulation::picture) return;
     const uint32_t channels = how == Accumulation::ratio ? 2 : pass_channels(pass);
-    planes_.push_back({pass, channels, high_stride_, low_stride_});
+    planes_.push_back({pass, how, passes_.slot(pass), channels, high_stride_, low_stride_});
     if (how != Accumulation::first) high_stride_ += channels;
     low_stride_ += channels;
 }
@@ -120,11 +120,10 @@ void Film::accumulate(TileSums& tile, size_t index, const FilmSample& sample) co
         double* high = tile.high.data() + index * high_stride_;
         float* low = tile.low.data() + index * low_stride_;
         for (const Plane& plane : planes_) {
-            const Vec3& value = (*sample.values)[plane.pass];
-            const bool first = describe(plane.pass).accumulation == Accumulation::first;
+            const PassValue& value = sample.values->at(plane.slot);
             for (uint32_t c = 0; c < plane.channels; ++c) {
-                const float v = value[static_cast<int>(c)];
-                if (!first)
+                const float v = value[c];
+                if (plane.how != Accumulation::first)
                     add_exactly(high[plane.high + c], low[plane.low + c], static_cast<double>(v));
                 else if (pixel.count == 0)
                     low[plane.low + c] = v;
@@ -198,10 +197,12 @@ void Film::add_to_pixel(SplatLayer& layer, size_t pixel, const Splat& splat, flo
     layer.picture[pixel].add(value);
     layer.squared[pixel].add(value * value);
     const auto add = [&](Pass pass, const Spectrum& part) {
-        std::vector<SplatSums>& sums = layer.passes[static_cast<size_t>(pass)];
+        std::vector<SplatSums>& sums = layer.passes[passes_.slot(pass)];
         if (!sums.empty()) sums[pixel].add(part);
     };
     add(Pass::caustics, value);
+    if (splat.light_group != kNoGroup)
+        add(pass_of(CustomKind::light_group, splat.light_group), value);
     if (!passes_.tell_lobes()) return;
     const Pass first = splat.direct ? Pass::diffuse_direct : Pass::diffuse_indirect;
     for (size_t i = 0; i < kLobes; ++i)
@@ -215,11 +216,14 @@ Film::SplatLayer& Film::layer_of(SplatSource source) {
     if (!layer.picture.empty()) return layer;
     layer.picture.resize(pixels_.size());
     layer.squared.resize(pixels_.size());
+    layer.passes.resize(passes_.slots());
     for (const Plane& plane : planes_) {
         const bool takes = plane.pass == Pass::caustics
                                ? source == SplatSource::light_paths
-                               : describe(plane.pass).accumulation == Accumulation::light_by_color;
-        if (takes) layer.passes[static_cast<size_t>(plane.pass)].resize(pixels_.size());
+                               : plane.how == Accumulation::light_by_color ||
+                                     plane.pass >= first_of(CustomKind::light_group);
+        if (takes && plane.how != Accumulation::mean)
+            layer.passes[plane.slot].resize(pixels_.size());
     }
     return layer;
 }

@@ -54,6 +54,7 @@ struct Splat {
     Vec2 film;  // pixels of the full frame
     Spectrum value;
     LobeShares shares = only(Lobe::diffuse);
+    uint32_t light_group = kNoGroup;
     bool direct = false;  // light whose only scattering is that towards the camera
     Vec2 u{0.5f};         // uniform, to draw the one pixel that takes it
 };
@@ -76,7 +77,7 @@ public:
     uint32_t width() const { return width_; }
     uint32_t height() const { return height_; }
     uint32_t tile_count() const { return static_cast<uint32_t>(mutexes_.size()); }
-    PassSet passes() const { return passes_; }
+    const PassSet& passes() const { return passes_; }
     SplatSpread spread() const { return spread_; }
     // Whether samples need values for passes.
     bool has_planes() const { return !planes_.empty() || crypto_.any(); }
@@ -128,6 +129,8 @@ private:
     // Where a pass lies in the sums of a pixel. First values lie in `low` alone.
     struct Plane {
         Pass pass;
+        Accumulation how;
+        size_t slot;  // PassSet::slot()
         uint32_t channels, high, low;
     };
     // Row after row; no pixels until there are some.
@@ -137,7 +140,7 @@ private:
     };
     struct SplatLayer {
         std::vector<SplatSums> picture, squared;
-        std::array<std::vector<SplatSums>, kPasses> passes;  // of those that are asked for
+        std::vector<std::vector<SplatSums>> passes;  // by slot; of those that take splats
         double estimates = 0.0, per_picture = 1.0;
         double pictures() const { return estimates / per_picture; }
         std::array<double, 3> mean(const std::vector<SplatSums>& sums, size_t pixel) const;

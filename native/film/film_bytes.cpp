@@ -4,22 +4,26 @@
 #include "film/exact_sum.h"
 #include "film/film.h"
 
+#include <algorithm>
 #include <cstring>
 
 namespace spc {
 
 namespace {
 
-constexpr uint32_t kMagic = 0x73637073, kFormat = 1;
+constexpr uint32_t kMagic = 0x73637073, kFormat = 2;
 
 struct Header {
     uint32_t magic = kMagic, format = kFormat;
     uint32_t width = 0, height = 0;
     uint64_t passes = 0;
+    CustomCounts custom;
     uint32_t spread = 0;
     uint32_t sources = 0;  // bits of those that have splats
     CryptoRequest crypto{};
+    uint32_t unused = 0;  // no bytes lie between fields
 };
+static_assert(sizeof(Header) == 4 * 4 + 8 + 4 * kCustomKinds + 2 * 4 + 2 * 4 + 4);
 
 [[noreturn]] void refuse(const char* why) { throw Error(ErrorKind::invalid_argument, why); }
 
@@ -86,6 +90,7 @@ std::vector<std::byte> Film::to_bytes() const {
     header.width = width_;
     header.height = height_;
     header.passes = passes_.bits();
+    header.custom = passes_.custom();
     header.spread = static_cast<uint32_t>(spread_);
     header.crypto = crypto_;
     for (size_t i = 0; i < kSplatSources; ++i)
@@ -106,11 +111,15 @@ std::unique_ptr<Film> Film::from_bytes(std::span<const std::byte> bytes) {
     Header header;
     reader.one(header);
     if (header.magic != kMagic || header.format != kFormat) refuse("these are no sums of a film");
-    const PassSet passes(header.passes);
+    const PassSet passes(header.passes, header.custom);
     const uint64_t pixels = uint64_t{header.width} * header.height;
+    constexpr size_t kLeastBytes =
+        sizeof(double) + sizeof(float);  // that a custom pass has of a pixel
     if (header.passes >> kPasses != 0 || header.sources >> kSplatSources != 0 || header.spread > 1 ||
+        std::ranges::any_of(header.custom.of, [](uint32_t n) { return n > kMostCustom; }) ||
         header.crypto.kinds >> kCryptoKinds != 0 || header.crypto.ranks > kMostCryptoRanks ||
-        pixels == 0 || pixels > bytes.size() / sizeof(PixelSums))
+        pixels == 0 ||
+        pixels > bytes.size() / (sizeof(PixelSums) + kLeastBytes * header.custom.sum()))
         refuse("the sums' header is damaged");
     auto film = std::make_unique<Film>(header.width, header.height, passes,
                                        static_cast<SplatSpread>(header.spread), header.crypto);
@@ -138,9 +147,8 @@ void add_all(High& high, Low& low, const High& other_high, const Low& other_low)
 }  // namespace
 
 void Film::add(const Film& other, bool earlier) {
-    if (other.width_ != width_ || other.height_ != height_ ||
-        other.passes_.bits() != passes_.bits() || other.spread_ != spread_ ||
-        other.crypto_ != crypto_)
+    if (other.width_ != width_ || other.height_ != height_ || other.passes_ != passes_ ||
+        other.spread_ != spread_ || other.crypto_ != crypto_)
         refuse("the sums are those of another picture");
     for (size_t at = 0; at < pixels_.size(); ++at) {
         PixelSums& to = pixels_[at];
@@ -155,7 +163,7 @@ void Film::add(const Film& other, bool earlier) {
         for (const Plane& plane : planes_)
             for (uint32_t c = 0; c < plane.channels; ++c) {
                 const size_t low = at * low_stride_ + plane.low + c;
-                if (describe(plane.pass).accumulation == Accumulation::first) {
+                if (plane.how == Accumulation::first) {
                     if (takes_first) low_[low] = other.low_[low];
                     continue;
                 }
@@ -183,7 +191,8 @@ void Film::add(const Film& other, bool earlier) {
         };
         all(to.picture, from.picture);
         all(to.squared, from.squared);
-        for (size_t pass = 0; pass < kPasses; ++pass) all(to.passes[pass], from.passes[pass]);
+        for (size_t slot = 0; slot < passes_.slots(); ++slot)
+            all(to.passes[slot], from.passes[slot]);
     }
 }
 

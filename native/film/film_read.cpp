@@ -38,14 +38,13 @@ void Film::write_pixel(Pass pass, const PixelSums& pixel, const double* high, co
                        float* out) const {
     const Plane* plane = plane_of(pass);
     if (plane == nullptr) return write_picture(pass, pixel, out);
-    const Accumulation how = describe(pass).accumulation;
-    if (how == Accumulation::ratio) {
+    if (plane->how == Accumulation::ratio) {
         const double whole = high[plane->high + 1];
         out[0] = whole > 0.0 ? static_cast<float>(high[plane->high] / whole) : 0.0f;
         return;
     }
     for (uint32_t c = 0; c < plane->channels; ++c)
-        out[c] = how == Accumulation::first
+        out[c] = plane->how == Accumulation::first
                      ? low[plane->low + c]
                      : static_cast<float>(high[plane->high + c] / pixel.count);
 }
@@ -101,9 +100,10 @@ void Film::read_crypto(CryptoKind wanted, uint32_t level, std::span<float> out) 
 void Film::add_splat_passes(Pass pass, std::span<float> out) const {
     const size_t channels = pass_channels(pass);
     for (const SplatLayer& layer : splats_) {
+        if (layer.picture.empty()) continue;
         const bool of_picture = pass == Pass::combined || pass == Pass::variance;
         const std::vector<SplatSums>& sums =
-            of_picture ? layer.picture : layer.passes[static_cast<size_t>(pass)];
+            of_picture ? layer.picture : layer.passes[passes_.slot(pass)];
         for (size_t at = 0; at < sums.size(); ++at) {
             const std::array<double, 3> value =
                 pass == Pass::variance ? layer.variance(at) : layer.mean(sums, at);

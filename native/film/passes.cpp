@@ -37,12 +37,25 @@ constexpr std::array<PassDesc, kPasses> kTable{{
     {"Debug Sample Count", "X", Accumulation::picture},
 }};
 
+constexpr std::array<PassDesc, kCustomKinds> kCustomTable{{
+    {"Light Group", "RGB", Accumulation::light},
+    {"Color AOV", "RGBA", Accumulation::mean},
+    {"Value AOV", "X", Accumulation::mean},
+}};
+
 }  // namespace
 
-const PassDesc& describe(Pass pass) { return kTable[static_cast<size_t>(pass)]; }
+const PassDesc& describe(Pass pass) {
+    if (pass < Pass::count) return kTable[static_cast<size_t>(pass)];
+    return kCustomTable[static_cast<uint32_t>(pass) / kMostCustom - 1];
+}
+
+bool is_pass(uint32_t number) {
+    return number < kPasses || (number >= kMostCustom && number < (kCustomKinds + 1) * kMostCustom);
+}
 
 uint32_t pass_channels(Pass pass) {
-    return pass < Pass::count ? static_cast<uint32_t>(std::strlen(describe(pass).channels)) : 0;
+    return static_cast<uint32_t>(std::strlen(describe(pass).channels));
 }
 
 PassSet PassSet::with_colors() const {

@@ -21,9 +21,15 @@ Sampler search_sampler(uint32_t seed, const SplatIndex& index) {
     return sampler_beside_pixels(seed, 0x736561726368ull, index);
 }
 
-Splat splat_of(const CameraChain& chain, const Vec2& film, const Sampler& sampler) {
+Splat splat_of(const CameraChain& chain, const Vec2& film, const IntegratorSettings& settings,
+               const Sampler& sampler) {
     const Lobe lobe = chain.first == Interaction::reflection ? Lobe::glossy : Lobe::transmission;
-    return {film, chain.value, only(lobe), chain.count == 1, sampler[Domain::splat].two()};
+    return {film,
+            chain.value,
+            only(lobe),
+            settings.group_of_light(chain.light),
+            chain.count == 1,
+            sampler[Domain::splat].two()};
 }
 
 // The camera as the beginning of chains, through one point of its lens.
@@ -212,7 +218,7 @@ void estimate_camera_chains(const RenderScene& world, const IntegratorSettings& 
     find_camera_chains(techniques_of(world, settings), eye.receiver, sampler, found, stats.manifold);
     for (const CameraChain& one : found)
         if (const std::optional<Vec2> film = eye.place(one.p, margin))
-            splats.push_back(splat_of(one, *film, sampler));
+            splats.push_back(splat_of(one, *film, settings, sampler));
 }
 
 uint64_t camera_chain_searches(const Camera& camera, const CameraChains& camera_chains,
@@ -236,7 +242,7 @@ void search_camera_chains(const RenderScene& world, const IntegratorSettings& se
     const auto searches =
         static_cast<double>(camera_chain_searches(camera, *settings.camera_chains, margin));
     if (const std::optional<Vec2> place = eye.place(one->p, margin)) {
-        splats.push_back(splat_of(*one, *place, sampler));
+        splats.push_back(splat_of(*one, *place, settings, sampler));
         splats.back().value *= static_cast<float>(window.pixels() / searches);
     }
 }

@@ -201,6 +201,7 @@ private:
         (is_thinned() ? stats_.squares_behind : stats_.squares) += square;
         Splat splat{view->film, value};
         splat.u = sampler_.vertex(segment_)[Domain::splat].two();
+        splat.light_group = settings_.group_of_light(y_.light);
         if (settings_.tell_lobes) splat.shares = lobe_shares(surface, ray_.direction * -1.0f);
         splats_.push_back(splat);
     }

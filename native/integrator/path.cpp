@@ -18,12 +18,14 @@ std::optional<Hit> PathTracer::go_to_surface(Surface& surface, PathLight& light)
             if (in_hole) return std::nullopt;
             evaluate(*hit, surface);
             come_to(surface.p);
-            add_met(throughput * emission_of_surface(*hit, surface), Pass::emission, light);
+            add_met(throughput * emission_of_surface(*hit, surface), Pass::emission,
+                    settings.group_of_instance(hit->surface.instance), light);
             return hit;
         }
         // Lamps are looked through, as in Cycles.
         come_to(ray.origin + ray.direction * hit->t);
-        add_met(throughput * emission_of_lamp(*hit), Pass::emission, light);
+        add_met(throughput * emission_of_lamp(*hit), Pass::emission,
+                settings.group_of_light(hit->light), light);
         ray.t_near = past(hit->t);
     }
 }
@@ -70,6 +72,7 @@ bool PathTracer::scatter(const Hit& hit, const Surface& surface, const ClosureSa
     if (!survive_roulette(sampler)) return false;
     if (next.kind == BounceKind::transparent) return look_through(hit);
     if (bounces.total == 0) lobes = only(lobe_of(next.kind));
+    writes_aovs = false;
     const BounceCounts before = bounces;
     bounces.add(next.kind);
     sees_film = sees_film && lets_film_through(next);
@@ -189,7 +192,8 @@ PathSample path_radiance(const RenderScene& world, const IntegratorSettings& set
         path.history.begin_at_camera(world.scene->camera, camera_ray);
     PathSample out;
     PathLight light;
-    if (values != nullptr && values->asked().tell_lobes()) light.values = values;
+    if (values != nullptr && values->asked().tell_light()) light.values = values;
+    path.writes_aovs = values != nullptr && values->asked().tell_aovs();
     std::optional<Features> features;
     if (values != nullptr && values->asked().tell_features()) features.emplace();
     Surface surface;
@@ -199,11 +203,14 @@ PathSample path_radiance(const RenderScene& world, const IntegratorSettings& set
             const Spectrum& t = path.throughput;
             if (path.in_hole || (settings.transparent_film && path.sees_film)) out.alpha -= mean(t);
             if (features && !path.in_hole) features->look_at_world(path.world_seen(), *values);
+            if (path.writes_aovs && !path.in_hole) path.tell_aovs_of_world(*values);
             break;
         }
         if (path.sees_film) out.alpha -= mean(path.throughput * surface.closures.holdout);
         if (values != nullptr && path.bounces.total == 0) path.tell_surface(surface, *values);
-        if (features && features->look(*world.scene, surface, hit->t, *values)) features.reset();
+        if (path.writes_aovs) path.tell_aovs(surface, hit->t, *values);
+        const float length = hit->t - path.ray_begins;
+        if (features && features->look(*world.scene, surface, length, *values)) features.reset();
         if (path.bounces.exhausted(settings.limits)) {
             if (path.look_for_lights_behind(*hit, surface)) continue;
             break;

@@ -5,6 +5,7 @@
 
 #include "film/passes.h"
 #include "glints/glint.h"
+#include "integrator/pass_sources.h"
 #include "manifold/estimator.h"
 
 namespace spc {
@@ -34,6 +35,16 @@ struct IntegratorSettings {
     GlintSettings glints;
     bool tell_lobes =
         false;  // light paths and camera chains tell by which lobe they come to the camera
+    const PassSources* pass_sources = nullptr;  // null: no pass asks
+    // Passes of the first surface are of the first that is at least as opaque.
+    float pass_alpha_threshold = 0.5f;
+
+    uint32_t group_of_instance(uint32_t instance) const {
+        return pass_sources != nullptr ? pass_sources->of_instance[instance] : kNoGroup;
+    }
+    uint32_t group_of_light(uint32_t light) const {
+        return pass_sources != nullptr ? pass_sources->of_light[light] : kNoGroup;
+    }
 
     const CasterSet& casters_of(const RenderScene& world) const {
         return searched != nullptr ? *searched : world.casters;

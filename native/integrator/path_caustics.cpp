@@ -47,7 +47,7 @@ Spectrum PathTracer::estimate(const Surface& surface, const CameraSubpath& camer
         counts.capped_energy += static_cast<double>(luminance(drawn));
     for (const ReceivedLight& one : received)
         tell_scattered(throughput * one.radiance * (one.drawn ? 1.0f / probability : 1.0f), surface,
-                       one.wi, *light.values, false);
+                       one.wi, one.light, *light.values, false);
     const Spectrum sum = throughput * found.seeded + drawn;
     light.total += sum;
     return sum;

@@ -10,7 +10,7 @@ void PathTracer::add_direct(const Surface& surface, const CameraSubpath& camera_
     const auto add = [&](const std::optional<DirectSample>& one) {
         if (one)
             add_scattered(throughput * direct_radiance(surface, camera_subpath, *one), surface,
-                          one->wi, light, bounces.total == 0);
+                          one->wi, one->light, light, bounces.total == 0);
     };
     add(sample_direct_first(world.lights, scene(), at, sampler[Domain::light].three(), to_light(0)));
     if (world.lights.tree.has_second())

@@ -5,7 +5,10 @@
 namespace spc {
 
 void PathTracer::add_from_afar(PathLight& light) const {
-    add_met(throughput * emission_of_world(), Pass::environment, light);
+    const auto group_of = [this](uint32_t of_light) { return settings.group_of_light(of_light); };
+    if (world.lights.has_world)
+        add_met(throughput * emission_of_world(), Pass::environment,
+                group_of(world.lights.of_world()), light);
     for (const uint32_t sun : world.lights.disc_suns) {
         if ((light_visibility(world.lights, sun) & ray_kind) == 0) continue;
         const Spectrum radiance = radiance_of_lamp(world.lights, scene(), sun, Vec3(0.0f),
@@ -14,7 +17,7 @@ void PathTracer::add_from_afar(PathLight& light) const {
         const float weight = weight_of_lamp(
             end_afar(sun, pdf_light_point_sun(world.lights, sun, ray.direction),
                      pdf_direct_sun(world.lights, history.lit_point(), sun, ray.direction)));
-        add_met(throughput * radiance * weight, Pass::emission, light);
+        add_met(throughput * radiance * weight, Pass::emission, group_of(sun), light);
     }
 }
 

@@ -18,13 +18,15 @@ void PathTracer::look_for_glints(const Hit& hit, Surface& surface,
 void PathTracer::add_glints(const Surface& surface, const Sampler& sampler, PathLight& light) {
     // After a rough bounce the noise is the path's, which no further estimates take away.
     const uint32_t estimates = differential->lobe ? 1 : round.glints.estimates;
-    Spectrum sum(0.0f);
-    for (uint32_t i = 0; i < estimates; ++i) sum += glint_estimate(surface, sampler, i);
-    sum *= 1.0f / static_cast<float>(estimates);
-    light.total += sum;
     const bool seen = bounces.total == 0;
-    if (light.values != nullptr)
-        light.values->add_scattered(sum, seen ? only(Lobe::glossy) : lobes, seen);
+    for (uint32_t i = 0; i < estimates; ++i) {
+        const GlintLight found = glint_estimate(surface, sampler, i);
+        const Spectrum part = found.radiance * (1.0f / static_cast<float>(estimates));
+        light.total += part;
+        if (light.values == nullptr || is_black(part)) continue;
+        light.values->add_scattered(part, seen ? only(Lobe::glossy) : lobes, seen);
+        light.values->add_to_group(settings.group_of_light(found.light), part);
+    }
 }
 
 bool PathTracer::turns_rough_chain(const Surface& surface) const {
@@ -36,8 +38,8 @@ bool PathTracer::turns_rough_chain(const Surface& surface) const {
 // most, by the moments of the slopes (resampled importance sampling [Talbot05]). All of a
 // sample's estimates together are points of a lattice, so that none of a few small lamps is left
 // out by chance.
-Spectrum PathTracer::glint_estimate(const Surface& surface, const Sampler& sampler,
-                                    uint32_t estimate) {
+PathTracer::GlintLight PathTracer::glint_estimate(const Surface& surface, const Sampler& sampler,
+                                                  uint32_t estimate) {
     constexpr float kPoints = 6.0f;
     struct Candidate {
         DirectSample light;
@@ -69,18 +71,19 @@ Spectrum PathTracer::glint_estimate(const Surface& surface, const Sampler& sampl
             chosen = Candidate{*light, share, promise};
         }
     }
-    if (!chosen) return Spectrum(0.0f);
+    if (!chosen) return {};
     const DirectSample& light = chosen->light;
     Spectrum arriving =
         throughput * light.radiance * (chosen->share * sum / (kGlintCandidates * chosen->promise));
     if ((light_visibility(world.lights, light.light) & kVisibleShadow) != 0)
         arriving *= unblocked(surface, light);
-    if (is_black(arriving)) return arriving;
+    if (is_black(arriving)) return {};
     // The mean of several may be as noisy as one.
     const float faint =
         static_cast<float>(round.glints.estimates) * round.glints.faint / max_component(arriving);
-    return arriving * glints->f_cos(light.wi, {kPoints * chosen->share, faint},
-                                    sampler[Domain::glints].stream_seed() + estimate, stats.glints);
+    return {arriving * glints->f_cos(light.wi, {kPoints * chosen->share, faint},
+                                     sampler[Domain::glints].stream_seed() + estimate, stats.glints),
+            light.light};
 }
 
 }  // namespace spc

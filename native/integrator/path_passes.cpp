@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "film/film.h"
 #include "integrator/path_tracer.h"
 
 namespace spc {
@@ -86,10 +87,12 @@ LobeShares lobe_shares(const Surface& surface, const Vec3& wi) {
     return shares;
 }
 
-void PathTracer::add_met(const Spectrum& emitted, Pass if_seen, PathLight& light) const {
+void PathTracer::add_met(const Spectrum& emitted, Pass if_seen, uint32_t light_group,
+                         PathLight& light) const {
     light.total += emitted;
     if (light.values == nullptr) return;
     const Spectrum value = emitted * light.scale;
+    light.values->add_to_group(light_group, value);
     if (scatterings() == 0)
         (*light.values)[if_seen] += value;
     else
@@ -97,14 +100,17 @@ void PathTracer::add_met(const Spectrum& emitted, Pass if_seen, PathLight& light
 }
 
 void PathTracer::add_scattered(const Spectrum& value, const Surface& surface, const Vec3& wi,
-                               PathLight& light, bool direct) const {
+                               uint32_t of_light, PathLight& light, bool direct) const {
     light.total += value;
-    if (light.values != nullptr) tell_scattered(value, surface, wi, *light.values, direct);
+    if (light.values != nullptr)
+        tell_scattered(value, surface, wi, of_light, *light.values, direct);
 }
 
 void PathTracer::tell_scattered(const Spectrum& value, const Surface& surface, const Vec3& wi,
-                                PassValues& values, bool direct) const {
+                                uint32_t of_light, PassValues& values, bool direct) const {
     if (is_black(value)) return;
+    values.add_to_group(settings.group_of_light(of_light), value);
+    if (!values.asked().tell_lobes()) return;
     values.add_scattered(value, bounces.total == 0 ? lobe_shares(surface, wi) : lobes, direct);
 }
 
@@ -120,6 +126,48 @@ void PathTracer::tell_surface(const Surface& surface, PassValues& values) const 
     const LobeColors colors = colors_of(surface);
     for (size_t i = 0; i < kLobes; ++i)
         values[pass_of(Pass::diffuse_color, static_cast<Lobe>(i))] += throughput * colors[i];
+}
+
+namespace {
+
+// What nodes of a material write, each by `color(node)` or `value(node)`; nothing where that is no number.
+template <class Color, class Value>
+void add_aovs(const std::vector<PassSources::Aov>& aovs, const Color& color, const Value& value,
+              PassValues& values) {
+    for (const PassSources::Aov& aov : aovs) {
+        const bool is_color = aov.pass < first_of(CustomKind::value_aov);
+        const Vec3 written = is_color ? color(aov.node) : Vec3(value(aov.node), 0.0f, 0.0f);
+        if (!can_be_held(written)) continue;
+        values[aov.pass] += written;
+        values.value(aov.pass).alpha += 1.0f;
+    }
+}
+
+}  // namespace
+
+void PathTracer::tell_aovs(const Surface& surface, float length, PassValues& values) {
+    const SurfaceHit& hit = surface.hit;
+    const RayState state = seen_by(length);
+    add_aovs(
+        settings.pass_sources->aovs[scene().material_index(hit.instance, hit.triangle)],
+        [&](uint32_t node) { return surface_color_aov(scene(), hit, surface.wo, state, node); },
+        [&](uint32_t node) { return surface_value_aov(scene(), hit, surface.wo, state, node); },
+        values);
+    writes_aovs = 1.0f - mean(surface.closures.transparency) < settings.pass_alpha_threshold;
+}
+
+void PathTracer::tell_aovs_of_world(PassValues& values) const {
+    const Environment& environment = scene().environment;
+    if (environment.material == kNone || (environment.visibility & ray_kind) == 0) return;
+    const Material& material = scene().materials[environment.material];
+    ViewSpace turned;
+    const ShadingPoint<float> point =
+        background_point(material, ray.direction, seen_by(0.0f), scene().view, turned);
+    const std::vector<Image>& images = scene().images;
+    add_aovs(
+        settings.pass_sources->aovs[environment.material],
+        [&](uint32_t node) { return evaluate_color_aov(material, images, point, node); },
+        [&](uint32_t node) { return evaluate_value_aov(material, images, point, node); }, values);
 }
 
 namespace {

@@ -71,6 +71,7 @@ struct PathTracer {
     // Fold directions at the current surface, and at history.caustic.x.
     FoldDirections folds_here{}, folds_at_x{};
     bool from_folds = false;                 // the path left x along one of folds_at_x
+    bool writes_aovs = false;                // what the camera sees first is still to come
     LobeShares lobes = only(Lobe::diffuse);  // of the first scattering, once there was one
 
     const Scene& scene() const { return *world.scene; }
@@ -193,8 +194,12 @@ struct PathTracer {
 
     // Whether rough chains may find light that the surface reflects.
     bool turns_rough_chain(const Surface& surface) const;
-    // The path's throughput is included.
-    Spectrum glint_estimate(const Surface& surface, const Sampler& sampler, uint32_t estimate);
+    // Light of one light, that was chosen. The path's throughput is included.
+    struct GlintLight {
+        Spectrum radiance{0.0f};
+        uint32_t light = kNone;  // there is none
+    };
+    GlintLight glint_estimate(const Surface& surface, const Sampler& sampler, uint32_t estimate);
 
     // ---- path_caustics.cpp: light that chains bring to receivers
 
@@ -225,16 +230,20 @@ struct PathTracer {
     // ---- path_passes.cpp: what passes tell of the light, and of the surfaces that the camera sees
 
     // Adds emission that the path meets. The path's throughput is included.
-    void add_met(const Spectrum& emitted, Pass if_seen, PathLight& light) const;
-    // Adds light that the surface scatters from wi to the path.
+    void add_met(const Spectrum& emitted, Pass if_seen, uint32_t light_group,
+                 PathLight& light) const;
+    // Adds light of a light that the surface scatters from wi to the path.
     void add_scattered(const Spectrum& value, const Surface& surface, const Vec3& wi,
-                       PathLight& light, bool direct) const;
+                       uint32_t of_light, PathLight& light, bool direct) const;
     void tell_scattered(const Spectrum& value, const Surface& surface, const Vec3& wi,
-                        PassValues& values, bool direct) const;
+                        uint32_t of_light, PassValues& values, bool direct) const;
     // Scatterings up to here, the one along a fold direction included.
     uint32_t scatterings() const { return bounces.total + (from_folds ? 1u : 0u); }
     // Adds colours and coverage of a surface that the camera sees straight.
     void tell_surface(const Surface& surface, PassValues& values) const;
+    // Adds AOVs of the surface, at the end of a ray of some `length`, and of the world.
+    void tell_aovs(const Surface& surface, float length, PassValues& values);
+    void tell_aovs_of_world(PassValues& values) const;
     // That the ray meets if it leaves the scene.
     Spectrum world_seen() const;
 };

@@ -157,15 +157,16 @@ public:
     }
 
 private:
-    static CameraChain camera_chain(const Chain& chain, const Spectrum& value) {
-        return {chain.vertices[0].geometry.p, value, chain.vertices[0].interaction, chain.count};
+    CameraChain camera_chain(const Chain& chain, const Spectrum& value) const {
+        return {chain.vertices[0].geometry.p, value, chain.vertices[0].interaction, chain.count,
+                y_.light};
     }
 
     // `radiance`, which is told to the receiver if it asks.
     Spectrum told(const Chain& chain, const Spectrum& radiance, bool drawn = true) const {
         if (receiver_.received != nullptr && !is_black(radiance))
             receiver_.received->push_back(
-                {normalize(chain.vertices[0].geometry.p - receiver_.p), radiance, drawn});
+                {normalize(chain.vertices[0].geometry.p - receiver_.p), radiance, y_.light, drawn});
         return radiance;
     }
 

@@ -20,6 +20,7 @@ namespace spc {
 struct ReceivedLight {
     Vec3 wi;
     Spectrum radiance;
+    uint32_t light;
     bool drawn;
 };
 
@@ -70,6 +71,7 @@ struct CameraChain {
     Spectrum value;     // radiance times pixels^2 of the film
     Interaction first;  // at p
     uint32_t count;     // of the chain's vertices
+    uint32_t light;     // at its end
 };
 // One estimate: appends the camera chains to one light point that chain seeds find.
 void find_camera_chains(const Techniques& techniques, const Receiver& camera, const Sampler& sampler,

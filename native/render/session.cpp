@@ -56,6 +56,7 @@ Session::Session(const RenderScene& world, const RenderSettings& settings, Sheet
     : world_(world),
       settings_(settings),
       path_tracing_(without_searches(settings.integrator)),
+      pass_sources_(find_pass_sources(world, settings.custom)),
       filter_(settings.filter, settings.filter_width),
       film_(world.scene->camera.crop[2], world.scene->camera.crop[3], settings.passes,
             settings.for_denoiser ? SplatSpread::one_pixel : SplatSpread::all_pixels,
@@ -68,6 +69,7 @@ Session::Session(const RenderScene& world, const RenderSettings& settings, Sheet
       start_(Clock::now()) {
     settings_.integrator.manifold.cancelled = &cut_short_;
     settings_.integrator.tell_lobes = settings.passes.tell_lobes();
+    settings_.integrator.pass_sources = &pass_sources_;
     settings_.threads = worker_count(settings.threads);
     const uint32_t count = active_workers_ = settings_.threads;
     try {

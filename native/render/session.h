@@ -48,6 +48,7 @@ struct RenderSettings {
     FilterKind filter = FilterKind::blackman_harris;
     float filter_width = 1.5f;
     PassSet passes;
+    CustomNames custom;  // of the custom ones among them
     Mist mist;
     CryptoRequest crypto;
     // Pixels whose error is below the threshold take no more samples; 0: all take all. Not in parts.
@@ -210,6 +211,7 @@ private:
     const uint64_t lost_rays_before_ = world_.scene->accel->lost_rays();
     RenderSettings settings_;                // constant once prepared_
     const IntegratorSettings path_tracing_;  // for the preview
+    const PassSources pass_sources_;
     const PixelFilter filter_;
     Film film_;
     const uint32_t round_count_;

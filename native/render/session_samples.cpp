@@ -79,6 +79,8 @@ bool Session::render_pixels(uint32_t tile, uint32_t round, Film::TileSums& sums,
             return true;
         }
     }
+    std::optional<PassValues> values;
+    if (film_.has_planes()) values.emplace(film_.passes(), film_.crypto().any());
     const auto& crop = world_.scene->camera.crop;
     for (uint32_t y = 0; y < b.height; ++y) {
         for (uint32_t x = 0; x < b.width; ++x) {
@@ -87,8 +89,7 @@ bool Session::render_pixels(uint32_t tile, uint32_t round, Film::TileSums& sums,
             if (may_glint) state.glints = glint_sampling(pixels[pixel], variance);
             for (uint32_t i = 0; i < count; ++i) {
                 if (stops_in(round)) return false;
-                std::optional<PassValues> values;
-                if (film_.has_planes()) values.emplace(film_.passes(), film_.crypto().any());
+                if (values) values->clear();
                 const FilmSample sample = take_sample(
                     crop[0] + b.x0 + x, crop[1] + b.y0 + y, settings_.first_sample + first + i,
                     settings_.integrator, state, stats, values ? &*values : nullptr);
@@ -124,7 +125,7 @@ FilmSample Session::take_sample(uint32_t x, uint32_t y, uint32_t index,
         !is_finite(path.normal) || !std::isfinite(path.alpha)) {
         ++stats.nan_samples;
         path = PathSample{};
-        if (values != nullptr) *values = PassValues(values->asked(), values->wants_coverage());
+        if (values != nullptr) values->clear();
     }
     stats.manifold_energy += static_cast<double>(luminance(path.caustics));
     if (values != nullptr) tell_passes(path, before, stats.path.manifold, *values);

@@ -73,6 +73,7 @@ struct Instance {
     float terminator_stretch = 1.0f;                  // Terminator::stretch
     uint32_t pass_index = 0;                          // what its pass shows
     float crypto_object = 0.0f, crypto_asset = 0.0f;  // identifiers, 0: none
+    std::string light_group;                          // of what it emits; "": none
     std::vector<Attribute> attributes;                // of the object
     // Set when the scene is frozen.
     // [slot][attribute of the material] -> that of the mesh or, counted on from there, of the
@@ -111,6 +112,7 @@ struct LightDesc {
     float spread = kPi;  // area: full angle of the beam, rad
     uint32_t visibility = kVisibleAll;
     bool feeds_caustics = true;
+    std::string light_group;    // "": none
     uint32_t material = kNone;  // whose emission is a factor of the light; kNone: 1
 
     Vec3 position() const { return to_world.translation; }
@@ -210,6 +212,7 @@ struct Environment {
     uint32_t material = kNone;
     uint32_t visibility = kVisibleAll;
     bool feeds_caustics = true;
+    std::string light_group{};  // "": none
 };
 
 }  // namespace spc

@@ -223,8 +223,8 @@ void point_seen_from(const Scene& scene, const SurfaceHit& hit, const Vec3& wo,
 
 // Evaluates one output of a material's program at a hit, without closures.
 template <class Evaluate>
-Spectrum evaluate_alone(const Evaluate& evaluate, const Scene& scene, const SurfaceHit& hit,
-                        const Vec3& wo, const RayState& ray) {
+auto evaluate_alone(const Evaluate& evaluate, const Scene& scene, const SurfaceHit& hit,
+                    const Vec3& wo, const RayState& ray) {
     const Material& material = scene.material_of(hit);
     PointWithHeights<float> at;
     point_seen_from(scene, hit, wo, material, scene.triangle_world(hit.instance, hit.triangle), at);
@@ -292,6 +292,18 @@ Spectrum surface_transparency(const Scene& scene, const SurfaceHit& hit, const V
     const Material& material = scene.material_of(hit);
     return material.may_be_transparent ? evaluate_alone(evaluate_transparency, scene, hit, wo, ray)
                                        : Spectrum(0.0f);
+}
+
+Vec3 surface_color_aov(const Scene& scene, const SurfaceHit& hit, const Vec3& wo,
+                       const RayState& ray, uint32_t node) {
+    const auto evaluate = [node](const auto&... at) { return evaluate_color_aov(at..., node); };
+    return evaluate_alone(evaluate, scene, hit, wo, ray);
+}
+
+float surface_value_aov(const Scene& scene, const SurfaceHit& hit, const Vec3& wo,
+                        const RayState& ray, uint32_t node) {
+    const auto evaluate = [node](const auto&... at) { return evaluate_value_aov(at..., node); };
+    return evaluate_alone(evaluate, scene, hit, wo, ray);
 }
 
 Vec3 surface_displacement(const Scene& scene, const SurfaceHit& hit) {

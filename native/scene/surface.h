@@ -46,6 +46,11 @@ Spectrum surface_emission(const Scene& scene, const SurfaceHit& hit, const Vec3&
                           const RayState& ray = {});
 Spectrum surface_transparency(const Scene& scene, const SurfaceHit& hit, const Vec3& wo,
                               const RayState& ray = {});
+// The same of what a node of Material::aovs writes.
+Vec3 surface_color_aov(const Scene& scene, const SurfaceHit& hit, const Vec3& wo,
+                       const RayState& ray, uint32_t node);
+float surface_value_aov(const Scene& scene, const SurfaceHit& hit, const Vec3& wo,
+                        const RayState& ray, uint32_t node);
 Vec3 surface_position(const Scene& scene, const SurfaceHit& hit);
 // By how much the material displaces the point of a hit: m, world. Of materials that move vertices.
 Vec3 surface_displacement(const Scene& scene, const SurfaceHit& hit);

@@ -216,6 +216,11 @@ Program generate(const ExprBuilder& expr, const std::vector<ClosureTerm>& terms,
     const Section caster_normal = generator.section(roots.caster_normal),
                   background = generator.section(roots.background),
                   displacement = generator.section(roots.displacement);
+    std::vector<Program::Aov> aovs;
+    for (const ProgramRoots::Aov& aov : roots.aovs) {
+        const Section color = generator.section(aov.color);
+        aovs.push_back({color, generator.section(aov.value)});
+    }
     generator.append_heights();
     Program program = generator.take();
     program.surface = surface;
@@ -225,6 +230,7 @@ Program generate(const ExprBuilder& expr, const std::vector<ClosureTerm>& terms,
     program.caster_normal = caster_normal;
     program.background = background;
     program.displacement = displacement;
+    program.aovs = std::move(aovs);
     return program;
 }
 

@@ -229,6 +229,14 @@ ExprId Compiler::bump_of(ExprId displacement) {
     return expr.make(Op::bump, {one, one, kNoExpr}, 0, static_cast<uint32_t>(height));
 }
 
+void Compiler::find_aovs(Material& material, ProgramRoots& roots) {
+    enum { kColor, kValue };
+    for (const uint32_t index : graph_.aovs) {
+        material.aovs.push_back(graph_.nodes[index].options[0]);
+        roots.aovs.push_back({input(index, kColor), input(index, kValue)});
+    }
+}
+
 Material Compiler::run() {
     Material material;
     material.name = graph_.name;
@@ -238,6 +246,7 @@ Material Compiler::run() {
     gather(ShaderPart::surface);
     gather(ShaderPart::volume);
     check_closure_count();
+    find_aovs(material, roots);
 
     describe(material);
     if (material.depends_on_ray) {

@@ -70,6 +70,10 @@ struct ClosureTerm {
 struct ProgramRoots {
     ExprId emission = kNoExpr, transparency = kNoExpr, caster_normal = kNoExpr,
            background = kNoExpr, displacement = kNoExpr, surface_normal = kNoExpr;
+    struct Aov {
+        ExprId color, value;
+    };
+    std::vector<Aov> aovs;
 };
 
 class Compiler {
@@ -111,6 +115,7 @@ private:
     void displace(DisplacementMode mode, Material& material, ProgramRoots& roots);
     ExprId bump_of(ExprId displacement);
     void gather(ShaderPart part);
+    void find_aovs(Material& material, ProgramRoots& roots);
     void check_closure_count() const;
     std::string narrow_lobe(const ClosureTerm& term) const;
     bool is_black(ExprId id) const { return expr.is_constant(id, 0.0f); }

@@ -496,21 +496,41 @@ Vec3 evaluate_displacement(const Material& material, std::span<const Image> imag
         evaluate_vector(*material.program, material.program->displacement, images, point));
 }
 
-Spectrum evaluate_background(const Material& material, std::span<const Image> images,
-                             const Vec3& direction, const RayState& ray, const ViewSpace& view) {
-    const Section& section = material.program->background;
-    if (section.begin == section.end && section.result == kNoOperand) return Spectrum(0.0f);
+Vec3 evaluate_color_aov(const Material& material, std::span<const Image> images,
+                        const ShadingPoint<float>& point, uint32_t index) {
+    return value_of(
+        evaluate_vector(*material.program, material.program->aovs[index].color, images, point));
+}
+
+float evaluate_value_aov(const Material& material, std::span<const Image> images,
+                         const ShadingPoint<float>& point, uint32_t index) {
+    const Section& section = material.program->aovs[index].value;
+    const RegisterFile<float> file(*material.program);
+    run(*material.program, section, images, point, file.registers);
+    return file.registers.scalar(section.result);
+}
+
+ShadingPoint<float> background_point(const Material& material, const Vec3& direction,
+                                     const RayState& ray, const ViewSpace& view, ViewSpace& turned) {
     ShadingPoint<float> point{};
     point.position = to_vector(direction);
     point.ray = ray;
     // Seen from the camera, wherever it stands.
-    ViewSpace turned;
     if ((material.reads & kReadsView) != 0) {
         turned = view;
         turned.from_world.translation = turned.to_world.translation = Vec3(0.0f);
     }
     point.view = &turned;
-    return evaluate_spectrum(*material.program, section, images, point);
+    return point;
+}
+
+Spectrum evaluate_background(const Material& material, std::span<const Image> images,
+                             const Vec3& direction, const RayState& ray, const ViewSpace& view) {
+    const Section& section = material.program->background;
+    if (section.begin == section.end && section.result == kNoOperand) return Spectrum(0.0f);
+    ViewSpace turned;
+    return evaluate_spectrum(*material.program, section, images,
+                             background_point(material, direction, ray, view, turned));
 }
 
 template <class T>

@@ -97,6 +97,10 @@ struct Program {
     std::vector<ClosureInstruction> closures;
     Section surface;  // operands of the closures; its result is the emission
     Section emission, transparency, caster_normal, background;
+    struct Aov {
+        Section color, value;
+    };
+    std::vector<Aov> aovs;
     Operand surface_normal =
         kNoOperand;        // of the surface's section: after displacement; none: interpolated
     Section displacement;  // by which vertices move: m, world

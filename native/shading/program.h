@@ -121,6 +121,7 @@ struct Material {
     const SpecularInterface& interface() const { return specular.exists() ? specular : rough; }
     SlopeMap slopes;
     bool may_glint() const { return slopes.image != kNone; }
+    std::vector<std::string> aovs;  // names of the AOVs that its nodes write; one may be there twice
     std::vector<std::string> warnings;  // what falls back, naming material and node
 };
 
@@ -145,10 +146,18 @@ Vec3 evaluate_displacement(const Material& material, std::span<const Image> imag
 template <class T>
 Vector3<T> evaluate_caster_normal(const Material& material, std::span<const Image> images,
                                   const ShadingPoint<T>& point);
+// What node `index` of Material::aovs writes to an AOV of colours or of values.
+Vec3 evaluate_color_aov(const Material& material, std::span<const Image> images,
+                        const ShadingPoint<float>& point, uint32_t index);
+float evaluate_value_aov(const Material& material, std::span<const Image> images,
+                         const ShadingPoint<float>& point, uint32_t index);
 // Radiance of a background from a direction (unit, world, pointing away from the scene).
 Spectrum evaluate_background(const Material& material, std::span<const Image> images,
                              const Vec3& direction, const RayState& ray = {},
                              const ViewSpace& view = {});
+// The point at which a world is evaluated, seen along `direction`. `turned` is storage that it points to.
+ShadingPoint<float> background_point(const Material& material, const Vec3& direction,
+                                     const RayState& ray, const ViewSpace& view, ViewSpace& turned);
 
 extern template Vector3<float> evaluate_caster_normal(const Material&, std::span<const Image>,
                                                       const ShadingPoint<float>&);

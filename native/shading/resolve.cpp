@@ -73,6 +73,8 @@ private:
                      graph_.nodes[result_.output].name + "\"");
             result_.output = static_cast<uint32_t>(result_.nodes.size());
         }
+        if (resolved.kind->name == std::string_view("aov_output"))
+            result_.aovs.push_back(static_cast<uint32_t>(result_.nodes.size()));
         result_.nodes.push_back(std::move(resolved));
     }
 
@@ -181,7 +183,9 @@ private:
 
     void find_live() {
         std::vector<uint32_t> reached{result_.output}, readers(result_.nodes.size());
-        result_.nodes[result_.output].live = true;
+        reached.insert(reached.end(), result_.aovs.begin(), result_.aovs.end());
+        result_.order = reached;
+        for (const uint32_t root : reached) result_.nodes[root].live = true;
         for (size_t k = 0; k < reached.size(); ++k) {
             for (const ResolvedInput& input : result_.nodes[reached[k]].inputs) {
                 if (input.from_node == kNone) continue;
@@ -192,7 +196,6 @@ private:
                 from.live = true;
             }
         }
-        result_.order = {result_.output};
         for (size_t k = 0; k < result_.order.size(); ++k)
             for (const ResolvedInput& input : result_.nodes[result_.order[k]].inputs)
                 if (input.from_node != kNone && --readers[input.from_node] == 0)

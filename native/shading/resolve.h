@@ -20,7 +20,7 @@ struct ResolvedNode {
     std::vector<ResolvedInput> inputs;  // as kind->inputs
     std::vector<std::string> options;   // as kind->options; the default where none is given
     std::vector<const std::vector<float>*> arrays;  // as kind->arrays; of the graph
-    bool live = false;                              // the output depends on it
+    bool live = false;                              // the output or an AOV depends on it
     std::vector<bool> used_outputs;                 // by live nodes
 };
 
@@ -28,6 +28,7 @@ struct ResolvedGraph {
     std::string name;
     std::vector<ResolvedNode> nodes;
     uint32_t output = kNone;
+    std::vector<uint32_t> aovs;   // nodes that write AOVs
     std::vector<uint32_t> order;  // live nodes, each before those that it reads; the output first
 };
 

@@ -125,12 +125,16 @@ constexpr NodeOption kPrincipledModels[] = {{"distribution", "GGX|MULTI_GGX"},
                                             {"subsurface_method", kSubsurfaceMethods},
                                             {"film_on_metal", "True|False"}};
 
+constexpr InputSocket kAovIn[] = {grey_input(0.0f), scalar_input("Value", 0.0f)};
+constexpr NodeOption kAovName[] = {{"aov_name", ""}};
+
 constexpr NodeKind kRows[] = {
     {.name = "output",
      .label = "Output",
      .inputs = kOutputIn,
      .shade = nodes::output,
      .part = ShaderPart::both},
+    {.name = "aov_output", .label = "AOV Output", .inputs = kAovIn, .options = kAovName},
     {.name = "bsdf_diffuse",
      .label = "Diffuse BSDF",
      .inputs = kDiffuseIn,

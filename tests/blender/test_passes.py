@@ -146,3 +146,60 @@ def test_light_passes_add_up_to_the_picture(still_life, tmp_path, method):
     combined = get["Combined"][:, :, :3]
     np.testing.assert_allclose(total, combined, rtol=2e-4, atol=2e-5)
     assert found["Caustics"].any() == (method == "AUTO")
+
+
+def add_aov(layer, material_or_world, name, kind, value):
+    """An AOV of the layer, and a node that writes a value, or a colour that varies, to it."""
+    if name not in layer.aovs:
+        aov = layer.aovs.add()
+        aov.name, aov.type = name, kind
+    tree = material_or_world.node_tree
+    node = tree.nodes.new("ShaderNodeOutputAOV")
+    if hasattr(node, "aov_name"):
+        node.aov_name = name
+    else:
+        node.name = name
+    if kind == "VALUE":
+        node.inputs["Value"].default_value = value
+        return
+    coordinates = tree.nodes.new("ShaderNodeTexCoord")
+    tree.links.new(coordinates.outputs["Generated"], node.inputs["Color"])
+
+
+def group_lights(scene, layer) -> list[str]:
+    """A group for each light; their names."""
+    groups = ["key", "glow", "sky"]
+    for name in groups:
+        layer.lightgroups.add(name=name)
+    lamp = next(obj for obj in scene.objects if obj.type == "LIGHT")
+    lamp.lightgroup, bpy.data.objects["glow"].lightgroup = "key", "glow"
+    scene.world.lightgroup = "sky"
+    return groups
+
+
+def test_light_groups_and_aovs_are_those_of_cycles(still_life, tmp_path):
+    layer = bpy.context.view_layer
+    groups = group_lights(still_life, layer)
+    add_aov(layer, bpy.data.materials["plaster"], "mask", "VALUE", 0.25)
+    add_aov(layer, bpy.data.materials["glow"], "mask", "VALUE", 3.0)
+    add_aov(layer, bpy.data.materials["plaster"], "place", "COLOR", None)
+    add_aov(layer, still_life.world, "place", "COLOR", None)
+    ours, theirs = rendered("SPECULA", tmp_path), rendered("CYCLES", tmp_path)
+    assert set(ours) == set(theirs)
+    brightness = theirs["Combined"][..., :3].mean()
+    for name in [*(f"Combined_{group}" for group in groups), "mask", "place"]:
+        a, b = ours[name], theirs[name]
+        assert a.shape == b.shape, name
+        scale = max(float(b.mean()), 0.02 * brightness)
+        assert np.abs(a.mean((0, 1)) - b.mean((0, 1))).max() < TOLERANCE * scale, name
+        assert np.abs(blocks(a) - blocks(b)).max() < BLOCK_TOLERANCE * scale, name
+
+
+@pytest.mark.parametrize("method", ["PT", "AUTO"])
+def test_light_groups_add_up_to_the_picture(still_life, tmp_path, method):
+    groups = group_lights(still_life, bpy.context.view_layer)
+    still_life.specula.method, still_life.specula.samples = method, 16
+    bpy.data.objects["mirror"].rotation_euler = (1.5, 0, 0)  # throws the lamp on the floor
+    found = rendered("SPECULA", tmp_path)
+    total = sum(found[f"Combined_{group}"] for group in groups)
+    np.testing.assert_allclose(total, found["Combined"][:, :, :3], rtol=2e-4, atol=2e-5)

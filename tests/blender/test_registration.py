@@ -1,4 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+from types import SimpleNamespace
+
 import bpy
 import pytest
 from scenes import add_mesh, add_node, new_image, new_material, surface
@@ -66,6 +68,19 @@ class Recorder:
         self.texts.append(text)
 
     def separator(self):
+        pass
+
+    def prop_search(self, owner, name, source, names, **_):
+        assert hasattr(source, names), f"{source} has no {names}"
+        self.prop(owner, name)
+
+    def template_list(self, kind, identifier, owner, name, *_, **__):
+        self.prop(owner, name)
+
+    def operator(self, name, **_):
+        return SimpleNamespace()
+
+    def menu(self, name, **_):
         pass
 
     def template_node_view(self, tree, node, socket):

@@ -48,7 +48,7 @@ extern "C" {
 #endif
 
 /* This number is raised whenever a struct or the meaning of a call changes. */
-#define SPC_API_VERSION 15u
+#define SPC_API_VERSION 16u
 
 /* This value stands for "no index" where an index is optional. */
 #define SPC_NONE 0xffffffffu
@@ -373,6 +373,7 @@ typedef struct spc_instance_desc {
     uint32_t holdout;        /* 1: the camera sees a hole of alpha 0 in its place */
     uint32_t pass_index;               /* what SPC_PASS_OBJECT_INDEX shows */
     float crypto_object, crypto_asset; /* identifiers for Cryptomatte; 0: none */
+    const char* light_group;           /* of the light that it emits; NULL or "": none */
     const spc_attribute* attributes;
     uint32_t attribute_count;
 } spc_instance_desc;
@@ -442,6 +443,7 @@ typedef struct spc_light_desc {
     /* Material whose emission is a factor of the light by point and direction, or SPC_NONE: as it is.
      * Object space is the light's; a sun is seen at the unit vector along its light. */
     uint32_t material;
+    const char* light_group; /* NULL or "": none */
 } spc_light_desc;
 
 /* Adds a light and gives its index. Errors: SPC_WRONG_STATE (after commit). */
@@ -499,6 +501,7 @@ typedef struct spc_environment_desc {
     uint32_t material;       /* index of a material whose surface is a background */
     uint32_t visibility;     /* of spc_visibility; SHADOW is ignored */
     uint32_t feeds_caustics; /* as in spc_light_desc; of a world only bright, narrow parts do */
+    const char* light_group; /* NULL or "": none */
 } spc_environment_desc;
 /* Sets the world, in place of one that was set before. Errors: SPC_WRONG_STATE (after commit). */
 SPC_API spc_status spc_scene_set_environment(spc_scene* scene, const spc_environment_desc* desc);
@@ -627,6 +630,14 @@ typedef struct spc_render_settings {
     /* sum of 1 << spc_pass: what is kept beside Combined, Variance and Sample Count, which always
      * are */
     uint64_t passes;
+    /* Names of spc_custom_pass, a line each, at most 256 and all different; NULL or empty: none. AOVs
+     * are what nodes `aov_output` of that name write. */
+    const char* light_groups;
+    const char* color_aovs;
+    const char* value_aovs;
+    /* An AOV adds up what the surfaces that the camera sees write, up to the first whose alpha is at
+     * least so large, [0, 1]. */
+    float pass_alpha_threshold;
     /* Of SPC_PASS_MIST: a power of the distance from the camera beyond `mist_start` over
      * `mist_depth`, m, >= 0. */
     float mist_start, mist_depth, mist_exponent;
@@ -774,10 +785,17 @@ typedef enum spc_pass {
     /* Of the first surface that is no mirror and no clear glass, seen through those. */
     SPC_PASS_DENOISING_ALBEDO = 23, /* 3 */
     SPC_PASS_DENOISING_NORMAL = 24, /* 3: camera space; +Z leads away from the camera */
-    SPC_PASS_DENOISING_DEPTH = 25,  /* 1: m, along the path */
+    SPC_PASS_DENOISING_DEPTH = 25,  /* 1: m, along the path, from the near clip on */
     SPC_PASS_SAMPLE_COUNT = 26,     /* 1 */
     SPC_PASS_COUNT = 27
 } spc_pass;
+
+/* The first passes of those that spc_render_settings names: the others of a kind follow. */
+typedef enum spc_custom_pass {
+    SPC_CUSTOM_LIGHT_GROUP = 256, /* 3: light of the group's lights; Combined has it, too */
+    SPC_CUSTOM_COLOR_AOV = 512,   /* 4: alpha counts the surfaces that wrote it */
+    SPC_CUSTOM_VALUE_AOV = 768    /* 1 */
+} spc_custom_pass;
 
 /* Returns how many floats a pixel of the pass has; 0 for an unknown pass. */
 SPC_API uint32_t spc_pass_channels(uint32_t pass);

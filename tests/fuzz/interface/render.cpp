@@ -37,6 +37,11 @@ spc_render_settings random_settings(Dice& dice, Spoiler& spoiler) {
     s.caustics_refractive = dice.below(4);
     s.pixel_filter = spoiler.count(dice.below(3));
     s.filter_width = spoiler.number(s.filter_width);
+    s.passes = dice.chance(0.5) ? (uint64_t{1} << SPC_PASS_COUNT) - 1 : 0;
+    s.light_groups = dice.one_of({"", "key", "key\nfill", "key\nkey"});
+    s.color_aovs = dice.one_of({"", "mask", "mask\nTEXT"});
+    s.value_aovs = dice.one_of({"", "mask"});
+    s.pass_alpha_threshold = spoiler.number(s.pass_alpha_threshold);
     s.transparent_film = dice.below(2);
     s.transparent_glass = dice.below(2);
     if (dice.chance(0.1)) s.chain_family = dice.one_of({"", "T", "RR", "TTTTTT", "TTTTTTT", "x"});
@@ -101,6 +106,9 @@ private:
     void finish(uint32_t state, bool cancelled) {
         if (state == SPC_RENDER_FAILED) return;
         for (uint32_t pass = 0; pass < SPC_PASS_COUNT; ++pass) read(pass);
+        for (const uint32_t first :
+             {SPC_CUSTOM_LIGHT_GROUP, SPC_CUSTOM_COLOR_AOV, SPC_CUSTOM_VALUE_AOV})
+            for (const uint32_t index : {0u, 1u}) read(first + index);
         spc_render_stats stats{};
         stats.struct_size = sizeof(stats);
         promises_.took([&] { return spc_render_get_stats(session_, &stats); }, "");

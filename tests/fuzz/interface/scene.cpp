@@ -124,6 +124,7 @@ private:
         desc.caustics_role = spoiler_.count(dice_.chance(0.7) ? 0 : dice_.below(5));
         desc.terminator_offset =
             spoiler_.number(dice_.chance(0.8) ? 0.0f : dice_.between(0.0f, 1.0f));
+        desc.light_group = random_group();
         spc_instance_desc right = desc;
         right.struct_size = sizeof(right);
         right.mesh = mesh;
@@ -133,6 +134,10 @@ private:
         right.caustics_role = SPC_CAUSTICS_AUTO;
         right.terminator_offset = 0.0f;
         add(spc_scene_add_instance, desc, right);
+    }
+
+    const char* random_group() {
+        return dice_.one_of<const char*>({nullptr, "", "key", "fill", "none"});
     }
 
     void add_light() {
@@ -149,6 +154,7 @@ private:
         desc.shape = spoiler_.count(dice_.below(2));
         desc.visibility = dice_.chance(0.8) ? 31u : dice_.below(40);
         desc.feeds_caustics = spoiler_.count(dice_.below(2));
+        desc.light_group = random_group();
         if (materials_ > 0 && dice_.chance(0.5))
             desc.material = spoiler_.count(dice_.below(materials_));
         add(spc_scene_add_light, desc, right);
@@ -164,6 +170,7 @@ private:
         ++materials_;
         desc.visibility = spoiler_.count(SPC_VISIBLE_ALL);
         desc.feeds_caustics = dice_.below(2);
+        desc.light_group = random_group();
         promises_.took([&] { return spc_scene_set_environment(scene_, &desc); }, "world");
     }
 

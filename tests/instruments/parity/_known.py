@@ -33,7 +33,6 @@ BY_DESIGN: dict[str, str] = {
 # What is wrong, or missing without a warning, and not yet mended; docs/parity.md has the numbers.
 FAILING: dict[str, str] = {
     "displacement/vector_tangent": "edges of the flat block go elsewhere by a pixel",
-    "pass/denoising_depth": "from the camera; Cycles' is from the near end of its clipping range",
     "pass/transmission_color": "of rough refraction, a little darker",
     "setting/transparent_bounces=0": "Cycles' last transparent bounce still sees what glows",
 }

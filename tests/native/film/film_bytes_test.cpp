@@ -10,7 +10,7 @@ namespace spc {
 namespace {
 
 constexpr uint32_t kWidth = 19, kHeight = 5, kSamples = 24;
-const PassSet kAllPasses((uint64_t{1} << kPasses) - 1);
+const PassSet kAllPasses((uint64_t{1} << kPasses) - 1, {{2, 3, 1}});
 
 // Samples [first, end) of a picture whose numbers are of very different sizes.
 std::unique_ptr<Film> film_of(uint32_t first, uint32_t end) {
@@ -23,8 +23,9 @@ std::unique_ptr<Film> film_of(uint32_t first, uint32_t end) {
             Film::TileSums sums = film->copy_tile(t);
             for (size_t pixel = 0; pixel < sums.pixels.size(); ++pixel) {
                 PassValues values(kAllPasses);
-                for (uint32_t pass = 0; pass < kPasses; ++pass)
-                    values[Pass(pass)] = uniforms.three() * large_or_small();
+                kAllPasses.each([&](Pass pass) {
+                    values.value(pass) = {uniforms.three() * large_or_small(), uniforms()};
+                });
                 film->accumulate(
                     sums, pixel,
                     {Spectrum(large_or_small(), uniforms(), 0.3f), uniforms(), &values});
@@ -36,6 +37,7 @@ std::unique_ptr<Film> film_of(uint32_t first, uint32_t end) {
             const Vec2 u = uniforms.two();
             splats.push_back({{u.x * kWidth, u.y * kHeight}, Spectrum(large_or_small())});
             splats.back().shares = {Spectrum(0.5f), Spectrum(0.25f), Spectrum(0.25f)};
+            splats.back().light_group = i % 3 == 2 ? kNoGroup : uint32_t(i) % 3;
         }
         film->add_splats(SplatSource::light_paths, splats, filter, 70, 140.0);
     }

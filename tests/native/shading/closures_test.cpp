@@ -156,34 +156,44 @@ TEST(Subsurface, TakesItsShareOfTheBase) {
 }
 
 TEST(StandIns, SayWhatTheyAre) {
-    for (const char* kind : {"bsdf_hair", "bsdf_hair_principled"}) {
-        const Material material = compile(single(kind), {});
-        EXPECT_EQ(material.warnings.size(), 1u) << kind;
-        const TestPoint at;
-        const ClosureList list = closures_of(material, at.point);
-        ASSERT_EQ(list.count, 1);
-        EXPECT_TRUE(std::holds_alternative<Lambert>(list.closures[0].kind)) << kind;
-    }
     EXPECT_TRUE(compile(single("bsdf_ray_portal"), {}).may_be_transparent);
 }
 
-// Hair that absorbs nothing is white; a colour that is given by what absorbs it comes back.
-TEST(StandIns, HairHasTheColourOfWhatItAbsorbs) {
-    const auto color = [](const Constants& constants, const std::string& given) {
-        return Vec3(
-            closures_of(single("bsdf_hair_principled", constants, {{"parametrization", given}}))
-                .closures[0]
-                .weight);
+TEST(HairNodes, AreAFibreOrALobe) {
+    for (const bool through : {false, true}) {
+        const ClosureList list =
+            closures_of(single("bsdf_hair", {{"RoughnessU", {0.3f}}, {"RoughnessV", {0.6f}}},
+                               {{"component", through ? "Transmission" : "Reflection"}}));
+        ASSERT_EQ(list.count, 1);
+        const auto& lobe = kind_of<HairLobe>(list, 0);
+        EXPECT_EQ(lobe.transmits, through);
+        EXPECT_EQ(lobe.along, 0.3f);
+        EXPECT_EQ(lobe.around, 0.6f);
+    }
+    EXPECT_TRUE(compile(single("bsdf_hair_principled"), {}).warnings.empty());
+    EXPECT_EQ(compile(single("bsdf_hair_principled", {}, {{"model", "HUANG"}}), {}).warnings.size(),
+              1u);
+}
+
+// What is given as a colour is what absorption brings forth [Chiang16 Eq. 9]; melanin adds to a tint's.
+TEST(HairNodes, AbsorbWhatTheirColourSays) {
+    const auto absorption = [](const Constants& constants, const std::string& given) {
+        return Vec3(kind_of<HairFibre>(closures_of(single("bsdf_hair_principled", constants,
+                                                          {{"parametrization", given}})),
+                                       0)
+                        .absorption);
     };
-    expect_near(color({{"Absorption Coefficient", {0, 0, 0}}}, "ABSORPTION"), Vec3(1.0f), 1e-6f);
-    expect_near(color({{"Melanin", {0}}}, "MELANIN"), Vec3(1.0f), 1e-6f);
+    expect_near(absorption({{"Absorption Coefficient", {0.1f, 0.2f, 0.3f}}}, "ABSORPTION"),
+                Vec3(0.1f, 0.2f, 0.3f), 1e-6f);
+    expect_near(absorption({{"Melanin", {0}}}, "MELANIN"), Vec3(0.0f), 1e-6f);
     const float b = 0.3f;
     const float factor = 5.969f - 0.215f * b + 2.532f * b * b - 10.73f * std::pow(b, 3.0f) +
                          5.574f * std::pow(b, 4.0f) + 0.245f * std::pow(b, 5.0f);
-    const float absorption = std::pow(std::log(0.4f) / factor, 2.0f);
-    expect_near(
-        color({{"Absorption Coefficient", {absorption, absorption, absorption}}}, "ABSORPTION"),
-        Vec3(0.4f), 1e-5f);
+    const float expected = std::pow(std::log(0.4f) / factor, 2.0f);
+    expect_near(absorption({{"Color", {0.4f, 0.4f, 0.4f}}}, "COLOR"), Vec3(expected), 1e-5f);
+    const Vec3 dark = absorption(
+        {{"Melanin", {0.6f}}, {"Melanin Redness", {0}}, {"Tint", {0.4f, 0.4f, 0.4f}}}, "MELANIN");
+    expect_near(dark, Vec3(0.506f, 0.841f, 1.653f) * -std::log(0.4f) + Vec3(expected), 1e-4f);
 }
 
 TEST(Holdout, IsAHoleWithoutAClosure) {

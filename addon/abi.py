@@ -33,7 +33,7 @@ class SizedStructure(Structure):
         super().__init__(struct_size=sizeof(type(self)), **fields)
 
 
-API_VERSION = 15
+API_VERSION = 16
 NONE = 0xFFFFFFFF
 
 
@@ -603,6 +603,7 @@ PROTOTYPES = {
     "spc_render_start": (c_int, (c_void_p, POINTER(RenderSettings), POINTER(c_void_p))),
     "spc_render_wait": (c_int, (c_void_p, c_uint32, POINTER(RenderProgress))),
     "spc_render_cancel": (c_int, (c_void_p,)),
+    "spc_render_pause": (c_int, (c_void_p, c_uint32)),
     "spc_render_get_stats": (c_int, (c_void_p, POINTER(RenderStats))),
     "spc_render_report": (c_char_p, (c_void_p,)),
     "spc_pass_channels": (c_uint32, (c_uint32,)),

@@ -35,7 +35,9 @@ SHARED = ("OBJECT_PT_shadow_terminator", "VIEWLAYER_PT_override")
 OWN = {
     "CYCLES_RENDER_PT_sampling": "SPECULA_PT_sampling",
     "CYCLES_RENDER_PT_sampling_viewport": "SPECULA_PT_sampling",
+    "CYCLES_RENDER_PT_sampling_viewport_denoise": "SPECULA_PT_viewport_denoising",
     "CYCLES_RENDER_PT_sampling_render": "SPECULA_PT_adaptive",
+    "CYCLES_RENDER_PT_sampling_render_denoise": "SPECULA_PT_denoising",
     "CYCLES_RENDER_PT_sampling_advanced": "SPECULA_PT_sampling",
     "CYCLES_RENDER_PT_light_paths": "SPECULA_PT_light_paths",
     "CYCLES_RENDER_PT_light_paths_max_bounces": "SPECULA_PT_light_paths",
@@ -48,6 +50,7 @@ OWN = {
     "CYCLES_RENDER_PT_performance": "SPECULA_PT_performance",
     "CYCLES_RENDER_PT_performance_threads": "SPECULA_PT_performance",
     "CYCLES_RENDER_PT_performance_final_render": "SPECULA_PT_performance",
+    "CYCLES_RENDER_PT_performance_viewport": "SPECULA_PT_performance",
     "CYCLES_RENDER_PT_passes": "SPECULA_PT_passes",
     "CYCLES_RENDER_PT_passes_data": "SPECULA_PT_passes_data",
     "CYCLES_RENDER_PT_passes_light": "SPECULA_PT_passes_light",
@@ -92,7 +95,6 @@ _BAKING = "Specula cannot bake: choose Cycles for that"
 _FAST_GI = "Fast GI is not supported, all light is followed"
 _WORLD = "The world's image is sampled at its own resolution"
 _VOLUME_OF_WORLD = "Worlds have no volume"
-_PREVIEW = "The viewport starts coarse and refines by itself"
 _COMPOSITOR = "Blender's own settings of the compositor hold"
 
 # Panel of Cycles -> why its settings have no effect; a panel of its name says so in its place.
@@ -108,7 +110,6 @@ STATED = {
     "CYCLES_RENDER_PT_performance_compositor": _COMPOSITOR,
     "CYCLES_RENDER_PT_performance_memory": "Images are kept whole, and nothing is tiled",
     "CYCLES_RENDER_PT_performance_acceleration_structure": "Embree's trees are always used",
-    "CYCLES_RENDER_PT_performance_viewport": _PREVIEW,
     "CYCLES_RENDER_PT_simplify_culling": _CULLING,
     "CYCLES_RENDER_PT_bake": _BAKING,
     "CYCLES_CAMERA_PT_lens_custom_parameters": "Custom cameras are refused",
@@ -129,8 +130,6 @@ WITHOUT_PLACE = {
     "CYCLES_PT_viewport_sampling_presets": "presets, in Cycles' header",
     "CYCLES_PT_integrator_presets": "presets, in Cycles' header",
     "CYCLES_PT_performance_presets": "presets, in Cycles' header",
-    "CYCLES_RENDER_PT_sampling_viewport_denoise": "SPECULA_PT_viewport_denoising has them",
-    "CYCLES_RENDER_PT_sampling_render_denoise": "SPECULA_PT_denoising has them",
     "CYCLES_RENDER_PT_sampling_path_guiding_debug": "of Path Guiding",
     "CYCLES_RENDER_PT_curves_viewport_display": "of Curves",
     "CYCLES_RENDER_PT_motion_blur_curve": "of Motion Blur",

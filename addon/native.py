@@ -334,6 +334,10 @@ class Session:
         """Asks the workers to stop; `wait` tells when they have."""
         _check(library().spc_render_cancel(self.handle))
 
+    def pause(self, paused: bool) -> None:
+        """Holds the samples back, or lets them go on."""
+        _check(library().spc_render_pause(self.handle, paused))
+
     def read(self, source, width: int, height: int):
         """A pass as it stands: (height * width, channels) float32, bottom row first.
 

@@ -15,6 +15,7 @@ import numpy as np
 
 from . import native
 from .abi import Method, Pass, RenderProgress, RenderSettings, RenderState
+from .denoising import Denoising, DenoisingTask
 from .export.desc import CameraDesc
 from .progress import progress_text
 from .upload import camera_struct
@@ -22,6 +23,7 @@ from .upload import camera_struct
 COARSE_SECONDS = 0.05  # that one sample of the moving picture may take
 REST_SECONDS = 0.15  # without a change, before the full picture begins
 LEAST_COARSE, MOST_COARSE = 2.0, 16.0  # pixels along the edge of a coarse one
+DENOISING_SHARE = 0.25  # of the time that may go to denoising, but for the last picture
 
 
 @dataclasses.dataclass(frozen=True)
@@ -40,7 +42,11 @@ class Refinement:
         self._settings: RenderSettings | None = None
         self._exposure = 1.0
         self._pass = Pass.COMBINED
-        self._camera: CameraDesc | None = None
+        self._denoiser: _Denoiser | None = None
+        self._noisy: Picture | None = None  # the latest of the full size
+        self._is_paused = False
+        self._camera: CameraDesc | None = None  # of the full picture
+        self._shown = (0, 0, 0, 0)  # crop of the region that it covers
         self._render: _Render | None = None
         self._factor = 1  # pixels along the edge of one that is rendered
         self._fast_factor = 4.0  # with which a sample of the picture takes COARSE_SECONDS
@@ -57,12 +63,24 @@ class Refinement:
         settings: RenderSettings,
         exposure: float,
         shown: Pass = Pass.COMBINED,
+        denoising: Denoising | None = None,
+        pixel_size: int = 1,
     ) -> None:
         """Begins anew from there; what was under way is cancelled. `settings.samples` is how far
-        the picture gets, `exposure` a factor on it, `shown` the pass that it is."""
-        settings = native.changed(settings, passes=1 << shown)
-        self._camera, self._settings, self._exposure = camera, settings, exposure
+        the picture gets, `exposure` a factor on it, `shown` the pass that it is, `denoising` how
+        that is denoised, `pixel_size` how many pixels of the region one of it covers, each way."""
+        guides = denoising.guides if denoising else ()
+        settings = native.changed(
+            settings,
+            passes=sum(1 << source for source in (shown, *guides)),
+            for_denoiser=denoising is not None,
+        )
+        self._camera = coarser(camera, pixel_size) if pixel_size > 1 else camera
+        self._shown = camera.crop
+        self._settings, self._exposure = settings, exposure
         self._pass = shown
+        self._forget_denoiser()
+        self._denoiser = _Denoiser(denoising) if denoising else None
         self._moved = time.monotonic()
         self._begin(max(1, round(self._fast_factor)))
 
@@ -76,6 +94,8 @@ class Refinement:
         picture = self._render.picture(self._pass)
         if picture is not None and self._pass != Pass.NORMAL:
             picture.pixels[:, :, :3] *= self._exposure
+        if self._denoiser is not None and self._factor == 1:
+            picture = self._denoised(picture)
         if self._factor > 1 and self._render.ended:
             slower = np.sqrt(max(self._render.seconds, 1e-4) / COARSE_SECONDS)
             self._fast_factor = float(np.clip(self._factor * slower, LEAST_COARSE, MOST_COARSE))
@@ -86,7 +106,21 @@ class Refinement:
     @property
     def is_final(self) -> bool:
         """Whether nothing better will come."""
-        return self._render is not None and self._factor == 1 and self._render.ended
+        if self._render is None or self._factor > 1 or not self._render.ended:
+            return False
+        return self._denoiser is None or self._denoiser.is_done_with(self._noisy)
+
+    def report(self) -> list[str]:
+        """What the core says of the scene, and what the method has chosen so far."""
+        if self._render is None:
+            return []
+        return [*self._scene.report(), *self._render.report()]
+
+    def pause(self, paused: bool) -> None:
+        """Holds the samples of the full picture back, or lets them go on."""
+        self._is_paused = paused
+        if self._render is not None and self._factor == 1:
+            self._render.pause(paused)
 
     def progress(self) -> str:
         """Such as "sample 12.3/256 | 0:05, 0:21 left"; empty while a coarse picture is shown."""
@@ -99,9 +133,27 @@ class Refinement:
         if self._render is not None:
             self._render.close()
             self._render = None
+        self._forget_denoiser()
+
+    def _denoised(self, picture: Picture | None) -> Picture | None:
+        """What there is to show, given what is new before denoising."""
+        self._noisy = picture or self._noisy
+        denoiser = self._denoiser
+        ended, first = self._render.ended, denoiser.denoising.first_sample
+        if self._noisy is None or (self._render.shown_samples < first and not ended):
+            return picture
+        if denoiser.wants(self._noisy, ended):
+            denoiser.begin(self._noisy, self._render.read)
+        return denoiser.picture()
+
+    def _forget_denoiser(self) -> None:
+        if self._denoiser is not None:
+            self._denoiser.close()
+        self._denoiser = self._noisy = None
 
     def _begin(self, factor: int) -> None:
-        self.stop()
+        if self._render is not None:
+            self._render.close()
         self._factor = factor
         quick = self._settings
         if self._pass != Pass.CAUSTICS:  # of which path tracing tells nothing
@@ -113,7 +165,8 @@ class Refinement:
         else:
             wanted = [quick, self._settings]
         camera = coarser(self._camera, factor) if factor > 1 else self._camera
-        self._render = _Render(self._scene, camera, self._camera.crop, wanted)
+        self._render = _Render(self._scene, camera, self._shown, wanted)
+        self.pause(self._is_paused)
 
 
 class _Render:
@@ -121,10 +174,12 @@ class _Render:
 
     def __init__(self, scene, camera: CameraDesc, shown: tuple, wanted: list):
         self._crop, self._shown = camera.crop, shown
-        self.seconds, self.samples, self.ended = 0.0, 0.0, False
+        self.seconds, self.ended = 0.0, False
+        self.samples = self.shown_samples = 0.0  # of the method, and of the last picture
         self.progress: RenderProgress | None = None  # of the method, at the last look
         self._read = (-1, 0.0)  # sessions and samples of the last picture
         self._sessions: list[native.Session] = []
+        self._whole: list[tuple[native.Session, int]] = []  # those in the last picture
         scene.set("camera", camera_struct(camera))
         try:
             for settings in wanted:
@@ -147,27 +202,80 @@ class _Render:
                 # Path tracing does not find all light: it has served its turn.
                 self._sessions.pop(0).close()
                 stats.pop(0)
-        whole = [
+        self._whole = [
             (session, of["samples"])
             for session, of in zip(self._sessions, stats, strict=True)
             if of["first_sample_seconds"] > 0.0 and of["samples"] > 0  # not all at one moment
         ]
-        total = sum(samples for _, samples in whole)
-        if not whole or (len(whole), total) == self._read:
+        total = sum(samples for _, samples in self._whole)
+        if not self._whole or (len(self._whole), total) == self._read:
             return None
-        self._read = (len(whole), total)
+        self._read = (len(self._whole), total)
+        self.shown_samples = total / pixels
+        blend = self.read(wanted)
+        if blend.shape[2] == 3:
+            blend = np.dstack([blend, np.ones(blend.shape[:2], np.float32)])
+        return Picture(blend, self._shown)
+
+    def read(self, wanted: Pass) -> np.ndarray:
+        """A pass (H, W, C), each session's by its samples at the last picture."""
+        total = sum(samples for _, samples in self._whole)
         blend = sum(
             np.float32(samples / total) * session.read(wanted, *self._crop[2:])
-            for session, samples in whole
+            for session, samples in self._whole
         )
-        if blend.shape[1] == 3:
-            blend = np.column_stack([blend, np.ones(len(blend), np.float32)])
-        return Picture(blend.reshape(self._crop[3], self._crop[2], 4), self._shown)
+        return blend.reshape(self._crop[3], self._crop[2], -1)
+
+    def report(self) -> list[str]:
+        return self._sessions[-1].report()
+
+    def pause(self, paused: bool) -> None:
+        for session in self._sessions:
+            session.pause(paused)
 
     def close(self) -> None:
         for session in self._sessions:
             session.close()
         self._sessions = []
+
+
+class _Denoiser:
+    """Denoises one picture after the other while it is rendered."""
+
+    def __init__(self, denoising: Denoising):
+        self.denoising = denoising
+        self._source: Picture | None = None  # of what is under way, or else of the last result
+        self._task: DenoisingTask | None = None
+        self._begun = 0.0  # s
+        self._next = 0.0  # when another may begin, s
+
+    def wants(self, picture: Picture, is_last: bool) -> bool:
+        """Whether `picture` is to be begun now."""
+        if self._task is not None or picture is self._source:
+            return False
+        return is_last or time.monotonic() >= self._next
+
+    def begin(self, picture: Picture, read) -> None:
+        """`read` gives the guides. Raises DenoisingError."""
+        self._source, self._begun = picture, time.monotonic()
+        self._task = self.denoising.begin(picture.pixels, read)
+
+    def picture(self) -> Picture | None:
+        """The latest result, once. Raises DenoisingError."""
+        pixels = self._task.result() if self._task is not None else None
+        if pixels is None:
+            return None
+        self._task = None
+        now = time.monotonic()
+        self._next = now + (now - self._begun) * (1.0 / DENOISING_SHARE - 1.0)
+        return Picture(pixels, self._source.crop)
+
+    def is_done_with(self, picture: Picture | None) -> bool:
+        return self._task is None and picture is self._source
+
+    def close(self) -> None:
+        if self._task is not None:
+            self._task.close()
 
 
 def coarser(camera: CameraDesc, factor: int) -> CameraDesc:

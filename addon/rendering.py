@@ -9,11 +9,11 @@ from dataclasses import dataclass, replace
 
 from . import cryptomatte, divided, native, passes, statistics
 from .abi import Method, RenderState
+from .denoising_settings import denoising_of
 from .export.desc import CameraDesc
 from .export.log import ExportLog
 from .export.scene import export_scene
 from .export.settings import export_settings, film_exposure, method_label
-from .final_denoising import denoising_of
 from .parts import PartError
 from .progress import progress_text
 from .series import Series

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Panels: Specula's own, and Blender's that make sense for it."""
 
+import sys
+
 import bpy
 from bl_ui import properties_view_layer
 
@@ -149,6 +151,17 @@ def draw_forecast(column, ask) -> None:
             draw_note(column, line)
 
 
+def draw_live_report(column, context) -> None:
+    """What a rendered viewport has found of the active object, if one shows it."""
+    viewport = sys.modules.get(f"{__package__}.viewport")  # loaded by the first of them
+    lines = viewport.live_report(context.scene, context.object.name) if viewport else []
+    if lines:
+        column.label(text="In the viewport", icon="SHADING_RENDERED")
+    for line in lines:
+        for part in line.split(", "):
+            draw_note(column, part)
+
+
 class SPECULA_PT_sampling(SpeculaPanel, bpy.types.Panel):
     bl_label = "Sampling"
     bl_context = "render"
@@ -282,6 +295,7 @@ class SPECULA_PT_performance(SpeculaPanel, bpy.types.Panel):
         column.prop(render, "threads_mode")
         column.prop(render, "threads")
         column.prop(render, "use_persistent_data", text="Persistent Data")
+        column.prop(render, "preview_pixel_size", text="Viewport Pixel Size")
 
 
 class SPECULA_PT_shading(bpy.types.Panel):
@@ -296,6 +310,47 @@ class SPECULA_PT_shading(bpy.types.Panel):
 
     def draw(self, context):
         self.layout.prop(context.space_data.shading.specula, "render_pass", text="")
+
+
+class DenoisingPanel(SpeculaPanel):
+    """Cycles' settings of one use of the denoiser; some Blenders lack some of them."""
+
+    bl_context = "render"
+    bl_parent_id = "SPECULA_PT_sampling"
+    bl_options = {"DEFAULT_CLOSED"}
+    SWITCH = ""
+    SETTINGS: tuple[str, ...] = ()
+
+    @classmethod
+    def poll(cls, context) -> bool:
+        return super().poll(context) and hasattr(context.scene, "cycles")
+
+    def draw_header(self, context):
+        self.layout.prop(context.scene.cycles, self.SWITCH, text="")
+
+    def draw(self, context):
+        column, cycles = self.column(), context.scene.cycles
+        column.active = getattr(cycles, self.SWITCH)
+        for name in self.SETTINGS:
+            if hasattr(cycles, name):
+                column.prop(cycles, name)
+
+
+class SPECULA_PT_denoising(DenoisingPanel, bpy.types.Panel):
+    bl_label = "Denoising"
+    SWITCH = "use_denoising"
+    SETTINGS = ("denoising_input_passes", "denoising_prefilter", "denoising_quality")
+
+
+class SPECULA_PT_viewport_denoising(DenoisingPanel, bpy.types.Panel):
+    bl_label = "Viewport Denoising"
+    SWITCH = "use_preview_denoising"
+    SETTINGS = (
+        "preview_denoising_input_passes",
+        "preview_denoising_prefilter",
+        "preview_denoising_quality",
+        "preview_denoising_start_sample",
+    )
 
 
 class SPECULA_PT_statistics(SpeculaPanel, bpy.types.Panel):
@@ -451,6 +506,7 @@ class SPECULA_PT_object_caustics(SpeculaPanel, bpy.types.Panel):
         obj, column = context.object, self.column()
         column.prop(obj.specula, "caustics")
         draw_forecast(column, lambda forecast: forecast.of_object(obj))
+        draw_live_report(column, context)
         cycles = getattr(obj, "cycles", None)
         if cycles:
             flags = column.column(heading="Cycles")
@@ -647,6 +703,15 @@ class SPECULA_PT_world_light_group(SpeculaPanel, bpy.types.Panel):
         draw_light_group(self.column(), context.world, context.view_layer)
 
 
+def draw_pause(header, context) -> None:
+    """The pause button of a 3D view in rendered mode; Cycles' own setting."""
+    cycles = getattr(context.scene, "cycles", None)
+    if context.engine != ENGINE or context.space_data.shading.type != "RENDERED" or not cycles:
+        return
+    icon = "PLAY" if cycles.preview_pause else "PAUSE"
+    header.layout.prop(cycles, "preview_pause", icon=icon, text="")
+
+
 def redraw_properties() -> None:
     """Lets the panels show new statistics; Blender redraws them only where the mouse is."""
     for window in bpy.context.window_manager.windows:
@@ -660,6 +725,8 @@ PANELS = (
     SPECULA_PT_adaptive,
     SPECULA_PT_advanced,
     SPECULA_PT_glints,
+    SPECULA_PT_denoising,
+    SPECULA_PT_viewport_denoising,
     SPECULA_PT_light_paths,
     SPECULA_PT_simplify,
     SPECULA_PT_film,
@@ -691,9 +758,11 @@ def register() -> None:
         bpy.utils.register_class(panel)
     for panel in shared_panels():
         panel.COMPAT_ENGINES.add(ENGINE)
+    bpy.types.VIEW3D_HT_header.append(draw_pause)
 
 
 def unregister() -> None:
+    bpy.types.VIEW3D_HT_header.remove(draw_pause)
     for panel in shared_panels():
         panel.COMPAT_ENGINES.discard(ENGINE)
     for panel in reversed(PANELS):

@@ -14,6 +14,9 @@ from gpu_extras.presets import draw_texture_2d
 
 from . import diagnosis, native
 from .abi import Pass
+from .denoising import Denoising, DenoisingError
+from .denoising_settings import viewport_denoising
+from .export import compat
 from .export.log import ExportLog
 from .export.settings import film_exposure, viewport_settings
 from .export.view import export_view, is_shown
@@ -40,6 +43,16 @@ def draw_note(region, text: str) -> None:
     blf.draw(FONT, text)
 
 
+_alive: weakref.WeakSet[Viewport] = weakref.WeakSet()
+
+
+def live_report(scene, name: str) -> list[str]:
+    """What a viewport that shows `scene` has found of the object of that name, for the panels."""
+    lines = [line for view in _alive if view.shows(scene) for line in view.report()]
+    own = [line.removeprefix(f"{name}: ") for line in lines if line.startswith(f"{name}: ")]
+    return list(dict.fromkeys(own))
+
+
 class Viewport:
     """What one 3D view in rendered mode shows; its engine keeps it until the mode is left."""
 
@@ -48,12 +61,23 @@ class Viewport:
         self._series = Series()
         self._refinement: Refinement | None = None
         self._problem: str | None = None
+        self._warnings: list[str] = []  # of the scene as it is
+        self._not_denoised = ""  # why, if it should be
+        self._is_paused = False
         self._shown = None  # `shown` of the scene that is rendered
         self._seen = None  # `seen` of the picture under way
         self._picture: Picture | None = None
         self._texture = None
         self._ticks = 0
         self._timer = None
+        _alive.add(self)
+
+    def shows(self, scene) -> bool:
+        """Whether it renders `scene` now."""
+        return self._refinement is not None and self._shown[0] == scene.name
+
+    def report(self) -> list[str]:
+        return self._refinement.report()
 
     def update(self, context, depsgraph) -> None:
         """Takes over the scene as it is now, if it has changed."""
@@ -66,9 +90,11 @@ class Viewport:
         with self._problems_noted():
             refinement = self._refinement or Refinement()
             refinement.stop()
-            scene, _ = self._series.next(depsgraph, ExportLog(), view=context)
+            log = ExportLog()
+            scene, _ = self._series.next(depsgraph, log, view=context)
             refinement.show(scene)
             self._refinement = refinement
+            self._tell(log.warnings)
         self._shown, self._seen = shown_now, None
         self._tick_soon()
 
@@ -84,7 +110,7 @@ class Viewport:
             x0, y0, width, height = self._picture.crop
             draw_texture_2d(self._texture, (x0, y0), width, height)
             gpu.state.blend_set("NONE")
-        self._engine().update_stats("", self._refinement.progress())
+        self._engine().update_stats("", self._status())
 
     def close(self) -> None:
         """Ends what runs. The picture may stay longer than its owner."""
@@ -93,20 +119,57 @@ class Viewport:
         self._close_refinement()
 
     def _look(self, context, depsgraph) -> None:
-        if self._refinement is None:
+        scene, refinement = context.scene, self._refinement
+        if refinement is None:
             return
-        settings = viewport_settings(context.scene, context.view_layer)
-        exposure = film_exposure(context.scene)
+        if is_paused(scene) != self._is_paused:
+            self._is_paused = not self._is_paused
+            refinement.pause(self._is_paused)
+            self._tick_soon()
+        if self._is_paused:  # what changes meanwhile is taken over afterwards
+            return
+        settings = viewport_settings(scene, context.view_layer)
         shown_pass = Pass[context.space_data.shading.specula.render_pass]
-        seen_now = (seen(context), native.struct_fields(settings), exposure, shown_pass)
+        wanted = (
+            film_exposure(scene),
+            shown_pass,
+            self._denoising(scene) if shown_pass == Pass.COMBINED else None,
+            int(self._engine().get_preview_pixel_size(scene)),
+        )
+        seen_now = (seen(context), native.struct_fields(settings), wanted)
         if seen_now != self._seen:
             self._seen = seen_now
-            view = export_view(context, depsgraph)
-            self._refinement.look(view, settings, exposure, shown_pass)
+            refinement.look(export_view(context, depsgraph), settings, *wanted)
             self._tick_soon()
-        picture = self._refinement.picture()
+        picture = refinement.picture()
         if picture is not None:
             self._picture, self._texture = picture, texture_of(picture)
+
+    def _denoising(self, scene) -> Denoising | None:
+        self._not_denoised = ""
+        try:
+            return viewport_denoising(scene)
+        except DenoisingError as error:
+            self._not_denoised = f"not denoised: {error}"
+            return None
+
+    def _tell(self, warnings: list[str]) -> None:
+        """Prints those that are new."""
+        for warning in warnings:
+            if warning not in self._warnings:
+                print(f"Specula: {warning}", flush=True)
+        self._warnings = warnings
+
+    def _status(self) -> str:
+        """A line for the view's header."""
+        count = len(self._warnings)
+        parts = (
+            "paused" if self._is_paused else "",
+            self._refinement.progress(),
+            self._not_denoised,
+            f"{count} warning{'s' if count > 1 else ''}, see the console" if count else "",
+        )
+        return " | ".join(part for part in parts if part)
 
     @contextmanager
     def _problems_noted(self):
@@ -132,7 +195,8 @@ class Viewport:
             bpy.app.timers.register(self._timer, first_interval=FAST_TICK)
 
     def tick(self) -> float | None:
-        """Asks for a redraw; returns seconds until the next, None at the end."""
+        """Asks for a redraw, which notices the end of a pause, too; returns seconds until the next,
+        None at the end."""
         engine = self._engine()
         if engine is None or self._refinement is None:
             return None
@@ -170,6 +234,11 @@ def shown(context, depsgraph) -> tuple:
         override.name if override else None,
         objects,
     )
+
+
+def is_paused(scene) -> bool:
+    """Whether the pause button, which is Cycles' own, is pressed."""
+    return bool(compat.cycles_value(scene, "preview_pause", False))
 
 
 def ticker(viewport: weakref.ref):

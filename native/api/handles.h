@@ -51,6 +51,5 @@ struct spc_session {
                   scene.world->scene->has_trees_to_share ? &scene.sheets : nullptr) {}
     RendersScene renders;
     spc::Session session;
-    std::string report{};
     std::vector<std::byte> sums{};  // that the host has asked for last
 };

@@ -272,6 +272,10 @@ spc_status spc_render_cancel(spc_session* session) {
     return gate("spc_render_cancel", [&] { session_of(session).cancel(); });
 }
 
+spc_status spc_render_pause(spc_session* session, uint32_t paused) {
+    return gate("spc_render_pause", [&] { session_of(session).pause(paused != 0); });
+}
+
 spc_status spc_render_get_stats(spc_session* session, spc_render_stats* stats) {
     return gate("spc_render_get_stats", [&] {
         const spc::RenderStats s = session_of(session).stats();
@@ -314,12 +318,12 @@ spc_status spc_render_get_stats(spc_session* session, spc_render_stats* stats) {
 }
 
 const char* spc_render_report(spc_session* session) {
+    thread_local std::string report;
     const spc_status status = gate("spc_render_report", [&] {
-        const std::vector<std::string> lines = session_of(session).report();
-        session->report.clear();
-        for (const std::string& line : lines) session->report += line + "\n";
+        report.clear();
+        for (const std::string& line : session_of(session).report()) report += line + "\n";
     });
-    return status == SPC_OK ? session->report.c_str() : nullptr;
+    return status == SPC_OK ? report.c_str() : nullptr;
 }
 
 uint32_t spc_pass_channels(uint32_t pass) {

@@ -13,12 +13,13 @@ float most(const Vec2& d) { return std::max(std::abs(d.x), std::abs(d.y)); }
 
 }  // namespace
 
-FlakeField::FlakeField(const SlopeField& field, uint32_t threads)
+FlakeField::FlakeField(const SlopeField& field, uint32_t threads, const Budget& budget)
     : width_(field.width()),
       height_(field.height()),
       flakes_(static_cast<size_t>(width_) * static_cast<size_t>(height_)) {
     const auto for_each = [&](const auto& act) {
         parallel_for(threads, static_cast<uint32_t>(height_), [&](uint32_t row) {
+            if (budget.is_cancelled()) return;
             const int y = static_cast<int>(row);
             for (int x = 0; x < width_; ++x) act(x, y, jet_at(field.cell(x, y), 0.5f, 0.5f));
         });
@@ -38,11 +39,12 @@ FlakeField::FlakeField(const SlopeField& field, uint32_t threads)
             {steps(jet.by_t.x), steps(jet.by_t.y)}};
     });
     SlopeBounds whole = bounds(0, 0);
-    for (int y = 0; y < height_; ++y)
+    for (int y = 0; y < height_ && !budget.is_cancelled(); ++y)
         for (int x = 0; x < width_; ++x) whole.extend(bounds(x, y));
     pyramid_ = SlopePyramid(
         width_, height_, whole,
         [&](int y, std::span<SlopeBounds> row) {
+            if (budget.is_cancelled()) return;
             for (int x = 0; x < width_; ++x) row[static_cast<size_t>(x)] = bounds(x, y);
         },
         threads);

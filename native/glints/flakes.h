@@ -3,6 +3,7 @@
 // texels. The slope is linear on a flake, whose weight is a Gaussian around the cell's middle.
 #pragma once
 
+#include "core/budget.h"
 #include "glints/slope_field.h"
 
 namespace spc {
@@ -16,8 +17,9 @@ inline constexpr float kGaussianRadius = 3.5f;
 
 class FlakeField {
 public:
-    // `threads` 0 = all. The slope field need not outlive the flakes.
-    FlakeField(const SlopeField& field, uint32_t threads);
+    // `threads` 0 = all. The slope field need not outlive the flakes, which are of no use once the
+    // budget is cancelled.
+    FlakeField(const SlopeField& field, uint32_t threads, const Budget& budget = {});
 
     int width() const { return width_; }
     int height() const { return height_; }

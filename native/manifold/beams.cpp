@@ -212,7 +212,7 @@ struct TracedCell {
     MarkedBeams beams;
 };
 
-// A square's grid of rays, made into beams.
+// A square's grid of rays, made into beams; without any once the budget is cancelled.
 class EmissionCell {
 public:
     EmissionCell(const SheetWorld& world, const LightPoint& y, std::span<const LightPoint> around,
@@ -222,6 +222,7 @@ public:
         beam_size_ = 0.5f * sqr(side / kGridCells) / density_of_uniform(world.guide, y);
         for (uint32_t j = 0; j < kCorners; ++j)
             for (uint32_t i = 0; i < kCorners; ++i) {
+                if (world.budget.is_cancelled()) return;
                 const auto at = [&](uint32_t corner, uint32_t k) {
                     const float place = (static_cast<float>(corner) +
                                          static_cast<float>(k) / static_cast<float>(kGridCells)) *
@@ -506,8 +507,10 @@ BeamSet trace_beams(const SheetWorld& world, const LightPoint& y, uint32_t emiss
     MarkedBeams all;
     std::map<ChainKind, uint32_t> kinds;
     const std::vector<TracedCell> traced = trace_cells(world, y, around, emission_cells);
-    if (world.budget.is_cancelled()) return {};  // nobody waits for what takes as long again
-    for (const TracedCell& emission_cell : traced) append(emission_cell.beams, kinds, all);
+    for (const TracedCell& emission_cell : traced) {
+        if (world.budget.is_cancelled()) return {};  // nobody waits for what takes as long again
+        append(emission_cell.beams, kinds, all);
+    }
     join_borders(all);
     set_margins(all);
     return std::move(all.set);

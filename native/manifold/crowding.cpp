@@ -77,10 +77,11 @@ bool rays_find_all(const Scene& scene, const LightSet& lights) {
 }
 
 std::vector<double> chains_by_maps(const Scene& scene, const LightSet& lights,
-                                   const CasterSet& casters, uint32_t seed) {
+                                   const CasterSet& casters, uint32_t seed, const Budget& budget) {
     std::vector<double> chains(casters.casters.size(), 0.0);
     for (size_t i = 0; i < chains.size(); ++i) {
         const Caster& caster = casters.casters[i];
+        if (budget.is_cancelled()) break;
         if (!(caster.slope_bends > 0.0)) continue;
         Pcg pcg(mix_bits(seed + (uint64_t{caster.instance} << 32)));
         const double spread = 2.0 * std::numbers::pi *
@@ -94,11 +95,11 @@ std::vector<double> chains_by_maps(const Scene& scene, const LightSet& lights,
 }
 
 std::vector<double> chains_by_sheets(const CasterSet& casters, const SheetPool& sheets,
-                                     uint32_t seed) {
+                                     uint32_t seed, const Budget& budget) {
     constexpr uint32_t kPoints = 256;  // of each sheet
     std::vector<double> sum(casters.casters.size(), 0.0), lit = sum, of_point = sum;
     std::vector<SheetSeed> chain_seeds;
-    for (size_t s = 0; s < sheets.size(); ++s) {
+    for (size_t s = 0; s < sheets.size() && !budget.is_cancelled(); ++s) {
         Pcg pcg(mix_bits(seed + (uint64_t{s} << 32)));
         for (const Vec3& p : sheets[s]->lit_points(kPoints, pcg)) {
             chain_seeds.clear();

@@ -93,12 +93,21 @@ struct Slab {
 class PrismTree::Builder {
 public:
     Builder(PrismTree& tree, const Shape& shape, float reach, std::vector<uint32_t>& order,
-            Volumes volumes)
-        : nodes_(tree.nodes_), order_(order), shape_(shape), reach_(reach), volumes_(volumes) {
-        for (const uint32_t i : order_) places_.push_back(place_of(shape(i), reach));
+            Volumes volumes, const Budget& budget)
+        : nodes_(tree.nodes_),
+          order_(order),
+          shape_(shape),
+          reach_(reach),
+          volumes_(volumes),
+          budget_(budget) {
+        places_.reserve(order_.size());
+        for (const uint32_t i : order_) {
+            if (budget_.is_cancelled()) return;
+            places_.push_back(place_of(shape(i), reach));
+        }
     }
 
-    // Of at least one prism; returns its place.
+    // Of at least one prism; returns its place. Once cancelled, children are missing.
     uint32_t build(uint32_t begin, uint32_t end) {
         uint32_t room = 1;  // of a child
         while (uint64_t{room} * kWidth < end - begin) room *= kWidth;
@@ -139,6 +148,7 @@ private:
     // children but one are full.
     template <class Act>
     void split(uint32_t begin, uint32_t end, uint32_t room, const Act& act) {
+        if (budget_.is_cancelled()) return;
         const uint32_t children = (end - begin + room - 1) / room;
         if (children == 1) return act(begin, end);
         const int widest = widest_coordinate(begin, end);
@@ -202,14 +212,15 @@ private:
     const Shape& shape_;
     const float reach_;
     const Volumes volumes_;
+    const Budget& budget_;
     std::vector<Place> places_;
 };
 
 PrismTree::PrismTree(uint32_t count, const Shape& shape, float reach, std::vector<uint32_t>& order,
-                     Volumes volumes) {
+                     Volumes volumes, const Budget& budget) {
     order.resize(count);
     std::iota(order.begin(), order.end(), 0u);
-    if (count > 0) Builder(*this, shape, reach, order, volumes).build(0, count);
+    if (count > 0) Builder(*this, shape, reach, order, volumes, budget).build(0, count);
 }
 
 }  // namespace spc

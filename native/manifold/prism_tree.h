@@ -3,6 +3,7 @@
 // in the shift, in its own way.
 #pragma once
 
+#include "core/budget.h"
 #include "math/vec.h"
 
 #include <array>
@@ -35,9 +36,10 @@ public:
         stay  // large enough for every shift, so visit() gets a zero shift
     };
     // `reach`: length of the longest shift. `order` receives the indices of the prisms in the
-    // tree's order; data that belong to them should be stored in that order.
+    // tree's order; data that belong to them should be stored in that order. Once the budget is
+    // cancelled the tree lacks prisms.
     PrismTree(uint32_t count, const Shape& shape, float reach, std::vector<uint32_t>& order,
-              Volumes volumes = Volumes::move);
+              Volumes volumes = Volumes::move, const Budget& budget = {});
 
     // Calls `act` with the place in that order of each prism that may hold p, until `act` returns
     // false. Some of these prisms do not hold p.

@@ -88,8 +88,8 @@ Vec3 moved_by(const std::array<Vec3, 3>& moved, const Vec3& shift) {
 LightSheet::LightSheet(const SheetWorld& world, const LightPoint& y, uint32_t emission_cells,
                        float reach, std::span<const LightPoint> around)
     : y_(y), all_(trace_beams(world, y, emission_cells, around)) {
-    if (!y.delta) build_folds(reach);  // rays do not come to points
-    build_layers(reach, world);
+    if (!y.delta) build_folds(reach, world.budget);  // rays do not come to points
+    if (!world.budget.is_cancelled()) build_layers(reach, world);
 }
 
 float LightSheet::Entry::density() const {
@@ -100,35 +100,46 @@ float LightSheet::Entry::density() const {
 
 void LightSheet::build_layers(float reach, const SheetWorld& world) {
     constexpr size_t kMostLayers = 24;
-    std::vector<Entry> entries;
+    std::vector<Entry> unordered;
     for (const Beam& beam : std::exchange(all_.beams, {})) {
-        entries.push_back({beam, true});
-        if (beam.margin > 0.0f) entries.push_back({beam, false});
+        unordered.push_back({beam, true});
+        if (beam.margin > 0.0f) unordered.push_back({beam, false});
     }
-    std::stable_sort(entries.begin(), entries.end(),
-                     [](const Entry& a, const Entry& b) { return a.density() > b.density(); });
-    const auto least = static_cast<long>(entries.size() / kMostLayers + 1);
-    for (auto begin = entries.begin(), end = begin; begin != entries.end(); begin = end) {
-        const float largest = begin->density();
-        while (end != entries.end() && (end < begin + least || end->density() > 0.5f * largest))
-            ++end;
-        layers_.push_back({largest, {begin, end}, {}});
+    struct Key {
+        float density;
+        uint32_t entry;
+        bool operator<(const Key& other) const {  // the densest first
+            return density != other.density ? density > other.density : entry < other.entry;
+        }
+    };
+    std::vector<Key> keys;
+    for (uint32_t i = 0; i < unordered.size(); ++i) keys.push_back({unordered[i].density(), i});
+    std::sort(keys.begin(), keys.end());
+    const auto least = static_cast<long>(keys.size() / kMostLayers + 1);
+    std::vector<std::span<const Key>> keys_of_layers;
+    for (auto begin = keys.begin(), end = begin; begin != keys.end(); begin = end) {
+        const float largest = begin->density;
+        while (end != keys.end() && (end < begin + least || end->density > 0.5f * largest)) ++end;
+        layers_.push_back({largest, {}, {}});
+        keys_of_layers.emplace_back(begin, end);
     }
     parallel_for(world.threads, static_cast<uint32_t>(layers_.size()), [&](uint32_t k) {
-        if (world.budget.is_cancelled()) return;
         Layer& layer = layers_[k];
-        const std::vector<Entry> unordered = std::move(layer.entries);
+        const std::span<const Key> own = keys_of_layers[k];
         const auto shape = [&](uint32_t i) {
-            const auto& [beam, inside] = unordered[i];
+            const auto& [beam, inside] = unordered[own[i].entry];
             return prism_of(edges_of(all_, beam), beam, inside ? 0.0f : beam.margin);
         };
         std::vector<uint32_t> order;
-        layer.tree = PrismTree(static_cast<uint32_t>(unordered.size()), shape, reach, order);
-        for (const uint32_t i : order) layer.entries.push_back(unordered[i]);
+        layer.tree = PrismTree(static_cast<uint32_t>(own.size()), shape, reach, order,
+                               PrismTree::Volumes::move, world.budget);
+        if (world.budget.is_cancelled()) return;
+        layer.entries.reserve(order.size());
+        for (const uint32_t i : order) layer.entries.push_back(unordered[own[i].entry]);
     });
 }
 
-void LightSheet::build_folds(float reach) {
+void LightSheet::build_folds(float reach, const Budget& budget) {
     const auto parallelogram_of = [&](const Beam& beam) {
         const auto [a, b, c] = edges_of(all_, beam);
         return FoldParallelogram{a->last, b->last - a->last, c->last - a->last};
@@ -146,9 +157,11 @@ void LightSheet::build_folds(float reach) {
     };
     std::vector<uint32_t> order;
     fold_tree_ = PrismTree(static_cast<uint32_t>(beams.size()), shape, reach, order,
-                           PrismTree::Volumes::stay);
-    for (const uint32_t i : order)
+                           PrismTree::Volumes::stay, budget);
+    for (const uint32_t i : order) {
+        if (budget.is_cancelled()) return;
         folds_.push_back({parallelogram_of(*beams[i]), sides_around(shape(i), reach)});
+    }
 }
 
 bool LightSheet::find_folds(const Vec3& x, size_t most,

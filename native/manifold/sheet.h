@@ -46,7 +46,8 @@ public:
     // Builds a sheet of about `emission_cells` cells, which are smaller where the rays' fates vary
     // most. `reach`: length of the longest shift for which it will be asked (see shift_between()).
     // `around`: some light points within reach. If one of them sees a caster that y does not, the
-    // sheet covers that part, too, so that penumbras have seeds.
+    // sheet covers that part, too, so that penumbras have seeds. Once the budget is cancelled the
+    // sheet is of no use.
     LightSheet(const SheetWorld& world, const LightPoint& y, uint32_t emission_cells, float reach,
                std::span<const LightPoint> around = {});
 
@@ -88,7 +89,7 @@ private:
     };
     void build_layers(float reach, const SheetWorld& world);
     // Call before build_layers(), which moves the beams away.
-    void build_folds(float reach);
+    void build_folds(float reach, const Budget& budget);
     void add_seed(const Entry& entry, const Vec3& x, const Vec3& shift,
                   float probability_per_density, float u, std::vector<SheetSeed>& chain_seeds) const;
 

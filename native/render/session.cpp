@@ -87,6 +87,12 @@ void Session::cancel() {
     cut_short_ = true;
 }
 
+void Session::pause(bool paused) {
+    const std::lock_guard lock(mutex_);
+    paused_ = paused;
+    resumed_.notify_all();
+}
+
 uint32_t Session::round_begin(uint32_t round) const {
     const uint64_t begin = round <= kDoublings
                                ? (1u << round) - 1
@@ -217,10 +223,13 @@ void Session::run_jobs() {
     }
 }
 
-// Waits while an export holds the round back.
+// Waits while an export or a pause holds the round back.
 bool Session::may_begin(uint32_t round) {
     std::unique_lock lock(mutex_);
-    while (round >= most_rounds_ && !stops_in(round)) {
+    const auto is_held = [&] {
+        return round >= most_rounds_ || (paused_ && round >= rounds_begun_);
+    };
+    while (is_held() && !stops_in(round)) {
         constexpr std::chrono::milliseconds kUntilLook(50);
         resumed_.wait_for(lock, kUntilLook);
     }

@@ -116,6 +116,8 @@ public:
     Session& operator=(const Session&) = delete;
 
     void cancel();
+    // Holds back rounds of samples that have not begun, or lets them begin.
+    void pause(bool paused);
     // Returns when the render has ended or the time is over.
     RenderProgress wait(std::chrono::milliseconds patience);
     RenderStats stats() const;
@@ -147,8 +149,8 @@ private:
     void end_stage();
     // Of the stage that is under way, [0, 1]: never less than before.
     double stage_fraction() const;
-    void prepare_flakes();
-    void choose_casters();
+    void prepare_flakes(const Budget& budget);
+    void choose_casters(const Budget& budget);
     void prepare_sheets();
     void exclude(const std::vector<double>& chains, const char* what);
     void learn_light_paths();
@@ -247,6 +249,7 @@ private:
     // Rounds that have begun, and those that may; jobs that are done.
     uint32_t rounds_begun_ = 0, most_rounds_ = std::numeric_limits<uint32_t>::max();
     uint64_t jobs_done_ = 0;
+    bool paused_ = false;
     std::condition_variable resumed_, job_done_;
     uint32_t active_workers_ = 0;
     double seconds_at_end_ = 0.0;

@@ -78,9 +78,9 @@ const Budget& Session::begin(RenderStage stage, double work, double share) {
 // Shares of a limited time: what stages usually take is a third of that.
 void Session::prepare() {
     constexpr double kMost = std::numeric_limits<double>::infinity();
-    begin(RenderStage::maps, kMost, 1.0);
-    prepare_flakes();
-    choose_casters();
+    const Budget& maps = begin(RenderStage::maps, kMost, 1.0);
+    prepare_flakes(maps);
+    choose_casters(maps);
     prepare_sheets();
     learn_light_paths();
     find_camera_chains();
@@ -112,14 +112,15 @@ void Session::render_preview() {
     previewed_ = true;
 }
 
-void Session::prepare_flakes() {
+void Session::prepare_flakes(const Budget& budget) {
     GlintSettings& glints = settings_.integrator.glints;
     RenderStats stats;
     stats.glint_bytes = world_.glints.memory_bytes();
     if (glints.method == GlintMethod::yan) {
         for (const SlopeField& field : world_.glints.fields) {
-            if (must_stop()) return;
-            stats.glint_bytes += flakes_.emplace_back(field, settings_.threads).memory_bytes();
+            if (budget.is_cancelled()) return;
+            const FlakeField& flakes = flakes_.emplace_back(field, settings_.threads, budget);
+            stats.glint_bytes += flakes.memory_bytes();
         }
         glints.flakes = &flakes_;
     }
@@ -128,11 +129,11 @@ void Session::prepare_flakes() {
 }
 
 // Chooses the casters that the manifold searches: not those that make too many chains at once.
-void Session::choose_casters() {
+void Session::choose_casters(const Budget& budget) {
     settings_.chooses =
         settings_.chooses && settings_.light_tracing && rays_find_all(*world_.scene, world_.lights);
     if (!settings_.chooses) return;
-    exclude(chains_by_maps(*world_.scene, world_.lights, world_.casters, settings_.seed),
+    exclude(chains_by_maps(*world_.scene, world_.lights, world_.casters, settings_.seed, budget),
             "by its map");
 }
 
@@ -198,9 +199,9 @@ void Session::prepare_sheets() {
     build();
     if (settings_.chooses) {
         const CasterSet* before = settings_.integrator.searched;
-        exclude(
-            chains_by_sheets(settings_.integrator.casters_of(world_), *sheet_pool_, settings_.seed),
-            "by light sheets");
+        exclude(chains_by_sheets(settings_.integrator.casters_of(world_), *sheet_pool_,
+                                 settings_.seed, budget),
+                "by light sheets");
         if (settings_.integrator.searched != before) {
             sheet_pool_.reset();
             build();

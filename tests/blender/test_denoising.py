@@ -1,14 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Denoising of final renders: what it takes away, what it keeps, and where there is none."""
 
+import time
+
 import bpy
 import numpy as np
 import pytest
 from layers import render_layers
 from scenes import add_camera, add_light, add_mesh, add_node, new_material, surface
 
-from specula import denoising, statistics
+from specula import abi, denoising, native, statistics
+from specula.denoising_settings import viewport_denoising
 from specula.export import compat
+from specula.export.log import ExportLog
+from specula.export.scene import export_scene
+from specula.export.settings import viewport_settings
+from specula.refinement import Refinement
+from specula.upload import upload
 
 
 def has_library() -> bool:
@@ -83,3 +91,64 @@ def test_without_library_a_message_and_the_noisy_picture(noisy, tmp_path):
     assert (layers["ViewLayer.Combined"] == layers["ViewLayer.Noisy Image"]).all()
     warnings = statistics.last["Scene", "ViewLayer"].warnings
     assert [line for line in warnings if "Open Image Denoise" in line]
+
+
+@pytest.fixture
+def refinement(noisy):
+    """Of the scene as a viewport shows it, with its camera and settings."""
+    noisy.cycles.use_preview_denoising = True
+    noisy.specula.viewport_samples = 4
+    log = ExportLog()
+    scene_desc = export_scene(bpy.context.evaluated_depsgraph_get(), log)
+    view = scene_desc.camera
+    with upload(scene_desc, log) as scene:
+        scene.commit()
+        made = Refinement()
+        made.show(scene)
+        yield made, scene, view, viewport_settings(noisy, bpy.context.view_layer)
+        made.stop()
+
+
+@with_library
+@pytest.mark.parametrize("prefilter", ["NONE", "ACCURATE"])
+def test_the_viewport_ends_with_a_denoised_picture(noisy, refinement, prefilter):
+    made, scene, view, settings = refinement
+    noisy.cycles.preview_denoising_prefilter = prefilter
+    noisy.cycles.preview_denoising_input_passes = "RGB_ALBEDO_NORMAL"
+    how = viewport_denoising(noisy)
+    made.look(view, settings, 1.0, abi.Pass.COMBINED, how)
+    picture = None
+    while not made.is_final:
+        picture = made.picture() or picture
+        time.sleep(0.01)
+    passes = sum(1 << source for source in (abi.Pass.COMBINED, *how.guides))
+    settings = native.changed(settings, passes=passes, for_denoiser=True)
+    with native.Session(scene, settings) as session:
+        while session.wait(100).state == abi.RenderState.RUNNING:
+            pass
+
+        def read(source):
+            return session.read(source, SIZE, SIZE).reshape(SIZE, SIZE, -1)
+
+        expected = how.denoised(read(abi.Pass.COMBINED), read)
+        assert np.abs(picture.pixels - expected).max() < 1e-4
+        assert np.abs(picture.pixels - read(abi.Pass.COMBINED)).max() > 0.01
+
+
+@with_library
+def test_a_viewport_that_moves_leaves_its_denoiser(noisy, refinement):
+    made, _, view, settings = refinement
+    for _ in range(8):
+        made.look(view, settings, 1.0, abi.Pass.COMBINED, viewport_denoising(noisy))
+        while made._denoiser._task is None:
+            made.picture()
+    made.stop()
+    denoising.DenoisingTask.wait_for_all()
+    assert denoising.DenoisingTask.left == []
+
+
+@pytest.mark.skipif(has_library(), reason="this Blender has a denoiser")
+def test_a_viewport_without_denoiser_says_so(noisy):
+    noisy.cycles.use_preview_denoising = True
+    with pytest.raises(denoising.DenoisingError, match="no Open Image Denoise"):
+        viewport_denoising(noisy)

@@ -114,7 +114,7 @@ def draw(panel, context):
         layout = Recorder()
         column = ui.SpeculaPanel.column
 
-    for name in ("COMMON", "PROPERTIES", "LABELS", "SWITCHES"):
+    for name in ("COMMON", "PROPERTIES", "LABELS", "SWITCHES", "SWITCH", "SETTINGS"):
         setattr(Drawn, name, getattr(panel, name, None))
     assert panel.poll.__func__(panel, context)
     panel.draw(Drawn(), context)

@@ -16,7 +16,7 @@ from specula.export.settings import export_settings
 from specula.series import Series
 from specula.upload import upload
 
-EDITS = 320
+EDITS = 1000 if "SPECULA_TEST_NIGHTLY" in os.environ else 320
 SIZE = (24, 18)
 FLAT = 24 << 20  # bytes that the last two thirds of all edits may add
 

@@ -48,7 +48,7 @@ extern "C" {
 #endif
 
 /* This number is raised whenever a struct or the meaning of a call changes. */
-#define SPC_API_VERSION 15u
+#define SPC_API_VERSION 16u
 
 /* This value stands for "no index" where an index is optional. */
 #define SPC_NONE 0xffffffffu
@@ -700,6 +700,9 @@ SPC_API spc_status spc_render_wait(spc_session* session, uint32_t milliseconds,
 /* Asks the workers to stop and returns at once; they stop within 200 ms. Samples already taken are
  * kept. */
 SPC_API spc_status spc_render_cancel(spc_session* session);
+/* Holds a render back that is taking samples once each pixel has as many, or lets it go on
+ * (`paused` 0). Its preparation is not held back, nor is its time limit. */
+SPC_API spc_status spc_render_pause(spc_session* session, uint32_t paused);
 
 typedef struct spc_render_stats {
     size_t struct_size;
@@ -743,8 +746,8 @@ typedef struct spc_render_stats {
 SPC_API spc_status spc_render_get_stats(spc_session* session, spc_render_stats* stats);
 
 /* Returns what the method has chosen, one line for each caster about which it had a choice, with
- * the numbers that decided. The text is complete once SPC_STAGE_SAMPLES has begun. The session owns
- * it; it is valid until the next call of this function for the session. NULL on failure. */
+ * the numbers that decided. The text is complete once SPC_STAGE_SAMPLES has begun; it is
+ * valid until the calling thread calls this function again. NULL on failure. */
 SPC_API const char* spc_render_report(spc_session* session);
 
 /* The pictures that a render gives. Comments begin with the number of channels. */

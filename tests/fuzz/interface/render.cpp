@@ -60,6 +60,7 @@ public:
             const uint32_t state = wait();
             if (state != SPC_RENDER_RUNNING) return finish(state, cancelled);
             if (dice_.chance(0.05)) read(dice_.below(SPC_PASS_COUNT + 1));
+            if (dice_.chance(0.05)) pause(dice_.below(2));
             if (dice_.chance(0.02)) return;  // its destruction cancels it
             if (!cancelled && (dice_.chance(0.03) || Clock::now() - begun > kPatience))
                 cancelled = cancel();
@@ -69,6 +70,10 @@ public:
 private:
     bool cancel() {
         return promises_.took([&] { return spc_render_cancel(session_); }, "");
+    }
+
+    void pause(uint32_t paused) {
+        promises_.took([&] { return spc_render_pause(session_, paused); }, "");
     }
 
     uint32_t wait() {

@@ -130,6 +130,7 @@ TEST(RenderMisuse, Sessions) {
     float buffer[12 * 8 * 4];
     expect_refused(spc_render_wait(nullptr, 0, &progress), SPC_INVALID_ARGUMENT, {"session"});
     expect_refused(spc_render_cancel(nullptr), SPC_INVALID_ARGUMENT, {"session"});
+    expect_refused(spc_render_pause(nullptr, 1), SPC_INVALID_ARGUMENT, {"session"});
     expect_refused(spc_render_get_stats(nullptr, &stats), SPC_INVALID_ARGUMENT, {"session"});
     expect_refused(spc_film_read(nullptr, 0, buffer, 1), SPC_INVALID_ARGUMENT, {"session"});
 

@@ -416,6 +416,32 @@ TEST(Parts, ExportsOnTheWayAreWholeSamples) {
     }
 }
 
+TEST(Session, APauseHoldsSamplesBackAndDoesNotShow) {
+    const RenderScene world = scene_of(true);
+    const RenderSettings settings = settings_with(16, 2);
+    Session session(world, settings);
+    session.pause(true);
+    while (session.wait(1ms).stage != RenderStage::samples) {}
+    const uint32_t before = session.wait(0ms).samples_done;  // the first may have begun
+    EXPECT_EQ(session.wait(300ms).state, RenderState::running);
+    EXPECT_LE(session.wait(0ms).samples_done, before + 1);
+    const uint32_t held = session.wait(0ms).samples_done;
+    EXPECT_EQ(session.wait(200ms).samples_done, held);
+    session.pause(false);
+    EXPECT_EQ(session.wait(60s).state, RenderState::done);
+    Session other(world, settings);
+    EXPECT_EQ(other.wait(60s).state, RenderState::done);
+    EXPECT_TRUE(session.export_film().sums == other.export_film().sums);
+}
+
+TEST(Session, APauseDoesNotOutliveACancel) {
+    const RenderScene world = scene_of(true);
+    Session session(world, settings_with(1u << 20, 2));
+    session.pause(true);
+    session.cancel();
+    EXPECT_EQ(session.wait(60s).state, RenderState::cancelled);
+}
+
 // A render that was cancelled within a sample has no sums to give; one that was not, whole ones.
 TEST(Parts, CancelledRendersGiveWholeSamplesOrNone) {
     const RenderScene world = scene_of(true);

@@ -76,7 +76,7 @@ double preparation_seconds(const RenderScene& world) {
     return processor_seconds() - before;
 }
 
-TEST(Cancelling, EndsEveryStageSoon) {
+TEST(CancellingSlow, EndsEveryStageSoon) {
     constexpr int kMoments = 12;
     constexpr double kShare = 0.05;  // of the preparation
     const RenderScene world = pool();

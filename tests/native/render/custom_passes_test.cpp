@@ -145,7 +145,7 @@ TEST(LightGroups, AddUpToThePictureByEveryMethod) {
 }
 
 // Each lamp's caustics are in its own group: as bright as in the picture of that lamp alone.
-TEST(LightGroups, AreThePicturesOfTheirLights) {
+TEST(LightGroupsSlow, AreThePicturesOfTheirLights) {
     constexpr uint32_t kSamples = 256;
     RenderSettings settings = settings_with(kSamples);
     settings.integrator.manifold.finder = ChainFinder::sheets;

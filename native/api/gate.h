@@ -13,8 +13,8 @@ namespace spc::api {
 void set_last_error(const std::string& message);
 void set_last_error_without_memory() noexcept;
 
-// Runs `body`, turns whatever it throws into a status and a message. What is not an Error is not for
-// the user to mend: the message then names the function.
+// Runs `body`, turns whatever it throws into a status and a message. What is not an Error is not
+// for the user to mend: the message then names the function.
 template <class Body>
 spc_status gate(const char* function, Body&& body) noexcept {
     const auto fail = [](spc_status status, std::initializer_list<const char*> parts) {

@@ -285,7 +285,8 @@ float dielectric_mean(float eta) {
     return (eta - 1.0f) / (4.08567f + 1.00071f * eta);
 }
 
-// The same for any Fresnel term, without its film. Schlick's curve and its dip have closed forms, 1/21 and 1/126.
+// The same for any Fresnel term, without its film. Schlick's curve and its dip have closed forms,
+// 1/21 and 1/126.
 Spectrum hemisphere_mean(const Fresnel& f) {
     switch (f.kind) {
         case Fresnel::Kind::none: return f.f0;

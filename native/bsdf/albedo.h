@@ -13,8 +13,8 @@ namespace spc {
 // so that the factor is 1 + F_ms (1 - E) / E.
 Spectrum energy_compensation(const ClosureKind& kind, const Vec3& wo);
 
-// Share of wo's light that a reflection keeps from the layer below: its albedo, or, where light between
-// its facets is lost, the mean reflectance of the facets, as in Cycles.
+// Share of wo's light that a reflection keeps from the layer below: its albedo, or, where light
+// between its facets is lost, the mean reflectance of the facets, as in Cycles.
 Spectrum kept_from_below(const MicrofacetReflection& layer, const Vec3& wo);
 
 }  // namespace spc

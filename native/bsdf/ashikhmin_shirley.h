@@ -5,8 +5,9 @@
 
 namespace spc {
 
-// A Phong lobe around the half-vector, wider along one axis where the alphas differ, without Fresnel
-// [Ashikhmin00]. No alpha is that of a delta. Its facets are none of microfacet.h: no chain turns there.
+// A Phong lobe around the half-vector, wider along one axis where the alphas differ, without
+// Fresnel [Ashikhmin00]. No alpha is that of a delta. Its facets are none of microfacet.h: no chain
+// turns there.
 struct AshikhminShirley {
     static constexpr ClosureTraits kTraits{.reflected = BounceKind::glossy,
                                            .transmitted = BounceKind::glossy,

@@ -203,7 +203,8 @@ Vec3 normal_of(const C& c) {
 Vec3 normal_of(const Transparent&) { return Vec3(0.0f); }
 Vec3 normal_of(const HairFibre&) { return Vec3(0.0f); }
 
-// Of the terminator, for light that is not a delta's. Lobes that glint have the normals of their map.
+// Of the terminator, for light that is not a delta's. Lobes that glint have the normals of their
+// map.
 float fade_of(const Terminator& terminator, const Closure& closure, const Vec3& wi) {
     if (!terminator.fades() || closure.glints) return 1.0f;
     return std::visit([&](const auto& c) { return fade(terminator, c.kTraits, normal_of(c), wi); },
@@ -289,8 +290,8 @@ void ClosureList::clear() {
 
 Fresnel coat_fresnel(float ior) { return {Fresnel::Kind::dielectric, ior}; }
 
-// Light is assumed to enter along the path by which it leaves. That is longer than the coat's thickness by
-// 1 / cos of the refracted wo, and the tint is raised to that power.
+// Light is assumed to enter along the path by which it leaves. That is longer than the coat's
+// thickness by 1 / cos of the refracted wo, and the tint is raised to that power.
 Spectrum coat_transmittance(const Coat& coat, const Vec3& n, const Vec3& wo) {
     const MicrofacetReflection lobe{n, coat.alpha, MicrofacetModel::ggx, coat_fresnel(coat.ior),
                                     true};

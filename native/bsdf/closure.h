@@ -30,8 +30,8 @@ inline constexpr float kDeltaAlpha = 2e-5f;
 
 enum class MicrofacetModel : uint8_t { ggx, beckmann };
 
-// A film on an interface, of its thickness times the index of wo's side, and of an index over that of
-// wo's side: so it is the same film from both sides.
+// A film on an interface, of its thickness times the index of wo's side, and of an index over that
+// of wo's side: so it is the same film from both sides.
 struct ThinFilm {
     float thickness = 0.0f;  // nm
     float ior = 1.0f;
@@ -61,8 +61,9 @@ Spectrum fresnel(const Fresnel& fresnel, float cos_wo_h);
 float fresnel_dielectric(float cos_i, float eta);
 
 // Mirror where alpha <= kDeltaAlpha. Where alpha_y differs, alpha is along the tangent and alpha_y
-// across it, and neither is that of a delta. With `energy_compensated` (GGX alone, as in Cycles) light that
-// one bounce between the microfacets loses is given back, scaled to the same lobe [Turquin19].
+// across it, and neither is that of a delta. With `energy_compensated` (GGX alone, as in Cycles)
+// light that one bounce between the microfacets loses is given back, scaled to the same lobe
+// [Turquin19].
 struct MicrofacetReflection {
     static constexpr ClosureTraits kTraits{.reflected = BounceKind::glossy,
                                            .transmitted = BounceKind::transmission,
@@ -167,8 +168,8 @@ struct ClosureList {
     // follows the closure's albedo, and energy compensation, which depends on wo alone, is folded
     // into the stored weight.
     void add(const Spectrum& weight, const ClosureKind& kind, const Vec3& wo, bool on_caster_normal);
-    // Its lobe, with all of its weight at the lobe's own normal; also among `glints`, where it stays
-    // whatever that normal is.
+    // Its lobe, with all of its weight at the lobe's own normal; also among `glints`, where it
+    // stays whatever that normal is.
     void add_glints(const Spectrum& weight, const GlintLobe& glint, const Vec3& wo,
                     bool on_caster_normal);
     void clear();

@@ -12,8 +12,8 @@ enum class BounceKind : uint8_t { diffuse, glossy, transmission, transparent };
 struct ClosureTraits {
     BounceKind reflected;    // what rays are that it sends to the side of wo
     BounceKind transmitted;  // and to the other side
-    // Facets around its normal scatter: a delta where their alpha vanishes, a caustic where light falls
-    // on what scatters diffusely.
+    // Facets around its normal scatter: a delta where their alpha vanishes, a caustic where light
+    // falls on what scatters diffusely.
     bool has_facets = false;
     bool straight = false;       // lets light pass as it came: shadow rays see through it
     bool crosses = false;        // scatters to the other side without facets

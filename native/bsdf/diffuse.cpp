@@ -153,8 +153,8 @@ LobeEval eval_lobe(const Velvet& c, const Vec3& wo, const Vec3& wi, bool crosses
     return {Spectrum(0.25f * velvet_density(n_h, c.sigma) * grooves / cos_o), pdf};
 }
 
-// [Burley12 Sec. 5.3], in the form that tells apart what Schlick's curves take away and what roughness
-// gives back.
+// [Burley12 Sec. 5.3], in the form that tells apart what Schlick's curves take away and what
+// roughness gives back.
 LobeEval eval_lobe(const BurleyDiffuse& c, const Vec3& wo, const Vec3& wi, bool crosses) {
     const float cos_i = dot(c.n, wi), cos_o = dot(c.n, wo);
     if (crosses || !(cos_i > 0.0f) || !(cos_o > 0.0f)) return {};

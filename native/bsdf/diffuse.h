@@ -19,8 +19,8 @@ struct Translucent {
     Vec3 n;
 };
 
-// Rough plaster in the form of [Fujii12], of a roughness in [0, 1]. Light that facets exchange is lost,
-// or given back with their colour `exchanged` [Portsmouth25].
+// Rough plaster in the form of [Fujii12], of a roughness in [0, 1]. Light that facets exchange is
+// lost, or given back with their colour `exchanged` [Portsmouth25].
 struct OrenNayar {
     static constexpr ClosureTraits kTraits{
         .reflected = BounceKind::diffuse, .transmitted = BounceKind::diffuse, .albedo_varies = true};
@@ -48,8 +48,8 @@ struct Velvet {
     float sigma;
 };
 
-// The Principled BSDF's base until Blender 3.6 [Burley12]: at grazing angles darker than Lambert's where it is
-// smooth, brighter where it is rough. It is not bound to keep the energy.
+// The Principled BSDF's base until Blender 3.6 [Burley12]: at grazing angles darker than Lambert's
+// where it is smooth, brighter where it is rough. It is not bound to keep the energy.
 struct BurleyDiffuse {
     static constexpr ClosureTraits kTraits{
         .reflected = BounceKind::diffuse, .transmitted = BounceKind::diffuse, .albedo_varies = true};

@@ -23,8 +23,8 @@ float conductor(float cos_o, float eta, float k) {
     return clamp01(0.5f * s * (1.0f + (p_base - p_mixed) / (p_base + p_mixed)));
 }
 
-// With a film some colours may reflect less than at normal incidence without one: what a tint f0 says of
-// that is scaled, the less the nearer to total reflection, as in Cycles.
+// With a film some colours may reflect less than at normal incidence without one: what a tint f0
+// says of that is scaled, the less the nearer to total reflection, as in Cycles.
 Spectrum film_with_f0(const Fresnel& f, float cos_o) {
     const float natural = facet::dielectric_f0(f.eta);
     const Spectrum filmed = facet::film_over_dielectric(f.film, cos_o, f.eta);

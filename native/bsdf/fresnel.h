@@ -15,8 +15,8 @@ inline float refracted_cos_squared(float cos_o, float eta) {
 }
 
 // Unpolarised reflectance; exactly 1 where refracted_cos_squared <= 0, exactly 0 for eta = 1. The
-// amplitudes of both polarisations are written with g = eta cos_t, which avoids cancellation [Walter07]:
-// (c - g)/(c + g) and (eta^2 c - g)/(eta^2 c + g).
+// amplitudes of both polarisations are written with g = eta cos_t, which avoids cancellation
+// [Walter07]: (c - g)/(c + g) and (eta^2 c - g)/(eta^2 c + g).
 inline float dielectric(float cos_o, float eta) {
     if (eta == 1.0f) return 0.0f;
     const float c = std::min(std::abs(cos_o), 1.0f);

@@ -51,8 +51,8 @@ float scaled_bessel(float x) {
     return sum / std::sqrt(x);
 }
 
-// Density of the sine of theta_i of light that is mirrored at the fibre, -theta_o, blurred by a variance
-// [dEon11]. Written without what overflows where that is small.
+// Density of the sine of theta_i of light that is mirrored at the fibre, -theta_o, blurred by a
+// variance [dEon11]. Written without what overflows where that is small.
 float along_fibre(float theta_i, float theta_o, float variance) {
     const float cosines = std::abs(std::cos(theta_i) * std::cos(theta_o));
     const float away = square_of(std::sin(0.5f * (theta_i + theta_o)));
@@ -124,9 +124,9 @@ float folded(float theta) {
     return theta > kQuarter ? kPi - theta : theta < -kQuarter ? -kPi - theta : theta;
 }
 
-// The same of a lobe that the scales shift: of the angles that this takes to theta_i, one directly and one
-// over the end of the fibre. It keeps the lobe's light, where to evaluate the lobe itself at a shifted angle
-// does not.
+// The same of a lobe that the scales shift: of the angles that this takes to theta_i, one directly
+// and one over the end of the fibre. It keeps the lobe's light, where to evaluate the lobe itself
+// at a shifted angle does not.
 float tilted_along(float theta_i, float theta_o, float variance, float shift) {
     const float cos_i = std::max(std::cos(theta_i), 1e-6f);
     float sum = 0.0f;
@@ -203,7 +203,8 @@ Spectrum albedo_of(const HairFibre& c, const Vec3& wo) {
 
 namespace {
 
-// Angles along the fibre at which the Cauchy distribution ends, in units of its width, as arc tangents.
+// Angles along the fibre at which the Cauchy distribution ends, in units of its width, as arc
+// tangents.
 struct CauchyRange {
     float low, high;
 };
@@ -261,8 +262,8 @@ float across_tube(const Vec3& tangent, const Vec3& n, const Vec3& ng, const Vec3
     const Vec3 side = ng - tangent * dot(tangent, ng), out = n - tangent * dot(tangent, n);
     const float both = dot(side, out);
     if (!(both > 0.0f)) return across_fibre(tangent, n, wo);
-    // In a cross-section whose sides are 1 from the middle: the place, and the corner that stands out most,
-    // which is the one nearest to a right angle from wo.
+    // In a cross-section whose sides are 1 from the middle: the place, and the corner that stands
+    // out most, which is the one nearest to a right angle from wo.
     constexpr float kHalfSide = kPi / kTubeSides;
     const Vec3 place = out * (std::sqrt(length_squared(side)) / both);
     const float corner = std::atan2(dot(side, frame.z), dot(side, frame.y)) + kHalfSide;

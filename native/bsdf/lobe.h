@@ -12,8 +12,8 @@ struct LobeEval {
     float pdf_omega = 0.0f;  // 1/sr; zero for a delta
 };
 
-// One direction, before the geometry has its say. Empty where eval_lobe() has no density: a lobe may
-// send light to the wrong side of its normal, where another closure of the list may have some.
+// One direction, before the geometry has its say. Empty where eval_lobe() has no density: a lobe
+// may send light to the wrong side of its normal, where another closure of the list may have some.
 struct LobeSample {
     Vec3 wi;
     BounceKind kind;

@@ -16,8 +16,9 @@ float polynomial(float x, const std::array<float, 8>& coefficients) {
     return sum;
 }
 
-// Albedo of one scattering in a half-space that reflects `albedo` where light enters and leaves as from
-// a diffuse surface, by a fit for anisotropies from 0 to 0.9 [Wrenninge17], with Cycles' numbers.
+// Albedo of one scattering in a half-space that reflects `albedo` where light enters and leaves as
+// from a diffuse surface, by a fit for anisotropies from 0 to 0.9 [Wrenninge17], with Cycles'
+// numbers.
 float scattering_albedo(float albedo, float g) {
     constexpr float kMost = 0.999999f;  // light gets out in the end
     const float a =

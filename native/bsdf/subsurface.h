@@ -32,8 +32,8 @@ struct SubsurfaceMedium {
 };
 SubsurfaceMedium medium_of(const Subsurface& closure);
 
-// A direction below the surface, cosine-distributed or through a facet; empty where the geometry, of
-// normal ng, or a total reflection is in its way.
+// A direction below the surface, cosine-distributed or through a facet; empty where the geometry,
+// of normal ng, or a total reflection is in its way.
 std::optional<Vec3> enter(const Subsurface& closure, const Vec3& ng, const Vec3& wo, float u_entry,
                           const Vec2& u);
 

@@ -15,8 +15,8 @@ enum class BumpCorrection : uint8_t {
     microfacet  // normals of glossy closures are bent, diffuse light fades by [Estevez19]
 };
 
-// `n`, turned towards the geometric normal `ng` just enough for the mirrored wo to leave the surface.
-// All are unit; ng and n are on the side of wo by the geometry.
+// `n`, turned towards the geometric normal `ng` just enough for the mirrored wo to leave the
+// surface. All are unit; ng and n are on the side of wo by the geometry.
 Vec3 bent_normal(const Vec3& ng, const Vec3& wo, const Vec3& n);
 
 // How the light of a point fades. Reads the interpolated normal alone, on the side of wo.

@@ -81,8 +81,8 @@ Polarised<Complex> lower_side(float cos_2, Complex eta) {
             (eta2 * cos_2 - eta_cos_3) / (eta2 * cos_2 + eta_cos_3)};
 }
 
-// The series of one polarisation and channel k: a mean and `kTerms` waves. `upper` is an amplitude, `lower` a
-// reflectance and `turn` the phase that comes with it, as a unit number.
+// The series of one polarisation and channel k: a mean and `kTerms` waves. `upper` is an amplitude,
+// `lower` a reflectance and `turn` the phase that comes with it, as a unit number.
 float airy(float upper, float lower, Complex turn, const Sensitivities& seen, size_t k) {
     const float r12 = upper * upper, once = 1.0f - r12, both = r12 * lower;
     const float below = once * once * lower / std::max(1.0f - both, 1e-6f);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How much a stage of a render's preparation may take: work, which is counted, so that a render does not
-// depend on the machine, and time, if that is limited.
+// How much a stage of a render's preparation may take: work, which is counted, so that a render
+// does not depend on the machine, and time, if that is limited.
 #pragma once
 
 #include <algorithm>

@@ -10,8 +10,8 @@
 namespace spc {
 
 inline constexpr float kFirstWavelength = 380.0f, kWavelengthStep = 5.0f;  // nm
-// X, Y and Z in units of 1e-4. addon/export/spectrum.py has the same numbers, for the nodes that look
-// colours up; a test compares them.
+// X, Y and Z in units of 1e-4. addon/export/spectrum.py has the same numbers, for the nodes that
+// look colours up; a test compares them.
 inline constexpr std::array<std::array<uint16_t, 3>, 81> kColorMatching{{
     {14, 0, 65},        {22, 1, 105},       {42, 1, 201},       {76, 2, 362},
     {143, 4, 679},      {232, 6, 1102},     {435, 12, 2074},    {776, 22, 3713},

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Tabulated densities: discrete ones, and piecewise bilinear ones in two dimensions. Discrete ones are
-// sampled by bisection of a cumulative table. That is monotone in u, so that stratified samples stay
-// stratified, which the alias method would not leave them.
+// Tabulated densities: discrete ones, and piecewise bilinear ones in two dimensions. Discrete ones
+// are sampled by bisection of a cumulative table. That is monotone in u, so that stratified samples
+// stay stratified, which the alias method would not leave them.
 #pragma once
 
 #include "math/vec.h"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Random numbers keyed by what they are for. A Sampler is a value: (seed, pixel, purpose) hashed to
-// a key, and the absolute sample index. Each purpose draws from its own Owen-scrambled Sobol sequence
-// with a shuffled index [Burley20], so every draw is stratified over the samples of a pixel, in all
-// its dimensions together, and independent of every other draw.
+// a key, and the absolute sample index. Each purpose draws from its own Owen-scrambled Sobol
+// sequence with a shuffled index [Burley20], so every draw is stratified over the samples of a
+// pixel, in all its dimensions together, and independent of every other draw.
 #pragma once
 
 #include "math/vec.h"

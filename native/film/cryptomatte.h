@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Which objects, materials and assets a pixel shows, and how much of each: Cryptomatte [Friedman15].
+// Which objects, materials and assets a pixel shows, and how much of each: Cryptomatte
+// [Friedman15].
 #pragma once
 
 #include <array>
@@ -13,8 +14,8 @@ inline constexpr size_t kCryptoKinds = 3;
 // Identifiers of what a surface is, one of each kind; 0: none.
 using CryptoIds = std::array<float, kCryptoKinds>;
 
-// What a film keeps: the kinds whose bits 1 << CryptoKind are set, and how many identifiers a pixel shows of
-// each.
+// What a film keeps: the kinds whose bits 1 << CryptoKind are set, and how many identifiers a pixel
+// shows of each.
 struct CryptoRequest {
     uint32_t kinds = 0, ranks = 0;
     bool any() const { return kinds != 0 && ranks > 0; }
@@ -32,8 +33,8 @@ struct CryptoSlot {
 };
 inline constexpr float kCryptoUnit = 0x1p-14f;
 
-// Adds to the slot of the identifier, or to an empty one; a pixel with more identifiers than slots loses
-// the last that come.
+// Adds to the slot of the identifier, or to an empty one; a pixel with more identifiers than slots
+// loses the last that come.
 void add_coverage(std::span<CryptoSlot> slots, float id, uint32_t weight);
 
 // What a sample shows, in the order of its surfaces.
@@ -54,7 +55,8 @@ private:
     size_t count_ = 0;
 };
 
-// Of the two ranks from 2 * `level` on: identifier, share, identifier, share; the largest share first.
+// Of the two ranks from 2 * `level` on: identifier, share, identifier, share; the largest share
+// first.
 std::array<float, 4> crypto_level(std::span<const CryptoSlot> slots, uint32_t level,
                                   uint32_t samples);
 

@@ -31,16 +31,17 @@ struct PixelSums {
     uint32_t count = 0;
 };
 
-// Variance of one sample, averaged over pixels and channels. Empty if a pixel has fewer than two samples.
+// Variance of one sample, averaged over pixels and channels. Empty if a pixel has fewer than two
+// samples.
 std::optional<double> sample_variance(std::span<const PixelSums> pixels);
 
 // Of every second sample of a pixel, to tell its error.
 struct HalfSums {
     std::array<double, 3> radiance{};
 };
-// Error of a pixel's mean as Cycles measures it for adaptive sampling: the difference between the means
-// of all and of every second sample, over the root of their sum of channels where that is below 1, else
-// over the sum.
+// Error of a pixel's mean as Cycles measures it for adaptive sampling: the difference between the
+// means of all and of every second sample, over the root of their sum of channels where that is
+// below 1, else over the sum.
 float relative_error(const PixelSums& all, const HalfSums& half);
 
 struct FilmSample {
@@ -100,14 +101,14 @@ public:
     void store_tile(uint32_t tile, const TileSums& sums);
     void accumulate(TileSums& tile, size_t pixel, const FilmSample& sample) const;
 
-    // Adds the splats of `estimates` estimates; their positions are relative to the film's corner. A
-    // picture is the sum over `per_picture` estimates of a source, always the same, averaged over
+    // Adds the splats of `estimates` estimates; their positions are relative to the film's corner.
+    // A picture is the sum over `per_picture` estimates of a source, always the same, averaged over
     // all estimates that were added.
     void add_splats(SplatSource source, std::span<const Splat> splats, const PixelFilter& filter,
                     uint64_t estimates, double per_picture);
 
-    // A coarse picture, which stands for pixels that have no sample yet: one RGBA for each block of so
-    // many pixels, row after row. Not to be called twice.
+    // A coarse picture, which stands for pixels that have no sample yet: one RGBA for each block of
+    // so many pixels, row after row. Not to be called twice.
     void set_preview(uint32_t block, std::vector<std::array<float, 4>> colors);
 
     // float[height][width][channels], bottom row first. `pass` must have been asked for, or be one
@@ -117,8 +118,8 @@ public:
     // under way.
     std::vector<std::byte> to_bytes() const;
     static std::unique_ptr<Film> from_bytes(std::span<const std::byte> bytes);
-    // Adds the sums of a film of other samples of the same picture; with `earlier`, of samples before
-    // these. Throws Error if it has another size or other passes.
+    // Adds the sums of a film of other samples of the same picture; with `earlier`, of samples
+    // before these. Throws Error if it has another size or other passes.
     void add(const Film& other, bool earlier);
     void read(Pass pass, std::span<float> out) const;
     // float[height][width][4], bottom row first: crypto_level() of each pixel. The film must have

@@ -45,8 +45,8 @@ enum class Pass : uint32_t {
 };
 inline constexpr size_t kPasses = static_cast<size_t>(Pass::count);
 
-// Passes whose number the artist chooses. Their values of Pass lie beyond those of the table: those of
-// each kind follow one another from first_of() on.
+// Passes whose number the artist chooses. Their values of Pass lie beyond those of the table: those
+// of each kind follow one another from first_of() on.
 enum class CustomKind : uint8_t { light_group, color_aov, value_aov };
 inline constexpr size_t kCustomKinds = 3;
 inline constexpr uint32_t kMostCustom = 256;  // of a kind
@@ -117,7 +117,8 @@ public:
     void add(Pass pass) { bits_ |= bit(pass); }
     uint64_t bits() const { return bits_; }
     const CustomCounts& custom() const { return custom_; }
-    // All values of passes lie in a row: those of the table, asked for or not, then the custom ones.
+    // All values of passes lie in a row: those of the table, asked for or not, then the custom
+    // ones.
     size_t slots() const { return kPasses + custom_.sum(); }
     size_t slot(Pass pass) const {
         if (pass < Pass::count) return static_cast<size_t>(pass);

@@ -20,8 +20,8 @@ struct GlintStats {
     }
 };
 
-// How much noise the search may leave: its variance is at most mean * max(mean / points, faint), with the
-// mean as the moments of the slopes predict it.
+// How much noise the search may leave: its variance is at most mean * max(mean / points, faint),
+// with the mean as the moments of the slopes predict it.
 struct GlintPrecision {
     float points;
     float faint = 0.0f;  // in units of the estimate
@@ -31,15 +31,16 @@ struct GlintPrecision {
 Spectrum search_footprint(const GlintSite& site, const GlintTarget& target, const Vec3& wi,
                           const GlintPrecision& precision, uint64_t seed, GlintStats& stats);
 
-// Newton walks on the map [Zeltner20 Sec. 4.5]. Unbiased up to the limit of trials, which is counted. The
-// biased variant is the sum over the solutions that `walks` walks find, which is too dark.
+// Newton walks on the map [Zeltner20 Sec. 4.5]. Unbiased up to the limit of trials, which is
+// counted. The biased variant is the sum over the solutions that `walks` walks find, which is too
+// dark.
 Spectrum walk_footprint(const GlintSite& site, const GlintTarget& target, const Vec3& wi,
                         uint64_t seed, GlintStats& stats);
 Spectrum walk_footprint_biased(const GlintSite& site, const GlintTarget& target, const Vec3& wi,
                                uint32_t walks, uint64_t seed, GlintStats& stats);
 
-// Gaussians of position and slope [Yan16]. Deterministic, but biased: a flake is a Gaussian on which the
-// slope is linear, the pixel filter a Gaussian, and a lobe a sum of a few Gaussians.
+// Gaussians of position and slope [Yan16]. Deterministic, but biased: a flake is a Gaussian on
+// which the slope is linear, the pixel filter a Gaussian, and a lobe a sum of a few Gaussians.
 Spectrum query_flakes(const FlakeField& flakes, const GlintSite& site, const GlintTarget& target,
                       const Vec3& wi, GlintStats& stats);
 

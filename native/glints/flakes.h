@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A map as a sum of Gaussians over positions and slopes [Yan16]: one flake for each cell between four
-// texels. The slope is linear on a flake, whose weight is a Gaussian around the cell's middle.
+// A map as a sum of Gaussians over positions and slopes [Yan16]: one flake for each cell between
+// four texels. The slope is linear on a flake, whose weight is a Gaussian around the cell's middle.
 #pragma once
 
 #include "core/budget.h"
@@ -8,9 +8,9 @@
 
 namespace spc {
 
-// Standard deviation of a flake's weight, texels: that of a uniform cell. The flakes of [Yan16], 0.42 wide,
-// overlap more, which spreads the slopes: waves of 5 texels came out 10 % too dark around their mean slope,
-// and 0.2 % with these.
+// Standard deviation of a flake's weight, texels: that of a uniform cell. The flakes of [Yan16],
+// 0.42 wide, overlap more, which spreads the slopes: waves of 5 texels came out 10 % too dark
+// around their mean slope, and 0.2 % with these.
 inline constexpr float kFlakeSigma = 0.288675f;
 // A Gaussian is taken for zero beyond so many standard deviations; its mass there is exp(-6.1).
 inline constexpr float kGaussianRadius = 3.5f;

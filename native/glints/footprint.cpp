@@ -50,8 +50,8 @@ SlopeFrame tangent_frame(const Scene& scene, const Attribute& layer, const Surfa
     return {{to_world(tangent), to_world(cross(normal, tangent) * sign), to_world(normal)}};
 }
 
-// The frame of a height map's slopes, as bump_normal() uses it. The chain rule turns the gradient by texels
-// into one by barycentrics. Not finite if the normal lies in the plane of the triangle.
+// The frame of a height map's slopes, as bump_normal() uses it. The chain rule turns the gradient
+// by texels into one by barycentrics. Not finite if the normal lies in the plane of the triangle.
 SlopeFrame raised_frame(const SlopeMap& map, const MapPoint& point, const Vec3& dp_du,
                         const Vec3& dp_dv, const Surface& surface) {
     const float side = surface.backfacing ? -1.0f : 1.0f;
@@ -71,8 +71,8 @@ ChainVertex delta_vertex(const Scene& scene, const Surface& surface, const Closu
 }
 
 // A delta at the facet that has turned the path, which leans on the interpolated normal and turns
-// with it. Of what a map does to the closure's normal besides nobody asks: that leaves the mean over
-// many texels alone, as any smooth map from paths to neighbouring ones does, and moves places.
+// with it. Of what a map does to the closure's normal besides nobody asks: that leaves the mean
+// over many texels alone, as any smooth map from paths to neighbouring ones does, and moves places.
 ChainVertex facet_vertex(const Scene& scene, const Surface& surface, const ClosureSample& next) {
     const float eta = next.refracted ? next.eta : 1.0f;
     const Vec3 half = normalize(surface.wo + next.wi * eta);
@@ -105,8 +105,8 @@ RayDual diffuse_lobe(const Vec3& wi) {
     return {Vec3d(wi), {Vec3d(0.0), Vec3d(0.0)}, {Vec3d(frame.x) * spread, Vec3d(frame.y) * spread}};
 }
 
-// Differential of a microfacet's reflection: the facet leans with the position in its plane, and nothing
-// else changes.
+// Differential of a microfacet's reflection: the facet leans with the position in its plane, and
+// nothing else changes.
 std::optional<RayDual> facet_lobe(ChainVertex vertex, const Vec3& wo, float alpha) {
     DifferentialGeometry& geometry = vertex.geometry;
     const Frame frame = Frame::around(geometry.n);
@@ -159,8 +159,8 @@ private:
     double distance_, uu_, uv_, vv_, det_ = 0.0;
 };
 
-// With d = wo + wi, h = d / |d| turns by dwo / |d| as far as that is across h; for the mirrored wi h
-// is the normal, and |d| is 2 cos.
+// With d = wo + wi, h = d / |d| turns by dwo / |d| as far as that is across h; for the mirrored wi
+// h is the normal, and |d| is 2 cos.
 float lobe_turn(const Scene& scene, const Surface& surface, const RayDual& lobe,
                 const std::array<Vec2, 2>& barycentric) {
     constexpr float kLeastCosine = 0.05f;

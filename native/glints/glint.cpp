@@ -9,14 +9,14 @@ namespace spc {
 
 namespace {
 
-// Smallest footprint, texels. The samples of a pixel average smaller ones as well, for roughness 0.3; for
-// narrower lobes less well, but with next to no light.
+// Smallest footprint, texels. The samples of a pixel average smaller ones as well, for roughness
+// 0.3; for narrower lobes less well, but with next to no light.
 constexpr float kLeastTexels = 1.0f / 16;
 // Beyond it, in texels, single precision does not resolve a footprint.
 constexpr float kWidestFootprint = 1e6f;
-// Largest turn of the half-vector over the directions that stand for a rough bounce, as a share of the
-// narrowest lobe's alpha. By the variance of Beckmann's slopes, alpha^2 / 2, this blurs as much as a lobe
-// that is 6 % wider.
+// Largest turn of the half-vector over the directions that stand for a rough bounce, as a share of
+// the narrowest lobe's alpha. By the variance of Beckmann's slopes, alpha^2 / 2, this blurs as much
+// as a lobe that is 6 % wider.
 constexpr float kMostTurn = 0.25f;
 // Added to the density of directions, 1/sr.
 constexpr float kLeastPdf = 0.01f;
@@ -126,11 +126,11 @@ std::optional<GlintPoint> GlintPoint::at(const GlintSet& glints, const GlintSett
     return GlintPoint(site, settings);
 }
 
-// Both are means over a footprint, so that the power heuristic [Veach97] is the safer one. Of lights
-// that are wider than a facet's lobe one direction tells little: with S = 1 / mean, a = 1 / facet and
-// light of solid angle W it has a variance of W^2 / (S facets) (1 / a - 1 / W), and closure sampling, in
-// the light or not, of W / S. In inverse proportion to these, `direct` = 1 / W stands against
-// (facet - direct) / facets.
+// Both are means over a footprint, so that the power heuristic [Veach97] is the safer one. Of
+// lights that are wider than a facet's lobe one direction tells little: with S = 1 / mean, a = 1 /
+// facet and light of solid angle W it has a variance of W^2 / (S facets) (1 / a - 1 / W), and
+// closure sampling, in the light or not, of W / S. In inverse proportion to these, `direct` = 1 / W
+// stands against (facet - direct) / facets.
 float GlintDensity::share_of_direct(float directions, float direct) const {
     const float closure = mean + directions * std::max(facet - direct, 0.0f) / facets;
     return sqr(directions * direct) / (sqr(directions * direct) + sqr(closure));

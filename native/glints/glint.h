@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Glints: light from one direction that a narrow lobe on a normal map or bump reflects, averaged over a
-// pixel's footprint, for maps finer than a pixel.
+// Glints: light from one direction that a narrow lobe on a normal map or bump reflects, averaged
+// over a pixel's footprint, for maps finer than a pixel.
 //
-// Far field [Zeltner20 Sec. 4.5]: within a footprint only the map's normal varies. Directions to camera and
-// light, interpolated normal and parameters of the lobe are those of one point. Apart from that the methods
-// are unbiased unless they say otherwise, for lobes of any width but zero.
+// Far field [Zeltner20 Sec. 4.5]: within a footprint only the map's normal varies. Directions to
+// camera and light, interpolated normal and parameters of the lobe are those of one point. Apart
+// from that the methods are unbiased unless they say otherwise, for lobes of any width but zero.
 #pragma once
 
 #include "glints/estimators.h"
@@ -26,8 +26,9 @@ struct GlintSet {
 
     size_t memory_bytes() const;
 };
-// Builds those that `before`, if it is not null, does not have; its images must still live. `report`
-// receives which materials glint, and which cannot although they were asked to. `threads` 0 = all.
+// Builds those that `before`, if it is not null, does not have; its images must still live.
+// `report` receives which materials glint, and which cannot although they were asked to. `threads`
+// 0 = all.
 GlintSet build_glints(const Scene& scene, uint32_t threads, const GlintSet* before,
                       std::vector<std::string>& report);
 
@@ -50,16 +51,16 @@ struct GlintDensity {
     float facet = 0.0f;   // approximate maximum at one point
     float facets = 1.0f;  // approximate number of points that differ
 
-    // Weight of next event estimation beside closure sampling. It draws `directions` directions of density
-    // `direct` each and keeps one.
+    // Weight of next event estimation beside closure sampling. It draws `directions` directions of
+    // density `direct` each and keeps one.
     float share_of_direct(float directions, float direct) const;
 };
 
 // The lobes of a surface, averaged over a footprint.
 class GlintPoint {
 public:
-    // Empty if there is nothing to average: no lobe that glints, or a negligible footprint. `distance`:
-    // length of the path's last segment, m.
+    // Empty if there is nothing to average: no lobe that glints, or a negligible footprint.
+    // `distance`: length of the path's last segment, m.
     static std::optional<GlintPoint> at(const GlintSet& glints, const GlintSettings& settings,
                                         const Scene& scene, const Surface& surface,
                                         const PathDifferential& path, double distance,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What every estimator of glints gets: the site, which is a surface's lobes with a footprint; and the
-// target, which is a half-vector in the map's space of slopes.
+// What every estimator of glints gets: the site, which is a surface's lobes with a footprint; and
+// the target, which is a half-vector in the map's space of slopes.
 #pragma once
 
 #include "glints/footprint.h"
@@ -14,8 +14,8 @@ struct LaneBounds {
     Lanes a0{}, a1{}, b0{}, b1{};
 };
 
-// A half-vector h seen from slopes (a, b). For the normal n = W (a, b, 1), n.h is linear and |n x h|^2
-// quadratic in (a, b); the latter vanishes at `slope`.
+// A half-vector h seen from slopes (a, b). For the normal n = W (a, b, 1), n.h is linear and |n x
+// h|^2 quadratic in (a, b); the latter vanishes at `slope`.
 struct GlintTarget {
     Vec3 half;             // unit
     Vec3 linear;           // n.h = a x + b y + z
@@ -55,8 +55,8 @@ inline Lanes GlintTarget::least_sine2(const LaneBounds& box) const {
     return least == none ? zero : least;
 }
 
-// How the squared angle between a normal and h grows with the distance d of their slopes, next to h:
-// d^T Q d.
+// How the squared angle between a normal and h grows with the distance d of their slopes, next to
+// h: d^T Q d.
 struct SlopeMetric {
     float scale;  // ratio of Q to the target's quadratic form
     float aa, ab, bb;
@@ -75,8 +75,8 @@ struct GlintSite {
     const ClosureList* closures;
     PixelKernel pixel;
     SlopeFrame frame;
-    // The kernel over the map has the shape of the pixel filter. `axes`: texels per pixel, as columns;
-    // `to_film`: the inverse, as rows.
+    // The kernel over the map has the shape of the pixel filter. `axes`: texels per pixel, as
+    // columns; `to_film`: the inverse, as rows.
     std::array<Vec2, 2> axes, to_film;
     Vec3 wo, ng;
     Vec2 middle, lower, upper;  // of the kernel and the box around it, texels
@@ -99,8 +99,8 @@ struct GlintSite {
     const GlintLobe& lobe(int i) const { return closures->glints[static_cast<size_t>(i)]; }
     // Weight of lobe i times its Fresnel term, mean of the channels.
     float scale(int i, float cos_wo_h) const;
-    // Density of a Beckmann lobe's normals at h, averaged over the footprint as if slopes had a normal
-    // distribution [Olano10].
+    // Density of a Beckmann lobe's normals at h, averaged over the footprint as if slopes had a
+    // normal distribution [Olano10].
     float normal_slopes_density(float alpha, const GlintTarget& target) const;
     // The same for any lobe, with a tail that falls no faster than the lobe's own.
     float mean_density(const GlintLobe& glint, const GlintTarget& target) const;

@@ -9,7 +9,8 @@ namespace {
 
 // Finest level with sums. Below it a region is described by the node around it.
 constexpr int kFirstSums = 3;
-// Least z of a normal before normalisation. Slopes steeper than 1 / kLeastHeight are artefacts of a file.
+// Least z of a normal before normalisation. Slopes steeper than 1 / kLeastHeight are artefacts of a
+// file.
 constexpr float kLeastHeight = 0.02f;
 
 int halved(int n) { return (n + 1) / 2; }

@@ -40,12 +40,12 @@ private:
 };
 
 // Slopes (a, b) of a map: its normal is W (a, b, 1) for columns W that depend on the surface
-// (SlopeFrame). Coordinates are texels between their centres: (0, 0) is the centre of the first texel,
-// (width, height) the same one repeat farther.
+// (SlopeFrame). Coordinates are texels between their centres: (0, 0) is the centre of the first
+// texel, (width, height) the same one repeat farther.
 //
-// In a normal map in tangent space the normal is interpolated between texels, and the slope is a quotient.
-// In a height map the slope is the gradient of the luminance, per texel, filtered by cubic B-splines as the
-// heights of a Bump node are.
+// In a normal map in tangent space the normal is interpolated between texels, and the slope is a
+// quotient. In a height map the slope is the gradient of the luminance, per texel, filtered by
+// cubic B-splines as the heights of a Bump node are.
 class SlopeField {
 public:
     // `threads` 0 = all. Empty where a normal of the map points into the surface, or nearly so.

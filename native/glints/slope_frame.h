@@ -8,10 +8,10 @@ namespace spc {
 
 // Maps a slope (a, b) at a point to the normal W (a, b, 1), not normalised, on the side of wo.
 //
-// A Bump node of strength s blends that normal, normalised, with the interpolated normal, which is W's last
-// column. Let r = |W (a, b, 1)|, and the first two columns lie in the tangent plane. Then the blend has the
-// direction of W (k a, k b, 1) with k = s / (s + (1 - s) r), so W takes the slopes k (a, b). The field of a
-// normal map includes the strength already.
+// A Bump node of strength s blends that normal, normalised, with the interpolated normal, which is
+// W's last column. Let r = |W (a, b, 1)|, and the first two columns lie in the tangent plane. Then
+// the blend has the direction of W (k a, k b, 1) with k = s / (s + (1 - s) r), so W takes the
+// slopes k (a, b). The field of a normal map includes the strength already.
 struct SlopeFrame {
     std::array<Vec3, 3> w;  // columns, world
     float strength = 1.0f;  // (0, 1]
@@ -41,7 +41,8 @@ struct SlopeFrame {
     SlopeMoments taken(const SlopeMoments& moments) const;
 
 private:
-    // Tangent of the normal's angle to W's last column, which has unit length if the strength is below 1.
+    // Tangent of the normal's angle to W's last column, which has unit length if the strength is
+    // below 1.
     float rise(const Vec2& slope) const { return length(w[0] * slope.x + w[1] * slope.y); }
     // k.
     float factor(float rise) const {

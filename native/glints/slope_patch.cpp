@@ -13,8 +13,8 @@ std::array<float, 4> spline(const std::array<float, 4>& p) {
             (2.0f * p[1] + 4.0f * p[2]) * kSixth, (p[1] + 4.0f * p[2] + p[3]) * kSixth};
 }
 
-// Bezier points of the spline's derivative, a quadratic raised to a cubic. Differences of the coefficients
-// are exact where differences of the points above would lose digits.
+// Bezier points of the spline's derivative, a quadratic raised to a cubic. Differences of the
+// coefficients are exact where differences of the points above would lose digits.
 std::array<float, 4> spline_derivative(const std::array<float, 4>& p) {
     constexpr float kSixth = 1.0f / 6.0f;
     const float d0 = p[1] - p[0], d1 = p[2] - p[1], d2 = p[3] - p[2];

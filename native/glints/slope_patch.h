@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Slopes on a rectangle within a cell of a map, between four texels. A patch can be evaluated at every
-// point, bounded, and split into quarters.
+// Slopes on a rectangle within a cell of a map, between four texels. A patch can be evaluated at
+// every point, bounded, and split into quarters.
 #pragma once
 
 #include "glints/slope_pyramid.h"
@@ -16,8 +16,8 @@ struct SlopeJet {
 
 inline Vec2 slope_of(const Vec3& n) { return Vec2(n.x, n.y) * (1.0f / n.z); }
 
-// A patch of a normal map: bilinear between the normals at the corners, which are not normalised. The slope
-// is a quotient and lies in the hull of the corners' slopes.
+// A patch of a normal map: bilinear between the normals at the corners, which are not normalised.
+// The slope is a quotient and lies in the hull of the corners' slopes.
 struct NormalPatch {
     std::array<Vec3, 4> corner;  // lower left and right, upper left and right
 
@@ -26,8 +26,8 @@ struct NormalPatch {
     NormalPatch quarter(int i) const;  // in the order of the corners
 };
 
-// A patch of a height map that is filtered by cubic B-splines: its gradient as a bicubic Bezier patch, which
-// lies in the hull of its control points.
+// A patch of a height map that is filtered by cubic B-splines: its gradient as a bicubic Bezier
+// patch, which lies in the hull of its control points.
 struct HeightPatch {
     // Bezier points of height and slope between the middle two of four texels in a column.
     struct Column {

@@ -22,15 +22,15 @@ struct SlopeBounds {
     }
 };
 
-// A node of level l > 0 covers 2^l x 2^l leaves, fewer at the upper ends. The leaves, level 0, are not
-// stored.
+// A node of level l > 0 covers 2^l x 2^l leaves, fewer at the upper ends. The leaves, level 0, are
+// not stored.
 class SlopePyramid {
 public:
     SlopePyramid() = default;
     // Writes the bounds of the leaves (0, y) to (width - 1, y).
     using LeafRow = std::function<void(int y, std::span<SlopeBounds> row)>;
-    // `all` bounds the slopes of all width x height leaves. `leaves` is called for each row, on `threads`
-    // threads; 0 = all.
+    // `all` bounds the slopes of all width x height leaves. `leaves` is called for each row, on
+    // `threads` threads; 0 = all.
     SlopePyramid(int width, int height, const SlopeBounds& all, const LeafRow& leaves,
                  uint32_t threads);
 

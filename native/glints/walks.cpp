@@ -15,18 +15,18 @@ constexpr float kLongestStep = 2.0f;  // texels
 constexpr float kLastStep = 1e-3f;
 // Solutions that are nearer to each other are one, texels.
 constexpr float kSame = 2e-3f;
-// Where the normals of a texel would cover less than this share of what the narrowest lobe does, the
-// map counts as flat.
+// Where the normals of a texel would cover less than this share of what the narrowest lobe does,
+// the map counts as flat.
 constexpr float kFlat = 0.01f;
 
 // Solves s(t) = s for the place t on the map, where s is the slope of a normal drawn from the lobes
-// around the half-vector [Zeltner20 Sec. 4.5]. With the density q of s and all places t_i that solve
-// it, for the filter's density h by texels,
+// around the half-vector [Zeltner20 Sec. 4.5]. With the density q of s and all places t_i that
+// solve it, for the filter's density h by texels,
 //
 //     average = E[ f_r(n(s)) cos / q(s) sum_i h(t_i) / |det ds/dt(t_i)| ].
 //
-// Where the map is flat there is nothing to solve for; there f_r is evaluated at a place drawn from h
-// itself, so that no light is lost.
+// Where the map is flat there is nothing to solve for; there f_r is evaluated at a place drawn from
+// h itself, so that no light is lost.
 class GlintWalks {
 public:
     GlintWalks(const GlintSite& site, const GlintTarget& target, const Vec3& wi, uint64_t seed,
@@ -139,7 +139,8 @@ private:
         return !is_black(value_) && is_finite(value_);
     }
 
-    // Draws the angle between half-vector and normal, in the plane that touches the sphere at the half-vector.
+    // Draws the angle between half-vector and normal, in the plane that touches the sphere at the
+    // half-vector.
     Vec2 draw_tangent() {
         float u = pcg_.one() * total_;
         int i = 0;

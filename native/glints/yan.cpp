@@ -31,8 +31,8 @@ std::span<const LobeGaussian> gaussians_of(MicrofacetModel model) {
     return kGgx;
 }
 
-// The mean over the footprint of each lobe's density of normals at the half-vector. Flakes are looked
-// for where both the pixel's Gaussian and the widest lobe's reach them.
+// The mean over the footprint of each lobe's density of normals at the half-vector. Flakes are
+// looked for where both the pixel's Gaussian and the widest lobe's reach them.
 class FlakeQuery {
 public:
     FlakeQuery(const FlakeField& flakes, const GlintSite& site, const GlintTarget& target,

@@ -122,7 +122,8 @@ public:
     std::vector<std::vector<ChainSeed>> take() { return std::move(chain_seeds_); }
 
 private:
-    // Appends the camera chains of walk `i` that the picture shows and that no seed of earlier rounds finds.
+    // Appends the camera chains of walk `i` that the picture shows and that no seed of earlier
+    // rounds finds.
     void walk(uint32_t i, std::vector<RandomCameraChain>& found, ManifoldStats& stats) const {
         const Sampler sampler = camera_chain_sampler(~seed_, uint64_t{i});
         std::vector<RandomCameraChain> near;

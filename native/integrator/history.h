@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a path remembers of its last vertices: all that multiple importance sampling and ownership ask
-// for when it meets a light. The history of a camera path and that of a light path describe the same
-// path of light alike.
+// What a path remembers of its last vertices: all that multiple importance sampling and ownership
+// ask for when it meets a light. The history of a camera path and that of a light path describe the
+// same path of light alike.
 #pragma once
 
 #include "integrator/path.h"
@@ -37,8 +37,8 @@ struct PathHistory {
     Surface surface;                 // at x
     CameraSubpath camera_subpath{};  // to x
     bool crossed_caster = false;  // went straight through a transparent part since the last vertex
-    // Density of the scattering at x (1/sr), for the weight against next event estimation. Closures with
-    // glints state that of the footprint instead.
+    // Density of the scattering at x (1/sr), for the weight against next event estimation. Closures
+    // with glints state that of the footprint instead.
     float pdf_direct = 0.0f;
     std::optional<GlintDensity> glints{};
 
@@ -52,8 +52,8 @@ struct PathHistory {
     }
     // Whether the part of the path that is remembered begins with a smooth scattering.
     bool has_scattered() const { return stage != Stage::unconnected && !caustic.from_camera; }
-    // Sets the direction from x to wi. Other techniques know the path's vertices alone, so wi must lead
-    // from vertex to vertex; rays start a little beside them.
+    // Sets the direction from x to wi. Other techniques know the path's vertices alone, so wi must
+    // lead from vertex to vertex; rays start a little beside them.
     void set_direction(const Scene& scene, const Vec3& wi) {
         if (stage != Stage::scattered) return;
         caustic.pdf_omega = eval(surface.closures, surface.ng, surface.wo, wi).pdf_omega;
@@ -67,14 +67,15 @@ struct PathHistory {
     // The subpath up to the next surface that scatters.
     CameraSubpath camera_subpath_to(const Scene& scene, const BounceLimits& limits,
                                     const Surface& next) const;
-    // The chain that arrives here, if a rough vertex may continue it; else null, as behind a transparent
-    // part of a caster (CausticPath::through_caster).
+    // The chain that arrives here, if a rough vertex may continue it; else null, as behind a
+    // transparent part of a caster (CausticPath::through_caster).
     const CausticPath* chain_so_far() const {
         if (stage == Stage::unconnected || crossed_caster) return nullptr;
         const CausticPath* chain = rough_chain.count > 0 ? &rough_chain : &caustic;
         return chain->begins_rough && chain->count < kLongestChain ? chain : nullptr;
     }
-    // Continues chain_so_far() with a rough vertex; without one, ends it. Call before append_smooth().
+    // Continues chain_so_far() with a rough vertex; without one, ends it. Call before
+    // append_smooth().
     void append_rough(const std::optional<CausticVertex>& vertex) {
         const CausticPath* chain = vertex ? chain_so_far() : nullptr;
         if (chain == nullptr) {
@@ -85,7 +86,8 @@ struct PathHistory {
         rough_chain.folds = nullptr;  // fold directions do not lead to rough vertices
         rough_chain.append(*vertex);
     }
-    // Starts a new chain at the smooth scattering `at`. `before`: the path's bounces when it arrived.
+    // Starts a new chain at the smooth scattering `at`. `before`: the path's bounces when it
+    // arrived.
     void append_smooth(const Scene& scene, const Surface& at, const ClosureSample& sample,
                        bool may_receive, const CameraSubpath& camera_subpath_to_it,
                        const BounceCounts& before) {
@@ -108,7 +110,8 @@ struct PathHistory {
         caustic.folds = nullptr;
         caustic.count = 0;
     }
-    // Keeps what set_direction() needs. Call after append_smooth() if other techniques share the path.
+    // Keeps what set_direction() needs. Call after append_smooth() if other techniques share the
+    // path.
     void keep(const Surface& at, const CameraSubpath& camera_subpath_to_it) {
         surface = at;
         camera_subpath = camera_subpath_to_it;
@@ -139,21 +142,22 @@ struct PathHistory {
     void append_transparent(const Instance& instance) { crossed_caster |= instance.turns_light(); }
 };
 
-// A light path so far: a chain, which may be empty, to the first receiver or rough caster; then smooth
-// scatterings with chains between them.
+// A light path so far: a chain, which may be empty, to the first receiver or rough caster; then
+// smooth scatterings with chains between them.
 struct LightHistory {
     struct Vertex {
         Vec3 p;
         CausticVertex vertex;  // without `probability`, which chain_throughput() fills in
     };
-    // Interactions with casters since the light or the last scattering; the first `count` are valid.
+    // Interactions with casters since the light or the last scattering; the first `count` are
+    // valid.
     std::array<Vertex, kLongestChain> vertices;
     uint32_t count = 0;
     bool crossed_caster = false;  // straight through a part of one since the last vertex
     bool through_caster = false;  // or between earlier ones
 
-    // Of a path that has scattered: the same path as the camera would record it, with its throughput.
-    // film_density lacks the factor of the next vertex.
+    // Of a path that has scattered: the same path as the camera would record it, with its
+    // throughput. film_density lacks the factor of the next vertex.
     CausticPath path{};
     Spectrum throughput{0.0f};
     Vec3 last{0.0f};  // point of the last scattering
@@ -166,10 +170,10 @@ struct LightHistory {
     void append_transparent(const Instance& instance) {
         crossed_caster = crossed_caster || instance.turns_light();
     }
-    // The path of light that has arrived at `surface`, recorded from the receiver x on as a camera path
-    // would be. film_density lacks the factor of `surface`. Empty if no light arrives this way.
-    // `light_visibility`: of a light that shines on the surface directly; closures whose rays do not
-    // see it get nothing.
+    // The path of light that has arrived at `surface`, recorded from the receiver x on as a camera
+    // path would be. film_density lacks the factor of `surface`. Empty if no light arrives this
+    // way. `light_visibility`: of a light that shines on the surface directly; closures whose rays
+    // do not see it get nothing.
     struct Arrival {
         CausticPath path;
         Spectrum throughput;  // from this surface to the light, over the densities before x

@@ -9,8 +9,8 @@ namespace spc {
 
 namespace {
 
-// Light of light paths whose chains the manifold looks for, and the same times the trials that a search
-// takes to find the chain: for LightTracing::mean_search_trials.
+// Light of light paths whose chains the manifold looks for, and the same times the trials that a
+// search takes to find the chain: for LightTracing::mean_search_trials.
 struct SearchTrials {
     double light = 0.0, trials = 0.0;
     ManifoldStats searches{};  // of the render's they are no part
@@ -206,8 +206,8 @@ private:
         splats_.push_back(splat);
     }
 
-    // Light paths that leave glints with a density of 1/sr, as a footprint may have it on average, are
-    // there as dense as next event estimation.
+    // Light paths that leave glints with a density of 1/sr, as a footprint may have it on average,
+    // are there as dense as next event estimation.
     void weigh_glints(const CausticPath& path, const CausticDensities& densities, double carried) {
         if (!(densities.direct > 0.0)) return;
         stats_.carried_by_glints += carried;
@@ -274,8 +274,8 @@ Sampler light_sampler(uint32_t seed, const Index& index) {
 // Shares of the pilot's paths on each of several guides, each of which learns from the one before.
 constexpr std::array<double, 4> kGenerations{0.125, 0.125, 0.25, 0.5};
 constexpr uint32_t kPilotChunk = 1u << 11;
-// So many of the pilot's paths are asked how hard sheets find their chains: each searches for its own, which
-// is slow. A chunk stops asking when that has taken kWorkOfAsked.
+// So many of the pilot's paths are asked how hard sheets find their chains: each searches for its
+// own, which is slow. A chunk stops asking when that has taken kWorkOfAsked.
 constexpr uint32_t kAsked = 1u << 11;
 constexpr uint64_t kWorkOfAsked = 16 * kPilotChunk;
 // Chunks between two looks at what is left of the budget.
@@ -360,8 +360,8 @@ void limit_weights(std::vector<EmissionSample>& samples) {
         sample.place.weight = std::min(sample.place.weight, largest);
 }
 
-// Evaluates paths that went on with probability c. With probability b they would have the variance V + V' / b
-// and the cost C + b C'; what is counted is V' / c and c C'.
+// Evaluates paths that went on with probability c. With probability b they would have the variance
+// V + V' / b and the cost C + b C'; what is counted is V' / c and c C'.
 void measure(const LightPathStats& counted, const CoarsePicture& moments, LightPilot& result) {
     constexpr double kLeastGoingOn = 1.0 / 16;  // what was not met must not come too rarely
     const auto behind = static_cast<double>(counted.rays_behind),

@@ -14,8 +14,8 @@ struct LightPathStats {
     uint64_t splats = 0;
     uint64_t rays = 0;
     uint64_t nan_splats = 0;
-    // Sums of the splats' squared values, means of the channels: of splats at the receiver, and of those
-    // that took a scattering there, with the rays that these took.
+    // Sums of the splats' squared values, means of the channels: of splats at the receiver, and of
+    // those that took a scattering there, with the rays that these took.
     double squares = 0.0, squares_behind = 0.0;
     uint64_t rays_behind = 0;
     // Luminance that the splats' paths carry before weights, and the manifold's share of it.
@@ -39,8 +39,8 @@ struct LightPathStats {
     }
 };
 
-// Traces one light path. Appends the splats that lie in the camera's crop or at most `margin` pixels
-// beside it. A sample of the picture is the sum over settings.light_tracing.paths of them.
+// Traces one light path. Appends the splats that lie in the camera's crop or at most `margin`
+// pixels beside it. A sample of the picture is the sum over settings.light_tracing.paths of them.
 void trace_light_path(const RenderScene& world, const IntegratorSettings& settings, float margin,
                       uint32_t seed, const SplatIndex& index, std::vector<Splat>& splats,
                       LightPathStats& stats);
@@ -54,15 +54,16 @@ struct LightPilot {
     double come_through;    // share of the paths that add to the picture
     double mean_search_trials, manifold_share, beside_glints;  // see LightTracing
 };
-// If fewer of the pilot's paths come through, the camera sees little of the caustics directly and few
-// light paths will be traced, so the pilot ends early.
+// If fewer of the pilot's paths come through, the camera sees little of the caustics directly and
+// few light paths will be traced, so the pilot ends early.
 inline constexpr double kFewComeThrough = 1.0 / 32;
-// Least number of pilot paths: enough to show where the light comes from, few beside a second's work.
+// Least number of pilot paths: enough to show where the light comes from, few beside a second's
+// work.
 constexpr uint32_t kLeastPilotPaths = 1u << 16;
-// Traces `paths` light paths, or a quarter or half of them if few come through to the camera. Learns where
-// those begin that add to the picture, and which of their chains the sheets find. Ends early when the
-// budget is spent. The result does not depend on `threads`. Null if no light reaches the camera this way,
-// or if the budget was cancelled.
+// Traces `paths` light paths, or a quarter or half of them if few come through to the camera.
+// Learns where those begin that add to the picture, and which of their chains the sheets find. Ends
+// early when the budget is spent. The result does not depend on `threads`. Null if no light reaches
+// the camera this way, or if the budget was cancelled.
 std::unique_ptr<const LightPilot> learn_emission(const RenderScene& world,
                                                  IntegratorSettings settings,
                                                  const LightSheets& sheets, float margin,

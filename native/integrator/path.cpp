@@ -52,8 +52,8 @@ PathTracer::Onward PathTracer::shade(const Hit& hit, Surface& surface, const Sam
             receives, camera_subpath};
 }
 
-// Light paths do not walk below surfaces: the path begins anew, as one that path tracing alone finds
-// until it scatters.
+// Light paths do not walk below surfaces: the path begins anew, as one that path tracing alone
+// finds until it scatters.
 bool PathTracer::go_below(Surface& surface, const ClosureSample& entry, const Sampler& here) {
     Pcg walk(here[Domain::subsurface].stream_seed());
     const std::optional<SubsurfaceExit> exit =
@@ -138,8 +138,8 @@ void PathTracer::spawn_ray(const Surface& surface, const ClosureSample& next) {
 }
 
 // Ends paths of little throughput without bias; the root keeps them alive longer than the
-// throughput itself would, for the light that waits behind dark surfaces. Most of a picture comes by
-// the first bounces, whose directions are stratified: chance would undo that.
+// throughput itself would, for the light that waits behind dark surfaces. Most of a picture comes
+// by the first bounces, whose directions are stratified: chance would undo that.
 bool PathTracer::survive_roulette(const Sampler& sampler) {
     constexpr uint32_t kSureBounces = 2;
     if (bounces.total < kSureBounces) return true;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The radiance of one camera path: path tracing with next event estimation, and manifold estimates at
-// receivers.
+// The radiance of one camera path: path tracing with next event estimation, and manifold estimates
+// at receivers.
 #pragma once
 
 #include "film/passes.h"
@@ -17,8 +17,8 @@ struct RenderScene {
     CasterSet casters, rough_chain_casters;
     GlintSet glints;
 };
-// `before`: what was built for the snapshot before, or null; it is shared where it would be the same.
-// `threads` 0 = all.
+// `before`: what was built for the snapshot before, or null; it is shared where it would be the
+// same. `threads` 0 = all.
 RenderScene prepare(std::unique_ptr<Scene> scene, uint32_t threads = 0,
                     const RenderScene* before = nullptr);
 
@@ -68,9 +68,9 @@ inline size_t receiver_depth(uint32_t bounces) {
     return std::min<size_t>(bounces, kReceiverDepths - 1);
 }
 
-// Probability of a manifold estimate, by receiver depth: first of chains of deltas, then of chains with
-// rough vertices. With light sheets it is that of the random search; chain seeds have probabilities of
-// their own. 0 switches both off.
+// Probability of a manifold estimate, by receiver depth: first of chains of deltas, then of chains
+// with rough vertices. With light sheets it is that of the random search; chain seeds have
+// probabilities of their own. 0 switches both off.
 inline constexpr size_t kEstimates = 2 * kReceiverDepths;
 using Activation = std::array<float, kEstimates>;
 inline constexpr Activation kAlways{1, 1, 1, 1, 1, 1};
@@ -88,8 +88,8 @@ struct RoundState {
     GlintSampling glints{};
 };
 
-// What the random part of manifold estimates of one kind brought and cost, scaled as if every receiver
-// had made it.
+// What the random part of manifold estimates of one kind brought and cost, scaled as if every
+// receiver had made it.
 struct ActivationEvidence {
     double second_moment =
         0.0;            // sum of squares of what they add to their pixels, mean of the channels
@@ -121,9 +121,9 @@ struct PathSample {
     Vec3 normal{0.0f};
 };
 
-// `lens` is the argument of Camera::ray() that made the camera's ray. `pixel` is the pixel that the ray
-// stands for; without one, glints are not averaged. To `values`, if there are any, the path adds
-// what passes ask of light, colours and the denoiser's features.
+// `lens` is the argument of Camera::ray() that made the camera's ray. `pixel` is the pixel that the
+// ray stands for; without one, glints are not averaged. To `values`, if there are any, the path
+// adds what passes ask of light, colours and the denoiser's features.
 PathSample path_radiance(const RenderScene& world, const IntegratorSettings& settings,
                          const RoundState& round, const Ray& camera_ray, const Vec2& lens,
                          const Sampler& sampler, PathStats& stats,

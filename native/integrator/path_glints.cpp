@@ -3,8 +3,8 @@
 
 namespace spc {
 
-// Not where its direct light is shared with light paths or rough chains, by densities for the normal
-// of one point: those find narrow lobes better.
+// Not where its direct light is shared with light paths or rough chains, by densities for the
+// normal of one point: those find narrow lobes better.
 void PathTracer::look_for_glints(const Hit& hit, Surface& surface,
                                  const CameraSubpath& camera_subpath, const PixelKernel* pixel) {
     glints.reset();

@@ -130,7 +130,8 @@ void PathTracer::tell_surface(const Surface& surface, PassValues& values) const 
 
 namespace {
 
-// What nodes of a material write, each by `color(node)` or `value(node)`; nothing where that is no number.
+// What nodes of a material write, each by `color(node)` or `value(node)`; nothing where that is no
+// number.
 template <class Color, class Value>
 void add_aovs(const std::vector<PassSources::Aov>& aovs, const Color& color, const Value& value,
               PassValues& values) {

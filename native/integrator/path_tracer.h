@@ -86,8 +86,8 @@ struct PathTracer {
 
     // ---- path.cpp: from surface to surface
 
-    // Follows the ray to the next surface and evaluates it. Adds the emission that the ray meets on the
-    // way and at the surface. Empty if the ray leaves the scene, or the picture in a hole.
+    // Follows the ray to the next surface and evaluates it. Adds the emission that the ray meets on
+    // the way and at the surface. Empty if the ray leaves the scene, or the picture in a hole.
     std::optional<Hit> go_to_surface(Surface& surface, PathLight& light);
     bool is_held_out(const Hit& hit) const {
         return sees_film && scene().instances[hit.surface.instance].holdout;
@@ -98,7 +98,8 @@ struct PathTracer {
                next.alpha <= settings.transparent_glass_alpha;
     }
     CameraSubpath camera_subpath_to(const Surface& surface) const;
-    // Adds the light that techniques other than the path's own rays find at the surface; how it goes on.
+    // Adds the light that techniques other than the path's own rays find at the surface; how it
+    // goes on.
     struct Onward {
         std::optional<ClosureSample> next;
         bool receives;
@@ -143,8 +144,8 @@ struct PathTracer {
     // The rough chain that arrives at the surface and may continue there.
     RoughVisit rough_visit(const Surface& surface) const;
 
-    // ---- path_emission.cpp: emission that the path meets, weighed against the techniques that could
-    // have connected to it. The path's throughput is not included.
+    // ---- path_emission.cpp: emission that the path meets, weighed against the techniques that
+    // could have connected to it. The path's throughput is not included.
 
     // Adds the world and every sun with a disc, in the direction of a ray that leaves the scene.
     // The path's throughput is included.
@@ -153,17 +154,19 @@ struct PathTracer {
     Spectrum emission_of_surface(const Hit& hit, const Surface& surface) const;
 
     Spectrum emission_of_world() const;
-    // Weight of path tracing. `end.pdf` and `end.pdf_direct` are 0 if that technique never draws `end`.
+    // Weight of path tracing. `end.pdf` and `end.pdf_direct` are 0 if that technique never draws
+    // `end`.
     float weight_of(const LightEnd& end) const;
-    // Next event estimation passes through everything if a lamp casts no shadow. Rays do not, so they
-    // leave such a lamp to it.
+    // Next event estimation passes through everything if a lamp casts no shadow. Rays do not, so
+    // they leave such a lamp to it.
     float weight_of_lamp(const LightEnd& end) const;
     float weight_since_x(const LightEnd& end) const;
     float weight_of_chain(const LightEnd& end) const;
     // Whether weight_of() reads `end.pdf`.
     bool light_points_count() const;
     LightEnd end_afar(uint32_t light, float pdf, float pdf_direct) const;
-    // Densities of a path that a rough caster at path.x reflects; empty if light tracing cannot find it.
+    // Densities of a path that a rough caster at path.x reflects; empty if light tracing cannot
+    // find it.
     std::optional<CausticDensities> shared_with_light_paths(const CausticPath& path,
                                                             const LightEnd& end) const;
 
@@ -213,10 +216,12 @@ struct PathTracer {
     Receiver receiver_at(const Surface& surface, const CameraSubpath& camera_subpath) const;
     // See CausticPath::begins_rough. Not where light tracing finds rough chains.
     bool may_begin_rough_chain(const Surface& surface, const CameraSubpath& camera_subpath) const;
-    // Expected share of a chain's light that the manifold counts: 1 where light paths rarely arrive.
+    // Expected share of a chain's light that the manifold counts: 1 where light paths rarely
+    // arrive.
     float share_beside_light_paths(const CameraSubpath& camera_subpath) const;
-    // Estimate of kind `i` of Activation by `radiance(receiver, draws)`; the uniform number `u` decides
-    // whether it draws, that is, makes its random search. The path's throughput is included.
+    // Estimate of kind `i` of Activation by `radiance(receiver, draws)`; the uniform number `u`
+    // decides whether it draws, that is, makes its random search. The path's throughput is
+    // included.
     template <class Estimate>
     Spectrum estimate(const Surface& surface, const CameraSubpath& camera_subpath, size_t i,
                       float u, const Estimate& radiance, PathLight& light);

@@ -24,8 +24,8 @@ LampSurface surface_of(const AreaLamp& lamp, const Vec3& q, const Vec3&) {
     return {q, lamp.normal};
 }
 
-// Where an image that a node lays over the lamp has the point: over an area light its extents, over a
-// spot what its beam shows, over a point the sphere around it.
+// Where an image that a node lays over the lamp has the point: over an area light its extents, over
+// a spot what its beam shows, over a point the sphere around it.
 Vec2 image_point(const Lamp& lamp, const LampShading& shading, const LampSurface& at,
                  const Vec3& away) {
     if (const auto* area = std::get_if<AreaLamp>(&lamp)) {

@@ -18,8 +18,8 @@ struct LampShading {
 };
 LampShading make_lamp_shading(const LightDesc& desc);
 
-// The factor at the point q of the lamp, unset for a sun, along the unit direction `away`. `ray` tells
-// of the ray that sees it.
+// The factor at the point q of the lamp, unset for a sun, along the unit direction `away`. `ray`
+// tells of the ray that sees it.
 Spectrum lamp_factor(const Scene& scene, const Lamp& lamp, const LampShading& shading,
                      const Vec3& q, const Vec3& away, const RayState& ray);
 

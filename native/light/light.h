@@ -73,16 +73,16 @@ struct LightSet {
     }
     uint32_t count() const { return of_world() + (has_world ? 1u : 0u); }
 };
-// `before`: of another scene, which still lives, or null; a world of the same material is taken over from
-// it. `threads` 0 = all.
+// `before`: of another scene, which still lives, or null; a world of the same material is taken
+// over from it. `threads` 0 = all.
 LightSet build_lights(const Scene& scene, uint32_t threads = 0, const LightSet* before = nullptr);
 
 // Bits of Visibility: the rays that see a light. kVisibleShadow: objects cast shadows of it; only
 // lamps can lack it.
 uint32_t light_visibility(const LightSet& lights, uint32_t light);
 
-// Radiance that a ray meets at the point q of a lamp, which shines along the unit direction `away`; its
-// nodes included. q is unset for a sun.
+// Radiance that a ray meets at the point q of a lamp, which shines along the unit direction `away`;
+// its nodes included. q is unset for a sun.
 Spectrum radiance_of_lamp(const LightSet& lights, const Scene& scene, uint32_t light, const Vec3& q,
                           const Vec3& away, const RayState& ray);
 

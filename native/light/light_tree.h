@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Which light to sample from a receiver: by how much of its light may come there, after [Conty18].
-// Lights with a place are the leaves of a wide tree, whose nodes bound where they stand and where they
-// shine to; distant ones are chosen by their irradiance. What stands in the way is not known, so a
-// share of the choice is even.
+// Lights with a place are the leaves of a wide tree, whose nodes bound where they stand and where
+// they shine to; distant ones are chosen by their irradiance. What stands in the way is not known,
+// so a share of the choice is even.
 #pragma once
 
 #include "core/distribution.h"

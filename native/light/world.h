@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The world's directions, sampled in proportion to a table of its radiance above the mean, interpolated
-// bilinearly. The table is latitude-longitude in the orientation of Blender's environment images, so
-// that an unrotated image's texels are its own:
+// The world's directions, sampled in proportion to a table of its radiance above the mean,
+// interpolated bilinearly. The table is latitude-longitude in the orientation of Blender's
+// environment images, so that an unrotated image's texels are its own:
 //   u = 1/2 - atan2(y, x) / (2 pi),   v = 1 - acos(z) / pi.
 #pragma once
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Camera chains: specular chains from the camera itself to the lights that it sees in casters. Path
-// tracing meets a lamp that is smaller than a pixel rarely, as one bright sample. So chain seeds that
-// lead to such lamps are learned before rendering.
+// tracing meets a lamp that is smaller than a pixel rarely, as one bright sample. So chain seeds
+// that lead to such lamps are learned before rendering.
 #pragma once
 
 #include "manifold/shooting.h"

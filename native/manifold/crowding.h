@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How many chains at once each caster sends to a point. The more there are, the more a search costs and
-// the more rarely it finds each of them. Light paths and path tracing do not depend on the number.
-// Once a budget is cancelled the numbers are of no use.
+// How many chains at once each caster sends to a point. The more there are, the more a search costs
+// and the more rarely it finds each of them. Light paths and path tracing do not depend on the
+// number. Once a budget is cancelled the numbers are of no use.
 #pragma once
 
 #include "manifold/sheet_pool.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Rough vertices of chains. The normal m of a microfacet is drawn from the lobe's distribution, with
-// density D(m) (n.m), and kept while a chain is looked for [Zeltner20 Sec. 4.4]. The rough surface then
-// acts as a mirror, or a refracting interface, with that normal.
+// Rough vertices of chains. The normal m of a microfacet is drawn from the lobe's distribution,
+// with density D(m) (n.m), and kept while a chain is looked for [Zeltner20 Sec. 4.4]. The rough
+// surface then acts as a mirror, or a refracting interface, with that normal.
 #pragma once
 
 #include "core/random.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A tree over prisms that move: it finds those that hold a point, for any shift. Each prism moves linearly
-// in the shift, in its own way.
+// A tree over prisms that move: it finds those that hold a point, for any shift. Each prism moves
+// linearly in the shift, in its own way.
 #pragma once
 
 #include "core/budget.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The light sheets of a render: several for each light that feeds casters. An estimate uses the one whose
-// light point is nearest to its own.
+// The light sheets of a render: several for each light that feeds casters. An estimate uses the one
+// whose light point is nearest to its own.
 #pragma once
 
 #include "manifold/sheet.h"

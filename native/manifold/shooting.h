@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Shots: Newton's method for chains of any length. The unknown is the direction at the receiver, whose ray
-// is traced through all vertices with its differential; so there are two equations in two unknowns,
-// however many vertices there are.
+// Shots: Newton's method for chains of any length. The unknown is the direction at the receiver,
+// whose ray is traced through all vertices with its differential; so there are two equations in two
+// unknowns, however many vertices there are.
 #pragma once
 
 #include "manifold/caster.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Walks: Newton's method on a caster's surface [Jakob12, Zeltner20 Sec. 4], from a seed to a point where
-// light passes from the light point to the receiver.
+// Walks: Newton's method on a caster's surface [Jakob12, Zeltner20 Sec. 4], from a seed to a point
+// where light passes from the light point to the receiver.
 #pragma once
 
 #include "manifold/seed.h"

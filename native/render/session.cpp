@@ -13,8 +13,8 @@ namespace spc {
 
 namespace {
 
-// Samples per round: one at first, so that a picture is there soon, then twice as many each time, so
-// that a tile's data stays in cache, up to 2^kDoublings.
+// Samples per round: one at first, so that a picture is there soon, then twice as many each time,
+// so that a tile's data stays in cache, up to 2^kDoublings.
 constexpr uint32_t kDoublings = 2, kLargestBatch = 1u << kDoublings;
 
 // Light paths, estimates of camera chains and searches for them between two looks at the clock.
@@ -110,8 +110,9 @@ bool Session::must_stop() const {
 bool Session::should_stop() const {
     return must_stop() || out_of_time_.load(std::memory_order_relaxed);
 }
-// However short the time, each pixel gets its first sample, unless that takes much longer: then it shows
-// the preview, which is waited for. A sample that takes as long, of thousands of trials, is given up.
+// However short the time, each pixel gets its first sample, unless that takes much longer: then it
+// shows the preview, which is waited for. A sample that takes as long, of thousands of trials, is
+// given up.
 void Session::look_at_clock() {
     constexpr double kGrace = 0.5, kShare = 0.03;  // s, and of the limit
     const auto limit = static_cast<double>(settings_.time_limit);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A render under way. Worker threads take jobs, each a tile or a part of the splats in one round of samples,
-// until all samples are done, the time is up, or the render is cancelled.
+// A render under way. Worker threads take jobs, each a tile or a part of the splats in one round of
+// samples, until all samples are done, the time is up, or the render is cancelled.
 #pragma once
 
 #include "core/budget.h"
@@ -34,8 +34,8 @@ struct RenderSettings {
     // The session itself sets `light_tracing`, `camera_chains` and the flakes of glints.
     IntegratorSettings integrator;
     bool light_tracing = false;  // trace light paths if a light reaches a caster
-    // Whether the session leaves to light paths and path tracing what they find at less cost: casters that
-    // make too many chains at once, and receivers at which light paths are dense.
+    // Whether the session leaves to light paths and path tracing what they find at less cost:
+    // casters that make too many chains at once, and receivers at which light paths are dense.
     bool chooses = false;
     uint32_t first_sample = 0, samples = 64;
     // Of the render that this one is a part of; 0: it is no part. Samples of a part learn nothing
@@ -51,14 +51,15 @@ struct RenderSettings {
     CustomNames custom;  // of the custom ones among them
     Mist mist;
     CryptoRequest crypto;
-    // Pixels whose error is below the threshold take no more samples; 0: all take all. Not in parts.
+    // Pixels whose error is below the threshold take no more samples; 0: all take all. Not in
+    // parts.
     float noise_threshold = 0.0f;
     uint32_t min_samples = 0;   // before that is asked; 0: by the threshold
     bool for_denoiser = false;  // errors of neighbouring pixels are independent
 };
 
-// What a render does, in this order. Each stage of the preparation has a share of the render's time, and
-// ends early when that is over.
+// What a render does, in this order. Each stage of the preparation has a share of the render's
+// time, and ends early when that is over.
 enum class RenderStage : uint8_t { maps, sheets, light_paths, camera_chains, probes, samples };
 inline constexpr size_t kRenderStages = 6;
 
@@ -96,12 +97,13 @@ struct TileEvidence {
 };
 // Of a pixel: fewer tell nothing yet of its noise.
 inline constexpr uint32_t kLeastSamples = 3;
-// Least probability of an estimate. A tile learns late of chains that are found once in a while, and with a
-// small probability they come as single bright samples.
+// Least probability of an estimate. A tile learns late of chains that are found once in a while,
+// and with a small probability they come as single bright samples.
 inline constexpr double kLeastProbability = 1.0 / 4;
-// The probabilities of manifold estimates, between `least` and `most`, for which variance times cost of the
-// tile is least; efficiency-optimised Russian roulette [Rath22]. `variance` is that of one sample. The
-// second form takes it from the tile's pixels, and returns `before` until they have samples enough.
+// The probabilities of manifold estimates, between `least` and `most`, for which variance times
+// cost of the tile is least; efficiency-optimised Russian roulette [Rath22]. `variance` is that of
+// one sample. The second form takes it from the tile's pixels, and returns `before` until they have
+// samples enough.
 Activation activation_for(const TileEvidence& evidence, double variance, double least, double most);
 Activation activation_for(const TileEvidence& evidence, std::span<const PixelSums> pixels,
                           const Activation& before);
@@ -123,7 +125,8 @@ public:
     RenderStats stats() const;
     const Film& film() const { return film_; }
     // Waits until every pixel has the same samples, and gives their sums and how many they are. The
-    // render stands still meanwhile, for less than a round. Throws Error if it has ended before that.
+    // render stands still meanwhile, for less than a round. Throws Error if it has ended before
+    // that.
     struct Export {
         std::vector<std::byte> sums;
         uint32_t samples;
@@ -158,10 +161,11 @@ private:
     void weigh_noise();
     void weigh_estimates();
     void count_splats();
-    // Variance (mean of the channels) and counted work of one sample of the picture, measured by two samples
-    // in each of at most `most` pixels. Of every `rare` pixels the brightest is left out, so that a single
-    // bright sample does not decide; `variances`, of the parts of the picture, include it and are 0 where no
-    // pixel was measured. The manifold's work is added to the session's statistics.
+    // Variance (mean of the channels) and counted work of one sample of the picture, measured by
+    // two samples in each of at most `most` pixels. Of every `rare` pixels the brightest is left
+    // out, so that a single bright sample does not decide; `variances`, of the parts of the
+    // picture, include it and are 0 where no pixel was measured. The manifold's work is added to
+    // the session's statistics.
     struct Probe {
         double variance, work;
         double glint_work;  // work of one estimate of glints; 0 if there was none
@@ -222,7 +226,8 @@ private:
     std::atomic<uint32_t> tiles_ended_{0};
     std::vector<TileEvidence> evidence_;        // by tile, from its completed rounds
     Activation first_probabilities_ = kAlways;  // for tiles whose samples tell nothing yet
-    // Jobs of a round beside its tiles. Their splats are added to the film in the order of the jobs.
+    // Jobs of a round beside its tiles. Their splats are added to the film in the order of the
+    // jobs.
     uint32_t splat_jobs_ = 0;
     uint64_t light_paths_ = 0, camera_chain_estimates_ = 0,
              camera_chain_searches_ = 0;  // for each sample of the picture
@@ -233,8 +238,8 @@ private:
     SheetStore* const sheet_store_;
     std::shared_ptr<const SheetPool> sheet_pool_;
     LightSheets sheets_;  // refers to the pool
-    // Mean variance of a sample over the picture, and the ratio of its work to that of an estimate of glints.
-    // Measured only if a decision needs them.
+    // Mean variance of a sample over the picture, and the ratio of its work to that of an estimate
+    // of glints. Measured only if a decision needs them.
     double variance_ = 0.0, work_by_glint_ = 0.0;
     FlakeSet flakes_;
     std::latch prepared_{1};

@@ -18,8 +18,9 @@ constexpr uint64_t kSplatJob = 1024;
 
 // Least share of receivers with walks beside light paths, which bring what the walks do not find.
 constexpr double kLeastWalks = 1.0 / 16;
-// If fewer than 1 / kUnlessRare of the receivers have walks, their confidence falls faster than their number,
-// since light paths are dense there. Otherwise walks keep a rare light path from making a bright pixel.
+// If fewer than 1 / kUnlessRare of the receivers have walks, their confidence falls faster than
+// their number, since light paths are dense there. Otherwise walks keep a rare light path from
+// making a bright pixel.
 constexpr double kUnlessRare = 4.0;
 
 // Sum of the squares of the shares that pixels have of one splat, on average.
@@ -36,14 +37,15 @@ double spread(const PixelFilter& filter, SplatSpread how) {
     return sum * sum;
 }
 
-// Work is counted in rays and iterations of Newton's method, and in parts of slope fields, of which so
-// many are looked at in the time of a ray. To choose a light takes a few rays' time.
+// Work is counted in rays and iterations of Newton's method, and in parts of slope fields, of which
+// so many are looked at in the time of a ray. To choose a light takes a few rays' time.
 constexpr double kNodesOfRay = 8.0, kRaysOfGlint = 3.0;
 // With what is done for each, a light path's ray takes the time of so many of other work.
 constexpr double kWorkOfLightRay = 2.0;
 
-// Most chains to one point by way of one caster. With more, sheets find each of them so rarely, and search so
-// long for what they miss, that light paths and path tracing have less error in the same time.
+// Most chains to one point by way of one caster. With more, sheets find each of them so rarely, and
+// search so long for what they miss, that light paths and path tracing have less error in the same
+// time.
 constexpr double kMostChains = 64.0;
 
 // Work of a probed pixel, if it is a lot of work; share of a limited time that probes may take.
@@ -60,8 +62,8 @@ double glint_work(const GlintStats& stats) {
 }  // namespace
 
 const Budget& Session::begin(RenderStage stage, double work, double share) {
-    // A stage's time without a time limit: longer than its work takes, so that the picture does not depend on
-    // the machine.
+    // A stage's time without a time limit: longer than its work takes, so that the picture does not
+    // depend on the machine.
     constexpr double kGuardOfPart = 1e9, kGuardOfOthers = 20.0;  // s
     const double kGuard = is_part() ? kGuardOfPart : kGuardOfOthers;
     const auto limit = static_cast<double>(settings_.time_limit);
@@ -264,9 +266,9 @@ void Session::find_camera_chains() {
     stats_.add(stats);
 }
 
-// A chain that adds v, looked for with the probability v / s, adds s v to the variance and v / s shots to
-// the cost. With a, the sum of all v of a sample, variance V + s a and cost C + c a / s have the least
-// product where s = sqrt(V c / C).
+// A chain that adds v, looked for with the probability v / s, adds s v to the variance and v / s
+// shots to the cost. With a, the sum of all v of a sample, variance V + s a and cost C + c a / s
+// have the least product where s = sqrt(V c / C).
 void Session::weigh_noise() {
     // Few: until the chains are weighed, all of them are looked for.
     constexpr uint32_t kPixels = 512, kRare = 128;
@@ -298,8 +300,8 @@ void Session::weigh_estimates() {
     }
 }
 
-// How many there are, and whether the manifold searches where they come. Samples without those searches
-// are taken in the same pixels, so that the comparison has little noise.
+// How many there are, and whether the manifold searches where they come. Samples without those
+// searches are taken in the same pixels, so that the comparison has little noise.
 void Session::weigh_light_paths(const Probe& camera) {
     constexpr uint32_t kPixels = 2048, kRare = 128;
     constexpr double kGain = 0.9;  // of variance times work: less of a gain may be noise
@@ -333,8 +335,8 @@ void Session::weigh_light_paths(const Probe& camera) {
 }
 
 // Where light paths come that is all receivers which the camera sees directly, and few others. The
-// fewer have walks, the more the weights leave to light paths: too many cost time, too few make bright
-// pixels where light paths come rarely, which is worse.
+// fewer have walks, the more the weights leave to light paths: too many cost time, too few make
+// bright pixels where light paths come rarely, which is worse.
 double Session::walks_that_pay(const Probe& least_walks) {
     constexpr double kMore = 4.0;  // than variance and cost ask for
     const double best =
@@ -361,7 +363,8 @@ Session::Probe Session::probe(uint32_t most, uint32_t rare, const Budget& budget
 
     const auto& [x0, y0, width, height] = world_.scene->camera.crop;
     const uint64_t pixels = uint64_t{width} * height;
-    // Every receiver has walks, whose confidence is known the better, but they count as rarely as they come.
+    // Every receiver has walks, whose confidence is known the better, but they count as rarely as
+    // they come.
     RoundState always;
     always.sheets = sheets_;
     always.activation[receiver_depth(0)] /=
@@ -448,11 +451,11 @@ Session::Probe Session::with_probabilities(const Probe& whole, const Activation&
     return result;
 }
 
-// For each sample of the picture: so many that in the same time the variances of the picture's parts
-// have the least geometric mean. N light paths and P camera paths cost N C + P C', and have the variance
-// V / N + V' / P in a part. (The least sum would be decided by the noisiest part alone, and leave to
-// others what a few more light paths take away.) Work is counted, not timed, so that the same render
-// comes out everywhere.
+// For each sample of the picture: so many that in the same time the variances of the picture's
+// parts have the least geometric mean. N light paths and P camera paths cost N C + P C', and have
+// the variance V / N + V' / P in a part. (The least sum would be decided by the noisiest part
+// alone, and leave to others what a few more light paths take away.) Work is counted, not timed, so
+// that the same render comes out everywhere.
 Session::LightPathPlan Session::light_paths_that_pay(const LightPilot& pilot,
                                                      const Probe& camera) const {
     constexpr double kLeast = 1.0 / 64, kMost = 8.0, kStep = 1.125;  // for each pixel

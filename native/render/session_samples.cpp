@@ -24,9 +24,10 @@ Vec3 uv_seen(const Scene& scene, const SurfaceHit& hit) {
 
 }  // namespace
 
-// With n estimates a pixel's variance V / n falls by V / n^2 for one more, of cost c. Samples of the
-// whole picture, of the variance V' and the cost C on average, lower it as fast where n = sqrt(V / V'
-// C / c). V is that of some samples with one estimate, and of others with more, so n is doubled.
+// With n estimates a pixel's variance V / n falls by V / n^2 for one more, of cost c. Samples of
+// the whole picture, of the variance V' and the cost C on average, lower it as fast where n =
+// sqrt(V / V' C / c). V is that of some samples with one estimate, and of others with more, so n is
+// doubled.
 GlintSampling Session::glint_sampling(const PixelSums& pixel, double variance_of_tile) const {
     constexpr double kMost = 16.0;
     if (is_part() || pixel.count < kLeastSamples) return {};
@@ -38,8 +39,8 @@ GlintSampling Session::glint_sampling(const PixelSums& pixel, double variance_of
             static_cast<float>(std::sqrt(std::max(variance_of_tile, 0.0)))};
 }
 
-// Those of small error whose neighbours in the tile have a small one, too: one pixel's own estimate may
-// be small by chance. Of the tile alone, so that threads do not show.
+// Those of small error whose neighbours in the tile have a small one, too: one pixel's own estimate
+// may be small by chance. Of the tile alone, so that threads do not show.
 std::vector<bool> Session::pixels_that_end(const Film::TileBounds& bounds,
                                            const Film::TileSums& sums) const {
     // As many as Cycles takes if the artist does not say.

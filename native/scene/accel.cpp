@@ -145,8 +145,8 @@ struct Device {
     }
 };
 
-// A tree over one mesh, in its own space or, if `world_positions` are not empty, in the world's. It has
-// its share in what it refers to.
+// A tree over one mesh, in its own space or, if `world_positions` are not empty, in the world's. It
+// has its share in what it refers to.
 struct MeshTree {
     std::shared_ptr<const Device> device;
     Shared<Mesh> mesh;

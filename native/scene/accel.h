@@ -23,19 +23,19 @@ struct Hit {
 
 class Accel {
 public:
-    // Builds trees over the meshes, instances and lamps of a scene whose world positions are set; the
-    // scene's lists must not move. Trees over vertices of which `before`, if it is not null, has one are
-    // shared with it. `threads` 0 = all; with trees to share, those of the first scene.
+    // Builds trees over the meshes, instances and lamps of a scene whose world positions are set;
+    // the scene's lists must not move. Trees over vertices of which `before`, if it is not null,
+    // has one are shared with it. `threads` 0 = all; with trees to share, those of the first scene.
     Accel(const Scene& scene, uint32_t threads, const Accel* before = nullptr);
     ~Accel();
     Accel(const Accel&) = delete;
     Accel& operator=(const Accel&) = delete;
 
-    // A ray that is not finite, or starts beyond everything, is counted as lost instead of cast: it hits
-    // nothing, and occluded() is true.
+    // A ray that is not finite, or starts beyond everything, is counted as lost instead of cast: it
+    // hits nothing, and occluded() is true.
 
-    // Nearest hit of anything that is visible to `kind`, a bit of Visibility. Lamps are hit on their
-    // surface.
+    // Nearest hit of anything that is visible to `kind`, a bit of Visibility. Lamps are hit on
+    // their surface.
     std::optional<Hit> intersect(const Ray& ray, uint32_t kind) const;
     // Whether anything that is visible to `kind` blocks the ray. Lamps block nothing.
     bool occluded(const Ray& ray, uint32_t kind) const;

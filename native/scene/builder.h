@@ -11,15 +11,15 @@ public:
     SceneBuilder();
     // For a snapshot that shares what it keeps of the one before, which may be null.
     explicit SceneBuilder(std::shared_ptr<const Scene> before);
-    // Each returns the index by which others refer to the object. They throw Error, which names the object,
-    // and then have changed nothing.
+    // Each returns the index by which others refer to the object. They throw Error, which names the
+    // object, and then have changed nothing.
     uint32_t add_image(Image image);
     uint32_t add_material(const Graph& graph);
     uint32_t add_mesh(Mesh mesh);  // drops triangles of zero area
     uint32_t add_instance(Instance instance);
     uint32_t add_light(LightDesc light);
-    // What the snapshot before has at an index there. A material's images must have been kept, with their
-    // indices.
+    // What the snapshot before has at an index there. A material's images must have been kept, with
+    // their indices.
     uint32_t keep_image(uint32_t index);
     uint32_t keep_material(uint32_t index);
     uint32_t keep_mesh(uint32_t index);
@@ -44,8 +44,8 @@ private:
     const Scene& before() const;
 };
 
-// The camera with its frame made orthonormal, since a scaled frame would change depths. Throws Error
-// (invalid), which names what is wrong.
+// The camera with its frame made orthonormal, since a scaled frame would change depths. Throws
+// Error (invalid), which names what is wrong.
 Camera checked_camera(const Camera& camera);
 
 // Steps of freeze(). Each may append to scene.report.
@@ -56,8 +56,8 @@ void find_media(Scene& scene);          // which instances absorb
 void assign_caustics_roles(Scene& scene);
 void check_light_tracing(Scene& scene);  // after the roles
 void center_on_casters(Scene& scene);    // after the roles
-// World-space vertices for meshes with one instance, and for copies of small ones; those of `before`, if it is not null, where
-// neither mesh nor place has changed.
+// World-space vertices for meshes with one instance, and for copies of small ones; those of
+// `before`, if it is not null, where neither mesh nor place has changed.
 void bake_positions(Scene& scene, const Scene* before);
 void bound_scene(Scene& scene);
 

@@ -61,7 +61,8 @@ LocalRay local_ray(Projection projection, const Vec2& film, const LensPoint& len
     return {origin, slope, length(Vec3(slope.x, slope.y, -1.0f))};
 }
 
-// The lens of a panoramic camera turns to face each ray; all rays of a point of the film meet on it.
+// The lens of a panoramic camera turns to face each ray; all rays of a point of the film meet on
+// it.
 Ray panoramic_ray(const Camera& camera, const Vec2& pixels, const Vec2& lens) {
     const Vec3 ahead =
         panoramic_direction(camera, on_viewplane(camera, pixels)).value_or(Vec3(0, 0, -1));

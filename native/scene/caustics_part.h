@@ -10,8 +10,8 @@ struct CausticsPart {
     bool caster = false;        // throws caustics by deltas
     bool rough_caster = false;  // throws blurred ones by narrow lobes
     bool receiver = false;
-    // Whether chains with rough vertices turn at it: at its facets, or only if its normal map turns out
-    // to be coarse.
+    // Whether chains with rough vertices turn at it: at its facets, or only if its normal map turns
+    // out to be coarse.
     bool chains_turn = false, chains_may_turn = false;
     std::string why, why_rough;  // a lobe by which it is either
     // Why not: empty if every material casts by deltas, or if the role rules casting out.

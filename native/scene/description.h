@@ -28,8 +28,8 @@ struct Attribute {
 
     size_t size() const { return values.size() / components; }
     const float* at(size_t element) const { return values.data() + components * element; }
-    // As x, y, z and a fourth: a scalar stands for all of the first three; what is missing is 0, the
-    // fourth 1.
+    // As x, y, z and a fourth: a scalar stands for all of the first three; what is missing is 0,
+    // the fourth 1.
     std::array<float, 4> value(size_t element) const {
         const float* v = at(element);
         switch (components) {
@@ -127,9 +127,9 @@ struct LightDesc {
     }
 };
 
-// Where a ray meets a light's surface. A sphere is hit from outside or, if the ray starts inside, from
-// within. With soft falloff it is a disk around its centre that faces the ray's origin. An area light is hit
-// on its shining side alone.
+// Where a ray meets a light's surface. A sphere is hit from outside or, if the ray starts inside,
+// from within. With soft falloff it is a disk around its centre that faces the ray's origin. An
+// area light is hit on its shining side alone.
 struct LightSurfaceHit {
     float t;
     Vec3 p;
@@ -169,8 +169,8 @@ struct Camera {
     Transform to_world;  // orthonormal
     uint32_t width = 1, height = 1;
     std::array<uint32_t, 4> crop{0, 0, 1, 1};  // x0, y0, width, height
-    // Left, right, bottom, top: at distance 1, of an orthographic camera in m, of a panoramic one in
-    // shares of the whole panorama.
+    // Left, right, bottom, top: at distance 1, of an orthographic camera in m, of a panoramic one
+    // in shares of the whole panorama.
     std::array<float, 4> viewplane{-1, 1, -1, 1};
     std::array<float, 8> panorama{};
     float clip_near = 0.0f, clip_far = kInfinity;
@@ -185,16 +185,17 @@ struct Camera {
     // Whether a point of the full frame shows anything, which the corners of a fisheye do not. The
     // others need that.
     bool sees(const Vec2& film) const;
-    // Ray through a point of the full frame, in pixels from the bottom left corner. `lens` in [0, 1)^2 maps
-    // to a point of the lens, uniform over its area. t_near and t_far hold the clips.
+    // Ray through a point of the full frame, in pixels from the bottom left corner. `lens` in [0,
+    // 1)^2 maps to a point of the lens, uniform over its area. t_near and t_far hold the clips.
     Ray ray(float x, float y, const Vec2& lens) const;
     // Derivatives of that ray by x and y, per pixel.
     RayChange ray_change(float x, float y, const Vec2& lens) const;
-    // The inverse of ray(): the ray through view(p, lens)->film and the same `lens` leads to p. Empty if p
-    // is clipped or not in front of the camera, and for panoramic cameras, to which nothing connects.
+    // The inverse of ray(): the ray through view(p, lens)->film and the same `lens` leads to p.
+    // Empty if p is clipped or not in front of the camera, and for panoramic cameras, to which
+    // nothing connects.
     std::optional<CameraView> view(const Vec3& p, const Vec2& lens) const;
-    // For a perspective camera and a point `x` of its lens: the ray through a point of the film, the film
-    // position of the direction `w`, and the pixels^2 per sr around it.
+    // For a perspective camera and a point `x` of its lens: the ray through a point of the film,
+    // the film position of the direction `w`, and the pixels^2 per sr around it.
     Ray ray_from(const Vec3& x, const Vec2& film) const;
     Vec2 film_towards(const Vec3& x, const Vec3& w) const;
     float film_density_omega(const Vec3& w) const;

@@ -38,7 +38,8 @@ bool stays_in_bounds(const Vec3& p) {
     return is_finite(p) && std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) <= kFarthest;
 }
 
-// Where the vertices of the instance's mesh go. Returns how many would go beyond all bounds; they stay.
+// Where the vertices of the instance's mesh go. Returns how many would go beyond all bounds; they
+// stay.
 uint32_t move_vertices(const Scene& scene, uint32_t instance, uint32_t threads,
                        std::vector<Vec3>& positions) {
     const Instance& owner = scene.instances[instance];
@@ -84,9 +85,9 @@ std::vector<Vec3> vertex_normals(const Mesh& mesh, const std::vector<Vec3>& posi
     return normals;
 }
 
-// Smooth corners turn as the normals of their vertices do, so that sharp edges stay; flat faces have
-// those of their own. A bump beside the displacement turns the vertices' normals before it, as in
-// Cycles on flat faces too.
+// Smooth corners turn as the normals of their vertices do, so that sharp edges stay; flat faces
+// have those of their own. A bump beside the displacement turns the vertices' normals before it, as
+// in Cycles on flat faces too.
 void turn_normals(const Scene& scene, const Instance& instance, const Mesh& before, Mesh& mesh) {
     const auto is_both = [&](uint32_t material) {
         return scene.materials[material]->displacement == DisplacementMode::both;

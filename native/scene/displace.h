@@ -6,9 +6,9 @@
 
 namespace spc {
 
-// Gives each instance with such a material a mesh of its own, displaced; those with the same mesh and
-// the same materials share one, which is displaced as the first of them stands. The meshes that they
-// came with stay as they are. Needs the layers of UV resolved.
+// Gives each instance with such a material a mesh of its own, displaced; those with the same mesh
+// and the same materials share one, which is displaced as the first of them stands. The meshes that
+// they came with stay as they are. Needs the layers of UV resolved.
 void displace(Scene& scene, uint32_t threads);
 
 }  // namespace spc

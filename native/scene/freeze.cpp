@@ -48,8 +48,8 @@ SharedArray<Vec3> baked(const Mesh& mesh, const Transform& to_world) {
 constexpr size_t kMostCopies = 512 * 1024;
 
 // One tree over all triangles is faster than a tree of instances, whose boxes overlap: where leaves
-// are instances, by more than twice. The smallest meshes come first, an instance of which takes about
-// as much memory as its triangles. Trees that are shared are those of meshes.
+// are instances, by more than twice. The smallest meshes come first, an instance of which takes
+// about as much memory as its triangles. Trees that are shared are those of meshes.
 std::vector<char> meshes_to_bake(const Scene& scene) {
     const size_t count = scene.meshes.size();
     std::vector<size_t> users(count, 0), by_size(count);
@@ -190,8 +190,8 @@ void note_materials(Scene& scene) {
         }
 }
 
-// A path knows its media by what it has crossed: an instance that some of its rays do not meet would
-// leave it in the dark about whether it is inside.
+// A path knows its media by what it has crossed: an instance that some of its rays do not meet
+// would leave it in the dark about whether it is inside.
 void find_media(Scene& scene) {
     for (uint32_t i = 0; i < scene.instances.size(); ++i) {
         Instance& instance = scene.instances[i];

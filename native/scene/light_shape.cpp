@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The surfaces that lamps present to rays. Point and spot lamps are spheres, seen from outside or,
-// as in Cycles, from within by rays that start there, or, with soft falloff, disks; area lamps are parallelograms or ellipses
-// that only their shining side shows.
+// as in Cycles, from within by rays that start there, or, with soft falloff, disks; area lamps are
+// parallelograms or ellipses that only their shining side shows.
 #include "scene/description.h"
 
 namespace spc {

@@ -6,8 +6,8 @@
 
 namespace spc {
 
-// Where a camera looks from a point of its viewplane, in shares of the whole panorama from its lower left
-// corner: unit, in camera space, ahead along -z. Empty where a round picture has ended.
+// Where a camera looks from a point of its viewplane, in shares of the whole panorama from its
+// lower left corner: unit, in camera space, ahead along -z. Empty where a round picture has ended.
 std::optional<Vec3> panoramic_direction(const Camera& camera, const Vec2& at);
 
 }  // namespace spc

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The frozen scene: geometry, materials and lamps as data, with Embree's trees over them. Immutable
-// while it is rendered, and shared by all threads; indices refer, vectors own. It is a snapshot: the next
-// one shares with it what has not changed.
+// while it is rendered, and shared by all threads; indices refer, vectors own. It is a snapshot:
+// the next one shares with it what has not changed.
 #pragma once
 
 #include "scene/accel.h"
@@ -15,8 +15,8 @@ struct Scene {
     std::vector<Image> images;  // whose texels are shared
     std::vector<Shared<Material>> materials;
     std::vector<Shared<Mesh>> meshes;
-    // The same as the host gave them, before freezing added to some: what the next snapshot keeps. Of
-    // a series alone.
+    // The same as the host gave them, before freezing added to some: what the next snapshot keeps.
+    // Of a series alone.
     std::vector<Shared<Mesh>> sources;
     std::vector<Instance> instances;
     std::vector<LightDesc> lights;
@@ -26,16 +26,19 @@ struct Scene {
     Environment environment;
     bool any_transparency = false;  // some material lets shadow rays through
     Bounds absorbing;               // around the instances that absorb, world
-    // Diffuse, glossy and transmission rays see the same objects, and the camera's film has an inverse.
+    // Diffuse, glossy and transmission rays see the same objects, and the camera's film has an
+    // inverse.
     bool light_paths_reach_camera = true;
     float bounds_radius = 0.0f;       // half the diagonal of the box around all geometry and lamps
     std::vector<std::string> report;  // for the log
-    // Whether each instance has a tree of its own, which the next snapshot shares if it has not changed;
-    // else single users of a mesh are in one tree, which is faster to trace and slower to make.
+    // Whether each instance has a tree of its own, which the next snapshot shares if it has not
+    // changed; else single users of a mesh are in one tree, which is faster to trace and slower to
+    // make.
     bool has_trees_to_share = false;
     std::unique_ptr<Accel> accel;
 
-    // Looks from elsewhere; `checked` is in the host's coordinates. Nothing else depends on the camera.
+    // Looks from elsewhere; `checked` is in the host's coordinates. Nothing else depends on the
+    // camera.
     void move_camera(const Camera& checked) {
         camera = checked;
         camera.to_world.translation -= origin;

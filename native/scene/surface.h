@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Surfaces where rays meet the scene: geometry and closures for transport, and differential geometry for
-// the manifold.
+// Surfaces where rays meet the scene: geometry and closures for transport, and differential
+// geometry for the manifold.
 #pragma once
 
 #include "scene/scene.h"
@@ -26,12 +26,13 @@ struct Surface {
     ClosureList closures;
 };
 
-// Bound (m) of the distance along the normal by which rounding may separate a point of the triangle, as
-// computed here, from the triangle that a ray cast meets.
+// Bound (m) of the distance along the normal by which rounding may separate a point of the
+// triangle, as computed here, from the triangle that a ray cast meets.
 float position_error(const Scene& scene, uint32_t instance, uint32_t triangle);
 // The same for points of lamps.
 float position_error(const Vec3& p);
-// What a ray adds to that error for each metre of its length: to a surface of an instance, and of a lamp.
+// What a ray adds to that error for each metre of its length: to a surface of an instance, and of a
+// lamp.
 float ray_error(const Scene& scene, uint32_t instance);
 constexpr float kRayError = 0x1p-19f;
 // RayStart of the point p on the hit's triangle; ng is on its front side.
@@ -54,13 +55,14 @@ float surface_value_aov(const Scene& scene, const SurfaceHit& hit, const Vec3& w
 Vec3 surface_position(const Scene& scene, const SurfaceHit& hit);
 // By how much the material displaces the point of a hit: m, world. Of materials that move vertices.
 Vec3 surface_displacement(const Scene& scene, const SurfaceHit& hit);
-// Unit geometric normal on the triangle's front side, world. A mirrored instance is taken into account.
+// Unit geometric normal on the triangle's front side, world. A mirrored instance is taken into
+// account.
 Vec3 front_normal(const Scene& scene, uint32_t instance, uint32_t triangle);
 
-// Differential geometry of a caster at a hit: position and normal with their derivatives by the barycentrics
-// (u, v) of SurfaceHit, world space. `n` is the normal of the material's specular interface on the *front*
-// side: the mapped one, or the interpolated mesh normal if `smooth_base` is set. Its derivatives are exact
-// inside a cell of a texture.
+// Differential geometry of a caster at a hit: position and normal with their derivatives by the
+// barycentrics (u, v) of SurfaceHit, world space. `n` is the normal of the material's specular
+// interface on the *front* side: the mapped one, or the interpolated mesh normal if `smooth_base`
+// is set. Its derivatives are exact inside a cell of a texture.
 struct DifferentialGeometry {
     Vec3 p, dp_du, dp_dv;
     Vec3 n, dn_du, dn_dv;
@@ -69,8 +71,8 @@ struct DifferentialGeometry {
 };
 DifferentialGeometry evaluate_caster(const Scene& scene, const SurfaceHit& hit, bool smooth_base);
 
-// Origin for a ray that leaves the surface at `from` along `direction`: offset to that side by the bound of
-// rounding errors, and no farther.
+// Origin for a ray that leaves the surface at `from` along `direction`: offset to that side by the
+// bound of rounding errors, and no farther.
 Vec3 offset_origin(const RayStart& from, const Vec3& direction);
 
 }  // namespace spc

@@ -22,8 +22,8 @@ struct ChainEnd {
     }
 };
 
-// An endpoint with what a ray to it needs. The surface at the endpoint must not block the ray, and whatever
-// stands in front of it must, so the ray ends as near to p as rounding allows.
+// An endpoint with what a ray to it needs. The surface at the endpoint must not block the ray, and
+// whatever stands in front of it must, so the ray ends as near to p as rounding allows.
 struct RayEnd {
     ChainEnd at;
     Vec3 ng{0.0f};           // normal of the surface that p lies on, unit, either side; zero: none
@@ -43,10 +43,10 @@ enum class Opaque : uint8_t {
     casters_too   // these and every caster, even where it is transparent
 };
 
-// Fraction of light between the surface point `from` and `end` (both excluded) that transparent surfaces
-// visible to `kind`, and media, let pass. Each surface is subtracted from `transparent_left`; one too many
-// blocks. `media`: the media at `from`; on return, if any light passes, those at `end`. Adds the number
-// of rays cast to `rays`.
+// Fraction of light between the surface point `from` and `end` (both excluded) that transparent
+// surfaces visible to `kind`, and media, let pass. Each surface is subtracted from
+// `transparent_left`; one too many blocks. `media`: the media at `from`; on return, if any light
+// passes, those at `end`. Adds the number of rays cast to `rays`.
 Spectrum transmittance(const Scene& scene, const RayStart& from, const RayEnd& end, uint32_t kind,
                        uint32_t& transparent_left, Media& media, uint64_t& rays,
                        Opaque opaque = Opaque::by_material);

@@ -92,8 +92,8 @@ Vector3<T> mirror_ball(const Vector3<T>& direction) {
     return {T(0.5f) * (d.x * inv + T(1.0f)), T(0.5f) * (d.z * inv + T(1.0f)), T(0.0f)};
 }
 
-// Entry number `at` of `count` equally spaced ones, between them by a step, a line or a cubic B-spline;
-// beyond the ends they hold.
+// Entry number `at` of `count` equally spaced ones, between them by a step, a line or a cubic
+// B-spline; beyond the ends they hold.
 template <class T, class Entry>
 T look_up(const Entry& entry, int count, const T& at, Interpolation interpolation) {
     const float last = static_cast<float>(count - 1);
@@ -236,8 +236,8 @@ Brick<T> read_brick(const Instruction& i, const Registers<T>& r) {
             .squash_every = static_cast<int>(block[3])};
 }
 
-// The block is the number of rows, whether curves go on straight beyond their ends, where they begin
-// and end, then the rows.
+// The block is the number of rows, whether curves go on straight beyond their ends, where they
+// begin and end, then the rows.
 template <class T>
 T follow_curve(const float* block, int lanes, int lane, const T& a, Interpolation interpolation) {
     const int count = static_cast<int>(block[0]);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The terms that a surface is made of, one row each: which operands they have and what light does
-// there. Compilation, the search for casters and for glints read the row; the closures of a term are
-// built in evaluate.cpp.
+// there. Compilation, the search for casters and for glints read the row; the closures of a term
+// are built in evaluate.cpp.
 #pragma once
 
 #include <array>
@@ -36,7 +36,8 @@ enum class ClosureOp : uint8_t {  // operands after weight and normal
     count
 };
 
-// Operands of every term: its weight, a scalar, and its normal; without one it is the interpolated one.
+// Operands of every term: its weight, a scalar, and its normal; without one it is the interpolated
+// one.
 inline constexpr int kWeightOperand = 0, kNormalOperand = 1;
 
 // A part of a term that scatters light in one way: the operand that colours it, and without which
@@ -53,7 +54,8 @@ struct ClosureOpTraits {
     int8_t diffuse_roughness = kAbsent;
     int8_t straight = kAbsent;
     bool holds_out = false;  // a hole in the picture
-    // What facets do, around a normal and by an alpha: a delta where that is 0, on which chains turn.
+    // What facets do, around a normal and by an alpha: a delta where that is 0, on which chains
+    // turn.
     int8_t reflection = kAbsent, refraction = kAbsent;
     bool matched_index_is_black = false;  // an index of 1 reflects nothing
     bool weak = false;          // beside what lies below: it throws no blurred caustics of its own

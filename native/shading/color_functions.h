@@ -23,8 +23,8 @@ Vector3<T> rgb_to_hsv(const Vector3<T>& c) {
     return {hue, saturation, most};
 }
 
-// Each channel of full saturation and value, from 1 at its own hue to 0 beyond a third of the circle;
-// `h` counts sixths of it.
+// Each channel of full saturation and value, from 1 at its own hue to 0 beyond a third of the
+// circle; `h` counts sixths of it.
 template <class T>
 Vector3<T> pure_hue(const T& h) {
     const T one(1.0f), two(2.0f);

@@ -16,8 +16,8 @@ struct CoatOver {
     bool exists() const { return through != kNoExpr; }
 };
 
-// The grain of a brushed surface: its alpha along the tangent is `stretch` times that of the term, and
-// across it as many times less.
+// The grain of a brushed surface: its alpha along the tangent is `stretch` times that of the term,
+// and across it as many times less.
 struct Grain {
     ExprId stretch = kNoExpr, tangent = kNoExpr;  // kNoExpr: there is none
 
@@ -31,8 +31,8 @@ struct FilmOver {
     bool exists() const { return thickness != kNoExpr; }
 };
 
-// What goes on below the diffuse part of a term: its share, the radius in m, and (anisotropy, alpha,
-// index) of the medium and where light enters it.
+// What goes on below the diffuse part of a term: its share, the radius in m, and (anisotropy,
+// alpha, index) of the medium and where light enters it.
 struct BelowSurface {
     ExprId share = kNoExpr, radius = kNoExpr, entry = kNoExpr;  // kNoExpr: there is none
 

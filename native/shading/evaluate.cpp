@@ -348,8 +348,8 @@ private:
     void add(const ClosureInstruction& c, const Spectrum& weight, const ClosureKind& kind) {
         list_.add(weight, kind, point_.wo, stays_on_caster_normal(c));
     }
-    // Chains turn at the caster's normal, not at one that was bent for wo: such light is left to path
-    // tracing.
+    // Chains turn at the caster's normal, not at one that was bent for wo: such light is left to
+    // path tracing.
     bool stays_on_caster_normal(const ClosureInstruction& c) const {
         return c.on_caster_normal && glossy_normal(c) == normal(c);
     }

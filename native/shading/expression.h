@@ -54,8 +54,8 @@ public:
         return make(Op::affine, {vector}, 0, block({rows.begin(), rows.end()}));
     }
 
-    // The operation of these operands; an equal one if there is one, or its value if all it depends on
-    // is constant. `mode` and `index` are those of Expr.
+    // The operation of these operands; an equal one if there is one, or its value if all it depends
+    // on is constant. `mode` and `index` are those of Expr.
     ExprId make(Op op, std::vector<ExprId> in, uint8_t mode = 0, uint32_t index = 0);
     // Number of a block of constants, for operations that look something up.
     uint32_t block(const std::vector<float>& values);
@@ -69,7 +69,8 @@ public:
         return Vec3((*this)[id].value[0], (*this)[id].value[1], (*this)[id].value[2]);
     }
     const std::vector<float>& block_values(uint32_t block) const { return blocks_[block]; }
-    // How many derivatives a value has: as many as the operation with the fewest that it depends on.
+    // How many derivatives a value has: as many as the operation with the fewest that it depends
+    // on.
     int derivatives(ExprId id) const;
 
     // The bits of ProgramReads that a value depends on.

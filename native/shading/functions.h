@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Functions of single numbers that shading needs, over T = float or a dual. They hold everywhere: where
-// mathematics has no value they give Cycles' one, and derivatives that are not finite are 0.
+// Functions of single numbers that shading needs, over T = float or a dual. They hold everywhere:
+// where mathematics has no value they give Cycles' one, and derivatives that are not finite are 0.
 #pragma once
 
 #include "math/dual.h"
@@ -33,7 +33,8 @@ Dual<S> safe_acos(const Dual<S>& a) {
     const S s2 = S(1.0f) - a.v * a.v;
     return chain(a, safe_acos(a.v), value_of(s2) > 0.0f ? S(-1.0f) / S(sqrt(s2)) : S(0.0f));
 }
-// Product with a plain number. Without this the compiler must keep the products with its zero derivatives.
+// Product with a plain number. Without this the compiler must keep the products with its zero
+// derivatives.
 inline float times(float a, float s) { return a * s; }
 template <class S>
 Dual<S> times(const Dual<S>& a, float s) {
@@ -227,8 +228,8 @@ T smooth_min(const T& a, const T& b, const T& k) {
     return smaller(a, b) - h * h * h * k * T(1.0f / 6);
 }
 
-// Shares of the pictures on a box's sides, by the normal of what they are thrown on. Within a `blend`
-// of the edges two of them mix, at the corners all three.
+// Shares of the pictures on a box's sides, by the normal of what they are thrown on. Within a
+// `blend` of the edges two of them mix, at the corners all three.
 template <class T>
 Vector3<T> box_weights(const Vector3<T>& normal, const T& blend) {
     std::array<T, 3> n{absolute(normal.x), absolute(normal.y), absolute(normal.z)};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The hashes behind procedural textures, as in Blender, so that the same cells get the same numbers:
-// Jenkins' lookup3 of one to four words, and PCG of two to four, which Voronoi cells have since 5.0.
+// The hashes behind procedural textures, as in Blender, so that the same cells get the same
+// numbers: Jenkins' lookup3 of one to four words, and PCG of two to four, which Voronoi cells have
+// since 5.0.
 #pragma once
 
 #include <array>
@@ -110,8 +111,8 @@ std::array<float, 3> hash_color(const std::array<float, N>& k) {
                 hash_unit(k[3], k[2], k[1], k[0])};
 }
 
-// M. Jarzynski and M. Olano, "Hash Functions for GPU Rendering", JCGT 9(3), 2020; of signed words, as
-// Blender has it: shifts keep the sign, which is dropped at the end.
+// M. Jarzynski and M. Olano, "Hash Functions for GPU Rendering", JCGT 9(3), 2020; of signed words,
+// as Blender has it: shifts keep the sign, which is dropped at the end.
 template <size_t N, class Word>
 std::array<typename LikeWord<Word>::Floats, N> pcg_unit(const std::array<Word, N>& words) {
     static_assert(N >= 2 && N <= 4);

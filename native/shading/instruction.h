@@ -71,10 +71,12 @@ struct ClosureInstruction {
     bool on_caster_normal = false, on_slope_map = false;
     uint32_t operands = 0;         // as of an instruction
     Operand through = kNoOperand;  // what the coat above lets through, a colour; none: all
-    // Of a lobe that is stretched along a tangent, by a factor that the other axis lacks; none: it is round.
+    // Of a lobe that is stretched along a tangent, by a factor that the other axis lacks; none: it
+    // is round.
     Operand stretch = kNoOperand, tangent = kNoOperand;
     Operand film_thickness = kNoOperand, film_ior = kNoOperand;  // nm; none: there is no film
-    // Of a diffuse part of which a share goes on below: the share, the radius in m, and (anisotropy, alpha, index).
+    // Of a diffuse part of which a share goes on below: the share, the radius in m, and
+    // (anisotropy, alpha, index).
     Operand below_share = kNoOperand, below_radius = kNoOperand, below_entry = kNoOperand;
     // For a lobe on the slope map under a coat: the coat's (share, alpha, index), and its tint.
     Operand coat = kNoOperand, coat_tint = kNoOperand;

@@ -10,9 +10,9 @@
 
 namespace spc {
 
-// A table as a block of constants: the numbers of azimuths and polar angles, those angles (rad), and a row
-// of values over the polar angles for each azimuth. Azimuths go from 0 to 2 pi, both ends included, or
-// less far: it is dark beyond.
+// A table as a block of constants: the numbers of azimuths and polar angles, those angles (rad),
+// and a row of values over the polar angles for each azimuth. Azimuths go from 0 to 2 pi, both ends
+// included, or less far: it is dark beyond.
 class LightProfile {
 public:
     explicit LightProfile(const float* block)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Nodes whose option chooses an operation: Blender's names for them, one row each. An operation that
-// such a node is to have is a row here, one in operation.h and a case in run_arithmetic().
+// Nodes whose option chooses an operation: Blender's names for them, one row each. An operation
+// that such a node is to have is a row here, one in operation.h and a case in run_arithmetic().
 #pragma once
 
 #include <string_view>

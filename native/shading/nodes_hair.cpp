@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Shader nodes of hair, and what it tells of itself. The host makes tubes of strands, whose attributes are
-// called by the names below.
+// Shader nodes of hair, and what it tells of itself. The host makes tubes of strands, whose
+// attributes are called by the names below.
 #include "shading/node_table.h"
 #include "shading/nodes.h"
 

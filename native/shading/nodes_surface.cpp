@@ -26,8 +26,8 @@ ExprId alpha_of(NodeContext& node, ExprId roughness) {
 // Indices at and below zero mean nothing; Cycles' bound.
 ExprId ior_of(NodeContext& node, ExprId ior) { return node.e.maximum(ior, node.e.constant(1e-5f)); }
 
-// Along a socket's tangent, or around the object's axis, turned about the normal by a share of a whole
-// turn.
+// Along a socket's tangent, or around the object's axis, turned about the normal by a share of a
+// whole turn.
 Grain grain_of(NodeContext& node, ExprId stretch, ExprId normal, int tangent_socket,
                int turn_socket) {
     ExprBuilder& e = node.e;
@@ -183,7 +183,8 @@ void glossy(NodeContext& node, ExprId weight) {
     ClosureTerm lobe =
         term(node, phong ? ClosureOp::ashikhmin_shirley : ClosureOp::glossy, "",
              {weight, node.normal(kNormal), alpha, node.input(kColor)}, modes_of(node.option(0)));
-    // Cycles' bounds; a negative one stretches across the tangent what a positive one does along it.
+    // Cycles' bounds; a negative one stretches across the tangent what a positive one does along
+    // it.
     const ExprId bound = e.constant(0.99f), one = e.constant(1.0f);
     const ExprId anisotropy =
         e.make(Op::clamp, {node.input(kAnisotropy), e.constant(-0.99f), bound});
@@ -286,9 +287,9 @@ void subsurface(NodeContext& node, ExprId weight) {
 }
 
 // Layers from the top: Alpha over all, then sheen, the coat, then emission, then a mix of metal, of
-// glass, and of a dielectric's reflection over what is diffuse. The last pair divides light by the reflection's
-// albedo where it is evaluated. The coat's term comes last: where terms compete for what only one of
-// them gets, it is the weakest.
+// glass, and of a dielectric's reflection over what is diffuse. The last pair divides light by the
+// reflection's albedo where it is evaluated. The coat's term comes last: where terms compete for
+// what only one of them gets, it is the weakest.
 void principled(NodeContext& node, ExprId weight) {
     enum {
         kBaseColor,

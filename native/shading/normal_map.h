@@ -58,8 +58,8 @@ Vector3<T> map_normal(NormalSpace space, const T& strength, const Vector3<T>& co
 }
 
 // The normal of a surface that is raised by distance x height (m) along `n`, a unit normal on wo's
-// side, without being moved [Mikkelsen10]; strength blends between both. As with a normal map, it is
-// the relief of the front side that is seen from behind.
+// side, without being moved [Mikkelsen10]; strength blends between both. As with a normal map, it
+// is the relief of the front side that is seen from behind.
 template <class T>
 Vector3<T> bump_normal(const Vector3<T>& n, const Dual<T>& height, const T& strength,
                        const T& distance, const ShadingPoint<T>& point) {

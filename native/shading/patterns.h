@@ -117,7 +117,8 @@ T wave(const Wave<T>& w, const Vector3<T>& coordinates) {
 
 inline constexpr int kMostMagic = 10;  // turbulence
 
-// Waves that bend one another: each step replaces one of three by a wave of their sum or difference.
+// Waves that bend one another: each step replaces one of three by a wave of their sum or
+// difference.
 template <class T>
 Vector3<T> magic(int depth, const Vector3<T>& p, const T& scale, const T& distortion) {
     using std::cos, std::sin;

@@ -58,12 +58,12 @@ struct SpecularInterface {
     bool is_rough() const { return alpha > 0.0f; }
 };
 
-// What a SlopeMap's image holds: normals in tangent space for a Normal Map node, see map_normal(), or
-// heights for a Bump node, see bump_normal().
+// What a SlopeMap's image holds: normals in tangent space for a Normal Map node, see map_normal(),
+// or heights for a Bump node, see bump_normal().
 enum class Relief : uint8_t { normals, heights };
 
-// The map of a material whose narrow lobes may glint: a node that turns their normal, fed by an image
-// that a UV layer addresses by an affine map. Lobes with another normal are not part of it.
+// The map of a material whose narrow lobes may glint: a node that turns their normal, fed by an
+// image that a UV layer addresses by an affine map. Lobes with another normal are not part of it.
 struct SlopeMap {
     Relief relief = Relief::normals;
     uint32_t image = kNone;  // kNone: there is none
@@ -105,8 +105,8 @@ struct Material {
     bool moves_vertices = false;      // evaluate_displacement() has something to say
     DisplacementMode displacement = DisplacementMode::bump;
     bool has_smooth = false;  // some closure that is not a delta may exist (a possible receiver)
-    // Why it throws blurred caustics: a strong lobe that is narrow without being a delta. Empty if it
-    // has none.
+    // Why it throws blurred caustics: a strong lobe that is narrow without being a delta. Empty if
+    // it has none.
     std::string narrow_lobe;
     bool depends_on_ray = false;  // the surface, beyond its emission, reads a RayState
     BumpCorrection bump_correction = BumpCorrection::none;
@@ -155,7 +155,8 @@ float evaluate_value_aov(const Material& material, std::span<const Image> images
 Spectrum evaluate_background(const Material& material, std::span<const Image> images,
                              const Vec3& direction, const RayState& ray = {},
                              const ViewSpace& view = {});
-// The point at which a world is evaluated, seen along `direction`. `turned` is storage that it points to.
+// The point at which a world is evaluated, seen along `direction`. `turned` is storage that it
+// points to.
 ShadingPoint<float> background_point(const Material& material, const Vec3& direction,
                                      const RayState& ray, const ViewSpace& view, ViewSpace& turned);
 

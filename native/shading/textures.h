@@ -16,8 +16,8 @@ inline int mode_dimensions(uint8_t mode) { return (mode & 3) + 1; }
 inline FractalType mode_fractal(uint8_t mode) { return static_cast<FractalType>(mode >> 2 & 7); }
 inline bool mode_normalized(uint8_t mode) { return (mode & 32) != 0; }
 
-// The dimensions as of noise. Features that know no metric share the last numbers of a field of four
-// bits with those that do.
+// The dimensions as of noise. Features that know no metric share the last numbers of a field of
+// four bits with those that do.
 inline uint8_t voronoi_mode(int dimensions, VoronoiFeature feature, VoronoiMetric metric,
                             bool normalized, VoronoiHash hash) {
     const int f = static_cast<int>(feature), m = static_cast<int>(metric);

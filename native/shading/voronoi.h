@@ -138,8 +138,8 @@ struct Cell {
     Point<T, N> local;
 };
 
-// All cells up to `Reach` steps around one, x fastest, and their random numbers, which are found side by
-// side.
+// All cells up to `Reach` steps around one, x fastest, and their random numbers, which are found
+// side by side.
 template <size_t N, int Reach>
 class Neighbors {
 public:
@@ -345,8 +345,8 @@ T most_distance(const Voronoi<T>& v) {
     return times(distance(v, diagonal), v.feature == VoronoiFeature::f2 ? 2.0f : 1.0f);
 }
 
-// What octaves come to: distances and colours add up, or, of edges, the nearest one is kept, and the
-// position is blended from octave to octave.
+// What octaves come to: distances and colours add up, or, of edges, the nearest one is kept, and
+// the position is blended from octave to octave.
 template <class T, size_t N>
 struct Sum {
     VoronoiPoint<T, N> at;

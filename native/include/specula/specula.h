@@ -85,14 +85,14 @@ SPC_API spc_status spc_scene_create(spc_scene** scene);
 SPC_API void spc_scene_destroy(spc_scene* scene);
 
 /* Creates a scene that shares with `before`, which was made by this call and is committed, what it
- * keeps of it by the calls below and what follows from that: trees over geometry, tables of the world
- * and of glints. Its pictures are those of a scene by this call, without `before`, into which all has
- * been added anew, to the bit but for surfaces that coincide; one by spc_scene_create() has copies of
- * small meshes in one tree, and rounds otherwise. Here each instance has a tree of its own, which
- * takes a little longer to render and makes the next scene cheap. `before` may be NULL, for the first
- * of a series, and be destroyed at any time. Embree's threads are those of the first commit. The scene
- * keeps its light sheets while its camera moves. Errors: SPC_WRONG_STATE (`before` is not
- * committed). */
+ * keeps of it by the calls below and what follows from that: trees over geometry, tables of the
+ * world and of glints. Its pictures are those of a scene by this call, without `before`, into which
+ * all has been added anew, to the bit but for surfaces that coincide; one by spc_scene_create() has
+ * copies of small meshes in one tree, and rounds otherwise. Here each instance has a tree of its
+ * own, which takes a little longer to render and makes the next scene cheap. `before` may be NULL,
+ * for the first of a series, and be destroyed at any time. Embree's threads are those of the first
+ * commit. The scene keeps its light sheets while its camera moves. Errors: SPC_WRONG_STATE
+ * (`before` is not committed). */
 SPC_API spc_status spc_scene_edit(const spc_scene* before, spc_scene** scene);
 
 /* Adds what the scene before has at an index, as the calls that add do, but shares it. A material
@@ -201,17 +201,17 @@ typedef enum spc_glints { SPC_GLINTS_AUTO = 0, SPC_GLINTS_ON = 1, SPC_GLINTS_OFF
 
 /* What the output's socket "Displacement" does, which is in metres of the world. BUMP: it turns
  * normals, as a bump of the surface. VERTICES: it moves vertices, when the scene is committed and
- * once for each mesh with the same materials, as the first such instance stands. BOTH: vertices, and
- * the normals of the surface as it was. */
+ * once for each mesh with the same materials, as the first such instance stands. BOTH: vertices,
+ * and the normals of the surface as it was. */
 typedef enum spc_displacement {
     SPC_DISPLACEMENT_BUMP = 0,
     SPC_DISPLACEMENT_VERTICES = 1,
     SPC_DISPLACEMENT_BOTH = 2
 } spc_displacement;
 
-/* What is done where shading normals disagree with the surface: with reflections that would go below
- * it, and at the edge between light and shadow. NONE: nothing. SMOOTHED: as in Cycles of Blender 3.4.
- * MICROFACET: as in that of 5.0. */
+/* What is done where shading normals disagree with the surface: with reflections that would go
+ * below it, and at the edge between light and shadow. NONE: nothing. SMOOTHED: as in Cycles of
+ * Blender 3.4. MICROFACET: as in that of 5.0. */
 typedef enum spc_bump_correction {
     SPC_BUMP_CORRECTION_NONE = 0,
     SPC_BUMP_CORRECTION_SMOOTHED = 1,
@@ -282,8 +282,9 @@ typedef struct spc_material_needs {
 SPC_API spc_status spc_scene_material_needs(spc_scene* scene, uint32_t material_index,
                                             spc_material_needs* needs);
 
-/* Says, before commit, what a material emits: `mean` (float[3]) is its emission with the means of what
- * varies over a surface, and `varies` is 1 if anything does. Errors: SPC_WRONG_STATE (after commit). */
+/* Says, before commit, what a material emits: `mean` (float[3]) is its emission with the means of
+ * what varies over a surface, and `varies` is 1 if anything does. Errors: SPC_WRONG_STATE (after
+ * commit). */
 SPC_API spc_status spc_scene_material_emission(spc_scene* scene, uint32_t material_index,
                                                float* mean, uint32_t* varies);
 
@@ -440,8 +441,8 @@ typedef struct spc_light_desc {
     /* 0: walks, light sheets and light paths ignore it; its caustics are left to path tracing */
     uint32_t feeds_caustics;
     uint32_t soft_falloff; /* point, spot; 1: a disk that faces what it lights, not a sphere */
-    /* Material whose emission is a factor of the light by point and direction, or SPC_NONE: as it is.
-     * Object space is the light's; a sun is seen at the unit vector along its light. */
+    /* Material whose emission is a factor of the light by point and direction, or SPC_NONE: as it
+     * is. Object space is the light's; a sun is seen at the unit vector along its light. */
     uint32_t material;
     const char* light_group; /* NULL or "": none */
 } spc_light_desc;
@@ -630,13 +631,13 @@ typedef struct spc_render_settings {
     /* sum of 1 << spc_pass: what is kept beside Combined, Variance and Sample Count, which always
      * are */
     uint64_t passes;
-    /* Names of spc_custom_pass, a line each, at most 256 and all different; NULL or empty: none. AOVs
-     * are what nodes `aov_output` of that name write. */
+    /* Names of spc_custom_pass, a line each, at most 256 and all different; NULL or empty: none.
+     * AOVs are what nodes `aov_output` of that name write. */
     const char* light_groups;
     const char* color_aovs;
     const char* value_aovs;
-    /* An AOV adds up what the surfaces that the camera sees write, up to the first whose alpha is at
-     * least so large, [0, 1]. */
+    /* An AOV adds up what the surfaces that the camera sees write, up to the first whose alpha is
+     * at least so large, [0, 1]. */
     float pass_alpha_threshold;
     /* Of SPC_PASS_MIST: a power of the distance from the camera beyond `mist_start` over
      * `mist_depth`, m, >= 0. */
@@ -811,16 +812,17 @@ SPC_API const char* spc_passes(void);
  * too). */
 SPC_API spc_status spc_film_read(spc_session* session, uint32_t pass, float* buffer, size_t count);
 
-/* Copies two ranks of Cryptomatte, those from 2 * `level` on, of one spc_crypto: float[crop height][crop
- * width][4], bottom row first: identifier, share of the pixel, identifier, share; the largest shares
- * first. `count` as in spc_film_read. Errors: SPC_INVALID_ARGUMENT (it was not asked for). */
+/* Copies two ranks of Cryptomatte, those from 2 * `level` on, of one spc_crypto: float[crop
+ * height][crop width][4], bottom row first: identifier, share of the pixel, identifier, share; the
+ * largest shares first. `count` as in spc_film_read. Errors: SPC_INVALID_ARGUMENT (it was not asked
+ * for). */
 SPC_API spc_status spc_film_read_crypto(spc_session* session, uint32_t kind, uint32_t level,
                                         float* buffer, size_t count);
 
-/* ---- sums: what a render has accumulated, to divide its samples among processes, to keep them, and to
- * go on. Sums of parts (spc_render_settings.total_samples) add up to those of one render, to the
- * bit. They are bytes of this machine's order, for this version of the library alone; the caller
- * knows of which scene and samples they are. */
+/* ---- sums: what a render has accumulated, to divide its samples among processes, to keep them,
+ * and to go on. Sums of parts (spc_render_settings.total_samples) add up to those of one render, to
+ * the bit. They are bytes of this machine's order, for this version of the library alone; the
+ * caller knows of which scene and samples they are. */
 
 typedef struct spc_sums {
     size_t struct_size;

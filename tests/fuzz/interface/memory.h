@@ -6,8 +6,8 @@
 
 namespace spc::fuzz {
 
-// From now on one of the library's own allocations by `new` fails: the one after so many. What Embree
-// and the standard library's binary allocate never does.
+// From now on one of the library's own allocations by `new` fails: the one after so many. What
+// Embree and the standard library's binary allocate never does.
 void fail_allocation_after(int64_t count);
 void stop_failing();
 

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Runs random scenes, each in a child process, and tells which ones end it, hang or break what the renderer
-// promises, with the smallest part of the scene that still does.
+// Runs random scenes, each in a child process, and tells which ones end it, hang or break what the
+// renderer promises, with the smallest part of the scene that still does.
 //   specula_scenes [--seed N] [--count N | --cpu-seconds N | --minutes N] [--quiet 1] [--shrink 0]
 //   specula_scenes --seed N --count 1 --without PART,PART --check NAME   (as it prints)
 //   specula_scenes --suite 1                                              (of the tests)
-//   specula_scenes --with-bias 1 ...    (which finds that MNEE_BIASED is not PT, as often as samples tell)
+//   specula_scenes --with-bias 1 ...    (which finds that MNEE_BIASED is not PT, as often as
+//   samples tell)
 #include "process.h"
 #include "scenes/checks.h"
 #include "support/power.h"

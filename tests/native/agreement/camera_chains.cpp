@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Lamps that the camera sees in casters, for every caster, light and camera: chains from the camera find
-// them beside path tracing. It has to find them often enough, so they are some pixels wide.
+// Lamps that the camera sees in casters, for every caster, light and camera: chains from the camera
+// find them beside path tracing. It has to find them often enough, so they are some pixels wide.
 #include "agreement/parts.h"
 
 namespace spc::test {

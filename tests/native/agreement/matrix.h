@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// One matrix of casters, lights, receivers and cameras: in each of its rows every method has to make the
-// picture that brute force makes. Other files of this folder hold the rows, a table each.
+// One matrix of casters, lights, receivers and cameras: in each of its rows every method has to
+// make the picture that brute force makes. Other files of this folder hold the rows, a table each.
 #pragma once
 
 #include "integrator/pictures.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Lights so small that path tracing is blind: the manifold alone against light paths alone, for each
-// kind of chain.
+// Lights so small that path tracing is blind: the manifold alone against light paths alone, for
+// each kind of chain.
 #include "agreement/parts.h"
 #include "integrator/chain_cases.h"
 
@@ -11,9 +11,9 @@ namespace {
 
 constexpr Method kSheetsAlone{"sheets", true, false, ChainFinder::sheets};
 
-// Half of the floor's side that the camera sees, m: the mirror lights a narrow part. Where casters are
-// much larger than what the camera sees of their light, light paths have rare bright splats that their
-// sample variance does not know of.
+// Half of the floor's side that the camera sees, m: the mirror lights a narrow part. Where casters
+// are much larger than what the camera sees of their light, light paths have rare bright splats
+// that their sample variance does not know of.
 constexpr float kNarrow = 0.3f, kWide = 0.9f;
 Part camera_above(float half_view) {
     constexpr float kHeight = 3.0f;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Closures without Smith facets: what they are sampled by, how much they scatter, and the formulas of
-// their papers in terms of angles, in double.
+// Closures without Smith facets: what they are sampled by, how much they scatter, and the formulas
+// of their papers in terms of angles, in double.
 #include "bsdf/closure.h"
 #include "math/warp.h"
 #include "support/chi_square.h"
@@ -154,7 +154,8 @@ TEST(Diffuse, RoughSurfacesMatchThePaper) {
                 }
 }
 
-// [Ashikhmin00] with both exponents alike: the half-vector's density is that of a power of its cosine.
+// [Ashikhmin00] with both exponents alike: the half-vector's density is that of a power of its
+// cosine.
 TEST(Diffuse, PhongLobesMatchThePaper) {
     const Frame frame = Frame::around(kNormal);
     for (const double alpha : {0.1, 0.5})

@@ -100,8 +100,8 @@ TEST(Hair, AClearFibreKeepsAllLight) {
             }
 }
 
-// The ray through a circle of index eta, bent at its wall by Snell's law: reflected, let through and sent back
-// it leaves in these directions, in which a smooth fibre's lobes have their peaks.
+// The ray through a circle of index eta, bent at its wall by Snell's law: reflected, let through
+// and sent back it leaves in these directions, in which a smooth fibre's lobes have their peaks.
 TEST(Hair, LobesPointWhereRaysThroughACircleGo) {
     const float eta = 1.55f;
     for (const float h : {-0.7f, -0.2f, 0.4f}) {
@@ -111,7 +111,8 @@ TEST(Hair, LobesPointWhereRaysThroughACircleGo) {
         float f = facet::dielectric(std::cos(gamma), eta);
         float share = f;
         for (int p = 0; p < 3; ++p) {
-            // Where it leaves the circle, turned by each of the chords that it has gone, and bent out again.
+            // Where it leaves the circle, turned by each of the chords that it has gone, and bent
+            // out again.
             const float phi = -gamma + float(p) * (kPi + 2 * gamma_t) - gamma;
             const Vec3 peak = y * std::cos(phi) + z * std::sin(phi);
             Vec3 aside = y * std::cos(phi + 0.15f) + z * std::sin(phi + 0.15f);

@@ -20,7 +20,8 @@ Vec3 tilted(double degrees) {
 
 float mirrored_height(const Vec3& n, const Vec3& wo) { return 2.0f * dot(n, wo) * n.z - wo.z; }
 
-// The mirrored direction leaves the surface, just, and by the smallest turn in the plane of both normals.
+// The mirrored direction leaves the surface, just, and by the smallest turn in the plane of both
+// normals.
 TEST(Terminator, BentNormalsMirrorAboveTheSurface) {
     Uniforms uniforms(3);
     int bent = 0;

@@ -14,7 +14,8 @@ namespace {
 using Complex = std::complex<double>;
 
 // What a film of index `film` and thickness d (nm) on an index `below`, seen from an index `above`,
-// reflects of one wavelength: amplitudes of all reflections in it summed in closed form [BornWolf99 Sec. 1.6].
+// reflects of one wavelength: amplitudes of all reflections in it summed in closed form [BornWolf99
+// Sec. 1.6].
 double at_wavelength(double wavelength, double cos_1, double above, double film, double d,
                      Complex below) {
     const Complex n1 = above, n2 = film, n3 = below;
@@ -32,8 +33,8 @@ double at_wavelength(double wavelength, double cos_1, double above, double film,
     return 0.5 * (s + p);
 }
 
-// A bound of what the terms of the series after the third come to: a geometric series in what both sides
-// reflect.
+// A bound of what the terms of the series after the third come to: a geometric series in what both
+// sides reflect.
 double neglected(double cos_1, double film, double below) {
     const double cos_2 = std::sqrt(1 - (1 - cos_1 * cos_1) / (film * film));
     const double sine = std::sqrt(1 - cos_1 * cos_1) / below;

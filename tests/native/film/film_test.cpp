@@ -366,8 +366,8 @@ TEST(FilmOfLightPaths, VarianceIsThatOfThePicture) {
     EXPECT_TRUE(test::is_mean(told, variance, significance, 3e-3 * variance));
 }
 
-// Each source has its own number of estimates: one that never varies has no variance beside another.
-// Camera chains are no caustics.
+// Each source has its own number of estimates: one that never varies has no variance beside
+// another. Camera chains are no caustics.
 TEST(FilmOfCameraChains, AreApartFromLightPaths) {
     const PixelFilter box(FilterKind::box, 1.0f);
     const std::vector<Splat> steady(64, Splat{{0.5f, 0.5f}, Spectrum(0.25f)}),

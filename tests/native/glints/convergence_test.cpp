@@ -157,8 +157,9 @@ Measured measure(Setting setting, uint32_t samples, GlintsMode mode = GlintsMode
     return m;
 }
 
-// Where a pixel covers a 16th of a square texel, where the search may not look at each of the cells any
-// more and where it looks at a set number of them, and where a footprint reaches a million texels.
+// Where a pixel covers a 16th of a square texel, where the search may not look at each of the cells
+// any more and where it looks at a set number of them, and where a footprint reaches a million
+// texels.
 constexpr double kBegins = 0.937 / 4, kCoarser = 28.3, kCoarse = 40.0, kEnds = 5.85e5;
 const std::vector<double> kWidths{
     0.5,   1.0,   2.0, 5.0, 20.0,         0.99 * kCoarser, 1.01 * kCoarser, 1.01 * kCoarse,

@@ -60,8 +60,9 @@ RenderScene pixel_of(Near near, double share, int pixel, GlintsMode mode) {
     return maker.finish();
 }
 
-// Over all pixels, relative to their mean: the root mean square of what a pixel is too bright or too
-// dark, and the deviation of the pixels themselves; and the mean's own difference with its error.
+// Over all pixels, relative to their mean: the root mean square of what a pixel is too bright or
+// too dark, and the deviation of the pixels themselves; and the mean's own difference with its
+// error.
 struct Difference {
     double rms, contrast, mean, error;
 };

@@ -435,7 +435,8 @@ TEST(Footprint, LobeIsAShareOfTheSpreadOfDirections) {
             std::optional<ClosureSample> next =
                 sample(first.closures, first.ng, first.wo, uniforms.three());
             if (!next) continue;
-            // A hundredth of a radian around the middle; its coordinates are from [-sqrt(3), sqrt(3)].
+            // A hundredth of a radian around the middle; its coordinates are from [-sqrt(3),
+            // sqrt(3)].
             if (next->kind == BounceKind::diffuse) {
                 const Vec2 u = (uniforms.two() - Vec2(0.5f)) * (2.0f * std::sqrt(3.0f) * 0.01f);
                 next->wi = normalize(middle->wi + around.x * u.x + around.y * u.y);

@@ -77,8 +77,8 @@ std::function<void(SceneMaker&)> lamp(LightType type, float radius) {
     };
 }
 
-// A world from an image: grey, with a bright spot or without, or a third of it alone. An even one is
-// left to closures, the others are sampled as lights.
+// A world from an image: grey, with a bright spot or without, or a third of it alone. An even one
+// is left to closures, the others are sampled as lights.
 std::function<void(SceneMaker&)> sky(float spot, bool third = false) {
     return [=](SceneMaker& maker) {
         constexpr uint32_t kWidth = 64, kHeight = 32;
@@ -164,8 +164,8 @@ std::vector<Case> bump_cases() {
               }}}};
 }
 
-// Over paint without a reflection of its own; over metal on the same map, which the tinted coat dims
-// by the normal of each place; and flat over metal that glints.
+// Over paint without a reflection of its own; over metal on the same map, which the tinted coat
+// dims by the normal of each place; and flat over metal that glints.
 std::vector<Case> coat_cases() {
     const Image bumps = test::plane_normals(128, 4.0 / 128, 0.2, 5);
     const auto mapped = [](float metallic, float ior, float coat_roughness, bool coat_mapped) {

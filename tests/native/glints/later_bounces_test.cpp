@@ -234,8 +234,8 @@ WithLightPaths with_light_paths(const RenderScene& world, uint32_t samples, uint
 
 // Where light paths find what a rough caster throws on, they share it with path tracing by the
 // normal of a point: glints would be in the picture twice. They come by way of casters, too, and
-// past none that are not. What the camera comes to densely, which is here the floor that the ceiling
-// faces, they leave to glints.
+// past none that are not. What the camera comes to densely, which is here the floor that the
+// ceiling faces, they leave to glints.
 TEST(LaterGlintsSlow, LeaveToLightPathsWhatTheyFind) {
     constexpr uint32_t kSamples = 120000, kLightPaths = 8;
     constexpr double kSome = 2.95, kAll = std::numeric_limits<double>::infinity();

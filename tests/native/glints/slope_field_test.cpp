@@ -20,7 +20,8 @@ SlopeField field_of(const Map& map) {
     return *SlopeField::of_normals(map.image, map.strength, 2);
 }
 
-// Sizes that are powers of two and that are not; floats, bytes and one channel; normals and heights.
+// Sizes that are powers of two and that are not; floats, bytes and one channel; normals and
+// heights.
 std::vector<Map> maps() {
     const auto noise = [](uint32_t width, uint32_t height, float steepest) {
         test::Uniforms uniforms(width);

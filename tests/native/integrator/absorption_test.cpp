@@ -136,8 +136,8 @@ TEST(Absorption, IsCompleteOnTheWayToInfinity) {
 
 // ---- light that a vertex connects to
 
-// A floor at z = 0 under a lamp at `height`, with a block whose top is at `top` down to the floor or
-// below it.
+// A floor at z = 0 under a lamp at `height`, with a block whose top is at `top` down to the floor
+// or below it.
 RenderScene floor_in_a_block(float top, float bottom, float height, const Graph& graph) {
     SceneMaker maker;
     maker.add(test::square(2.5f), test::diffuse(0.5f));
@@ -185,8 +185,8 @@ RenderScene floor_in_water(const Graph& water, float radius) {
     return maker.finish();
 }
 
-// The only chain goes straight up. Whether walks find it, and after how many trials, does not depend
-// on what is absorbed.
+// The only chain goes straight up. Whether walks find it, and after how many trials, does not
+// depend on what is absorbed.
 TEST(Absorption, OfAChain) {
     const Graph water = test::glass(1.33f);
     const RenderScene clear = floor_in_water(water, 0.0f),

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Lights that the camera sees in casters, by chains from the camera beside path tracing, in closed form.
+// Lights that the camera sees in casters, by chains from the camera beside path tracing, in closed
+// form.
 #include "integrator/camera_chains.h"
 
 #include "integrator/pictures.h"
@@ -67,8 +68,8 @@ TEST(CameraChains, OfASphereInAMirrorAreInClosedForm) {
     }
 }
 
-// Between two mirrors, seen down a row of pictures: the one behind n reflections, the floor's first,
-// lies n below for odd n, for a distance of 1 between them.
+// Between two mirrors, seen down a row of pictures: the one behind n reflections, the floor's
+// first, lies n below for odd n, for a distance of 1 between them.
 TEST(CameraChains, BetweenMirrorsAreInClosedFormForAllReflections) {
     constexpr float kRadius = 0.003f;
     constexpr uint32_t kMost = kLongestChain, kMiddle = 9;

@@ -95,8 +95,8 @@ double fresnel(double sin_i, double ior) {
     return 0.5 * (s * s + p * p);
 }
 
-// Where light from straight above goes that passes the centre at a distance of b radii, and how much
-// of it.
+// Where light from straight above goes that passes the centre at a distance of b radii, and how
+// much of it.
 struct Landing {
     double r;  // on the floor, from the axis; infinite where it never gets there
     double share;

@@ -111,8 +111,8 @@ TEST(DirectLight, EmissiveMeshByQuadrature) {
     expect_irradiance(maker.finish(), irradiance, "emissive square");
 }
 
-// A mesh of many panels, here a street of them, is as good as a mesh for each panel: what is near counts,
-// not what has the most area. Drawn by area alone they have 25 times the variance.
+// A mesh of many panels, here a street of them, is as good as a mesh for each panel: what is near
+// counts, not what has the most area. Drawn by area alone they have 25 times the variance.
 TEST(DirectLight, PlacesOfAMeshAreAsGoodAsMeshes) {
     constexpr uint32_t kPanels = 60;
     const auto street = [](bool joined) {
@@ -180,8 +180,8 @@ TEST(DirectLight, FallsFasterThanIndependentSamples) {
             return pixels.standard_error() * pixels.standard_error();
         };
         const double ratio = variance(16) / variance(64);
-        // Known to a tenth. Roulette after the first bounce left 8 without a sun, densities constant
-        // over texels 5 with one.
+        // Known to a tenth. Roulette after the first bounce left 8 without a sun, densities
+        // constant over texels 5 with one.
         EXPECT_GT(ratio, sun > 0.0f ? 7.0 : 12.0) << "sun " << sun;
     }
 }
@@ -386,8 +386,8 @@ TEST(Holdout, IsAHoleWhereTheCameraSeesItAndNowhereElse) {
     EXPECT_NEAR(mirrored.radiance.mean(), 3.0, 1e-5);
 }
 
-// A scene far from the origin is lit as the same scene at the origin: glowing triangles do not block
-// themselves, nor the floor itself. All vertices are numbers that both places can tell.
+// A scene far from the origin is lit as the same scene at the origin: glowing triangles do not
+// block themselves, nor the floor itself. All vertices are numbers that both places can tell.
 TEST(DirectLight, EmissiveMeshFarFromTheOrigin) {
     const auto lit_at = [](const Vec3& place) {
         SceneMaker maker;

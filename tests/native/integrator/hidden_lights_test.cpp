@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Lights that something hides from close by: what stands before them, what they lie in, and what they
-// shine through.
+// Lights that something hides from close by: what stands before them, what they lie in, and what
+// they shine through.
 #include "integrator/pictures.h"
 
 namespace spc::test {
@@ -57,7 +57,8 @@ TEST(HiddenLights, APlateCloseBeforeThemLeavesNothing) {
             }
 }
 
-// A lamp whose light comes to the floor by a mirror, with a plate close before the one or the other.
+// A lamp whose light comes to the floor by a mirror, with a plate close before the one or the
+// other.
 enum class Plate { none, before_lamp, before_mirror };
 RenderScene mirrored(const Light& light, Plate plate) {
     constexpr float kGap = 3e-5f;
@@ -101,9 +102,9 @@ TEST(HiddenLights, NoChainGoesThroughAPlateCloseBeforeItsEnds) {
     }
 }
 
-// Next event estimation looks through everything for a lamp without shadow. Behind casters rays alone
-// come to it, and casters themselves stand in the way of chains that would leave them through their
-// other side.
+// Next event estimation looks through everything for a lamp without shadow. Behind casters rays
+// alone come to it, and casters themselves stand in the way of chains that would leave them through
+// their other side.
 TEST(HiddenLightsSlow, LampsWithoutShadowAreTheSameForAllMethodsBehindCasters) {
     struct Case {
         const char* name;

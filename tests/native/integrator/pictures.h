@@ -108,8 +108,8 @@ private:
         if (method.camera_chains == CameraChainUse::searched) leave_searches_alone(*camera_chains_);
         settings.camera_chains = &*camera_chains_;
     }
-    // In the place of all chain seeds one that comes to nothing, and so many searches that they have their
-    // share beside rays, which find the lamps of tests easily.
+    // In the place of all chain seeds one that comes to nothing, and so many searches that they
+    // have their share beside rays, which find the lamps of tests easily.
     static void leave_searches_alone(CameraChains& camera_chains) {
         camera_chains.searches = 16.0;
         for (std::vector<ChainSeed>& chain_seeds : camera_chains.chain_seeds) {

@@ -209,8 +209,8 @@ double sum_of_rough_chain(const Bench& bench, const Traced& path) {
            left_there * by_walks->manifold / by_walks->sum();
 }
 
-// ---- light that comes straight to a rough caster, and by way of deltas from there to the floor: path
-// tracing, next event estimation, light paths
+// ---- light that comes straight to a rough caster, and by way of deltas from there to the floor:
+// path tracing, next event estimation, light paths
 
 std::optional<double> sum_of_thrown_on(const Bench& bench, const Traced& path) {
     const Scene& scene = bench.scene();

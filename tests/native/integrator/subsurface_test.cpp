@@ -29,8 +29,8 @@ RenderScene ball_of(const Graph& graph) {
 const Ray kFromAbove{Vec3(0.1f, 0.2f, 4.0f), Vec3(0, 0, -1), 0.0f, kInfinity};
 
 // The walk's weight, times the colour, is the reflectance of a diffuse surface of that colour: the
-// medium is chosen so, to some percent, for light that enters as from one. Light that enters through
-// facets goes deeper, which shows where the medium scatters forward.
+// medium is chosen so, to some percent, for light that enters as from one. Light that enters
+// through facets goes deeper, which shows where the medium scatters forward.
 TEST(Subsurface, ReflectsItsColour) {
     const Vec3 color(0.9f, 0.5f, 0.2f);
     for (const std::string method :
@@ -77,7 +77,8 @@ TEST(Subsurface, WhiteLosesNothing) {
     EXPECT_LT(found.radiance.mean(), 1.0 + 4 * found.radiance.standard_error());
 }
 
-// Light comes as far as the medium lets it: the mean distance of the channels goes like their radii.
+// Light comes as far as the medium lets it: the mean distance of the channels goes like their
+// radii.
 TEST(Subsurface, ComesAsFarAsItsRadius) {
     const RenderScene world = ball_of(skin(Vec3(0.7f), "RANDOM_WALK_FIXED_RADIUS"));
     const Scene& scene = *world.scene;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Single paths of light as path tracing comes upon them, and as each other technique describes them.
+// Single paths of light as path tracing comes upon them, and as each other technique describes
+// them.
 #pragma once
 
 #include "integrator/history.h"
@@ -60,7 +61,8 @@ struct Traced : Stretch {
 
 class Bench {
 public:
-    // With sheets there are some `emission_cells` parts of them: the fewer there are, the more they miss.
+    // With sheets there are some `emission_cells` parts of them: the fewer there are, the more they
+    // miss.
     Bench(SceneMaker& maker, ChainFinder finder, uint32_t emission_cells)
         : Bench(maker.finish(), finder, emission_cells) {}
     Bench(RenderScene world, ChainFinder finder, uint32_t emission_cells)
@@ -277,8 +279,8 @@ inline std::optional<ByManifold> by_manifold(const Bench& bench, const Traced& p
 }
 
 // What a light path makes of it that leaves the light for its last vertex. Its rays meet the path's
-// vertices but for rounding, which is not to be told from a wrong record next to folds: the record is
-// of the path's own. Empty where rounding leads it elsewhere.
+// vertices but for rounding, which is not to be told from a wrong record next to folds: the record
+// is of the path's own. Empty where rounding leads it elsewhere.
 inline std::optional<CausticDensities> by_light(const Bench& bench, const Traced& path, float wrong) {
     const Scene& scene = *bench.world().scene;
     const Vec3 away = leaving(path.y, path.corners.back());

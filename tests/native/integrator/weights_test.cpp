@@ -13,13 +13,13 @@ namespace {
 struct Weighed {
     double deviation;           // of the sum of all weights from one
     double deviation_if_wrong;  // where a light path's record differs by a hundredth
-    // What light tracing and the manifold multiply its light with, over 1 / (p_bsdf prod P): at most,
-    // and if the manifold's own density alone divided it.
+    // What light tracing and the manifold multiply its light with, over 1 / (p_bsdf prod P): at
+    // most, and if the manifold's own density alone divided it.
     double scale, scale_of_manifold_alone;
     bool missed;  // by sheets
 };
-// By the number of smooth vertices and of interactions; of paths that turn between smooth vertices, all
-// together with 0.
+// By the number of smooth vertices and of interactions; of paths that turn between smooth vertices,
+// all together with 0.
 using Paths = std::map<std::array<size_t, 2>, std::vector<Weighed>>;
 
 std::optional<Weighed> weigh(const Bench& bench, const Traced& path) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Shots and light sheets against chains that closures made: whatever light takes through casters, by
-// the closures' own sampling, must be found from the receiver.
+// Shots and light sheets against chains that closures made: whatever light takes through casters,
+// by the closures' own sampling, must be found from the receiver.
 #include "manifold/shooting.h"
 
 #include "light/bench.h"

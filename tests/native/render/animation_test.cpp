@@ -84,8 +84,8 @@ double steadiness(Turning turning, GlintsMode mode, uint32_t samples, Seeds seed
 }
 
 // Path tracing with one seed meets the same points of the map in each frame, so even its noise
-// changes no faster than the map. What glints lose against it is flicker; with a seed for each frame
-// all of their noise is. With random numbers in the order of the search a tenth of it was.
+// changes no faster than the map. What glints lose against it is flicker; with a seed for each
+// frame all of their noise is. With random numbers in the order of the search a tenth of it was.
 TEST(AnimationSlow, GlintsDoNotFlicker) {
     constexpr double kFlicker = 0.03;  // of the noise, from one frame to the next
     for (const Turning turning : {Turning::camera, Turning::sun}) {

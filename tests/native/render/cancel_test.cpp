@@ -24,8 +24,8 @@ double processor_seconds() {
     return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-// Water with waves of all heights over a floor, 2 m wide, under a sun that is wide enough for several
-// sheets. The camera looks down at it.
+// Water with waves of all heights over a floor, 2 m wide, under a sun that is wide enough for
+// several sheets. The camera looks down at it.
 RenderScene pool() {
     constexpr uint32_t kCells = 256;
     constexpr float kFloor = 2.0f, kDeep = 1.0f;

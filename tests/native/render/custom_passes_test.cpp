@@ -39,8 +39,8 @@ Graph writing(Graph graph, const std::string& name, const Vec3& color, float val
 
 const Vec3 kFloorColor(0.1f, 0.2f, 0.3f), kSkyColor(0.7f, 0.0f, 0.5f);
 
-// A floor under a mirror and a ball of glass; `lights`: which of two lamps, a glowing square and the
-// sky there are.
+// A floor under a mirror and a ball of glass; `lights`: which of two lamps, a glowing square and
+// the sky there are.
 RenderScene scene_of(const std::vector<std::string>& lights) {
     SceneMaker maker;
     const auto has = [&](const char* group) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What comes before a render's first sample: its stages, their budgets, and which casters are searched.
+// What comes before a render's first sample: its stages, their budgets, and which casters are
+// searched.
 #include "render/session.h"
 
 #include "manifold/crowding.h"
@@ -19,8 +20,8 @@ using namespace std::chrono_literals;
 
 constexpr uint32_t kSide = 32, kSeed = 3;
 
-// A floor that the camera looks down at beside a standing mirror, 1 m wide, with the map over it once,
-// under a sun. The map has slopes of 0.1 in waves of `wave` m.
+// A floor that the camera looks down at beside a standing mirror, 1 m wide, with the map over it
+// once, under a sun. The map has slopes of 0.1 in waves of `wave` m.
 RenderScene beside_a_mirror(double wave, float sun_angle = 0.05f) {
     constexpr float kHalf = 0.5f;
     constexpr uint32_t kTexels = 512;
@@ -154,8 +155,8 @@ TEST(Crowding, OnlyFineMapsAreLeftToOthers) {
     }
 }
 
-// A sun without extent is found by the manifold and light paths alone, and light paths do not come to what is
-// seen in mirrors: nothing may be left out.
+// A sun without extent is found by the manifold and light paths alone, and light paths do not come
+// to what is seen in mirrors: nothing may be left out.
 TEST(Crowding, NothingIsLeftOutThatRaysDoNotFind) {
     for (const double wave : {0.2, 0.015}) {
         const RenderScene world = beside_a_mirror(wave, 0.0f);
@@ -167,8 +168,9 @@ TEST(Crowding, NothingIsLeftOutThatRaysDoNotFind) {
     }
 }
 
-// What the manifold leaves out, on crowded casters or where light paths are dense, they and path tracing find:
-// the mean of the picture is that of path tracing, and a hundredth more would be noticed.
+// What the manifold leaves out, on crowded casters or where light paths are dense, they and path
+// tracing find: the mean of the picture is that of path tracing, and a hundredth more would be
+// noticed.
 TEST(CrowdingSlow, WhatIsLeftOutIsFound) {
     struct Case {
         double wave;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A session with light paths: what it promises of its image, its ends, and the probabilities that it
-// gives to manifold estimates.
+// A session with light paths: what it promises of its image, its ends, and the probabilities that
+// it gives to manifold estimates.
 #include "render/session.h"
 
 #include "core/error.h"

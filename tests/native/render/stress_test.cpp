@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where light tracing or sheets might do harm: sessions with and without have the same mean, with them
-// no brighter outliers, at little more work.
+// Where light tracing or sheets might do harm: sessions with and without have the same mean, with
+// them no brighter outliers, at little more work.
 #include "render/session.h"
 
 #include "support/casters.h"
@@ -71,8 +71,8 @@ struct Pictures {
     }
 };
 
-// Chains of several vertices are path tracing's alone without light tracing: so rare and bright that
-// no mean of these samples knows of them.
+// Chains of several vertices are path tracing's alone without light tracing: so rare and bright
+// that no mean of these samples knows of them.
 constexpr BounceLimits kAll{}, kShortChains{4, 2, 1, 1, 8};
 
 struct Method {
@@ -269,7 +269,8 @@ TEST(LightTracingStressSlow, ACasterThatFillsTheView) {
                    test::translation({0.0f, 0.0f, 0.5f}), casters);
         add_bulb(m, {0.5f, 0.8f, 2.5f}, 0.05f, 100.0f);
     };
-    // From above all is seen through it, lamps too, which sheets always find; from below lit through it.
+    // From above all is seen through it, lamps too, which sheets always find; from below lit
+    // through it.
     SceneMaker above;
     build(above, 2.0f, kVisibleAll);
     const RenderScene world = above.finish();

@@ -28,7 +28,8 @@ Mesh triangle_soup(uint64_t seed, int count, float extent, float size) {
 constexpr uint32_t kVisibilities[] = {kVisibleAll, kVisibleCamera, kVisibleShadow | kVisibleDiffuse,
                                       kVisibleGlossy, 0u};
 
-// Whether meshes keep trees of their own, of which instances are made, or all is in the scene's tree.
+// Whether meshes keep trees of their own, of which instances are made, or all is in the scene's
+// tree.
 class Trees : public ::testing::TestWithParam<bool> {};
 INSTANTIATE_TEST_SUITE_P(OfMeshes, Trees, ::testing::Bool());
 

@@ -10,8 +10,8 @@ Kind kind_of(const ClosureList& list, int i) {
     return std::get<Kind>(list.closures[static_cast<size_t>(i)].kind);
 }
 
-// Around the object's Z axis at (1, 2, 3), seen along Z; turned by a quarter of a turn; the alphas of a
-// Glossy BSDF and of a Principled BSDF.
+// Around the object's Z axis at (1, 2, 3), seen along Z; turned by a quarter of a turn; the alphas
+// of a Glossy BSDF and of a Principled BSDF.
 TEST(Grain, FollowsTheTangent) {
     const Vec3 around = normalize(Vec3(-2, 1, 0)), out = normalize(Vec3(-1, -2, 0));
     const auto brushed = [](const Constants& constants) {
@@ -116,7 +116,8 @@ TEST(Sheen, LiesOverTheRest) {
     expect_near(Vec3(all.emission), Vec3(below.emission) * left, 1e-5f);
 }
 
-// Blender 3.4's: of the diffuse part alone, from white to the base's hue by a factor, and not in its way.
+// Blender 3.4's: of the diffuse part alone, from white to the base's hue by a factor, and not in
+// its way.
 TEST(Sheen, OfAnOlderPrincipled) {
     const ClosureList list = closures_of(single("bsdf_principled",
                                                 {{"Base Color", {0.2f, 0.4f, 0.1f}},
@@ -175,7 +176,8 @@ TEST(HairNodes, AreAFibreOrALobe) {
               1u);
 }
 
-// What is given as a colour is what absorption brings forth [Chiang16 Eq. 9]; melanin adds to a tint's.
+// What is given as a colour is what absorption brings forth [Chiang16 Eq. 9]; melanin adds to a
+// tint's.
 TEST(HairNodes, AbsorbWhatTheirColourSays) {
     const auto absorption = [](const Constants& constants, const std::string& given) {
         return Vec3(kind_of<HairFibre>(closures_of(single("bsdf_hair_principled", constants,

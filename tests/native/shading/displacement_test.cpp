@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Displacement: bumps against a Bump node's of the same height, vertices against where they should be.
+// Displacement: bumps against a Bump node's of the same height, vertices against where they should
+// be.
 #include "scene/surface.h"
 #include "shading/graphs.h"
 #include "support/scenes.h"

@@ -37,7 +37,8 @@ std::array<T, kValues> along(const Values& at, const Values& direction, const T&
     return in;
 }
 
-// Along random lines through random operands, away from where a value, a slope or a curvature jumps.
+// Along random lines through random operands, away from where a value, a slope or a curvature
+// jumps.
 void compare_derivatives(const OpTraits& row, uint8_t lanes) {
     constexpr float kStep = 4e-3f, kTolerance = 2e-2f, kJump = 0.05f, kBend = 0.1f;
     Uniforms uniforms(40 + static_cast<uint64_t>(row.op));

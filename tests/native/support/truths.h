@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Means that brute force finds. They take most of the time and stay the same, so tests/native/truths/
-// keeps them, a file for each test.
+// Means that brute force finds. They take most of the time and stay the same, so
+// tests/native/truths/ keeps them, a file for each test.
 #pragma once
 
 #include "support/numerics.h"

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Glints: the search of a footprint, and beside it walks on the same slopes [Zeltner20 Sec. 4.5],
 // unbiased and biased, and Gaussians of position and slope [Yan16]. `relative_variance` is that of
-// one estimate for one direction of light, averaged over directions in proportion to what they give,
-// `found` the share of it that is found on average, `evaluations` are nodes, flakes and points, or
-// slopes on walks. And what is prepared before a render for a map that glints.
+// one estimate for one direction of light, averaged over directions in proportion to what they
+// give, `found` the share of it that is found on average, `evaluations` are nodes, flakes and
+// points, or slopes on walks. And what is prepared before a render for a map that glints.
 #include "support/glints.h"
 
 #include <numeric>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The hot kernels of the core, timed by Google Benchmark. Each is run over a batch of inputs that
 // are drawn beforehand with fixed random numbers; a pass over the whole batch is one iteration, so
-// that every repetition does exactly the same work. tests/instruments/bench/kernels.py runs the program and
-// reads its JSON: the label names the item that items_per_second counts.
+// that every repetition does exactly the same work. tests/instruments/bench/kernels.py runs the
+// program and reads its JSON: the label names the item that items_per_second counts.
 #pragma once
 
 #include <benchmark/benchmark.h>

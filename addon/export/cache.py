@@ -42,6 +42,7 @@ class KeptMesh:
     desc: MeshDesc | None  # None: it has no faces
     needs: frozenset[AttributeNeed]
     warnings: Warnings
+    owners: tuple  # as `identities` has those who showed it first
 
 
 @dataclass
@@ -127,7 +128,8 @@ class ExportCache:
         if kept is None or not (kept.desc is None or needs <= kept.needs):
             return None
         if key not in self._used["meshes"]:
-            if any(self._shape_changed(owner) for owner in owners):
+            # One that others show may lie where a mesh was that is gone.
+            if kept.owners != identities(owners) or any(map(self._shape_changed, owners)):
                 return None
             log.repeat(kept.warnings)
             self._used["meshes"][key] = kept
@@ -159,6 +161,10 @@ class ExportCache:
 
     def keep_image(self, state: tuple, desc: ImageDesc, warnings: Warnings) -> None:
         self._used["images"][state] = desc, warnings
+
+
+def identities(owners: tuple) -> tuple:
+    return tuple(compat.identity(owner) for owner in owners)
 
 
 def _nothing() -> dict[str, dict]:

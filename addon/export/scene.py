@@ -12,7 +12,7 @@ from ..abi import NONE, Crypto
 from ..inquiry import Inquiry
 from ..native import NativeError
 from . import compat, ignored, strands
-from .cache import ExportCache, KeptMaterial, KeptMesh
+from .cache import ExportCache, KeptMaterial, KeptMesh, identities
 from .camera import export_camera
 from .desc import (
     AttributeKind,
@@ -258,11 +258,12 @@ class SceneExport:
         if exported is not None and (index is None or needs <= exported):
             return index
         needs = needs if exported is None else needs | exported
-        kept = self.cache.mesh(key, shapers(instance), needs, self.log)
+        owners = shapers(instance)
+        kept = self.cache.mesh(key, owners, needs, self.log)
         if kept is None:
             with self.log.recording() as warnings:
                 desc = export_mesh(instance.object, needs, slots)
-            kept = KeptMesh(desc, needs, warnings)
+            kept = KeptMesh(desc, needs, warnings, identities(owners))
             self.cache.keep_mesh(key, kept)
         self._meshes[key] = (index if kept.desc else None, kept.needs)
         if kept.desc is None:

@@ -17,8 +17,10 @@ ExprId is_strand(NodeContext& node) {
                        {node.e.make(Op::length, {strand_tangent(node)}), node.e.constant(0.0f)});
 }
 enum StrandLane : uint8_t { kIntercept, kLength, kThickness, kRandom };
+// Zero on what is none, whose attribute would have an alpha of 1.
 ExprId strand_value(NodeContext& node, StrandLane lane) {
-    return node.e.lane(node.attribute(AttributeKind::named, ".strand"), lane);
+    const ExprId value = node.e.lane(node.attribute(AttributeKind::named, ".strand"), lane);
+    return lane == kRandom ? node.e.multiply(value, is_strand(node)) : value;
 }
 
 // Light that a tube's front sends through the hair leaves at its back as it came there.

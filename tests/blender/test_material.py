@@ -333,6 +333,7 @@ def test_principled_has_the_names_of_blender_5():
     absent = {"Normal", "Coat Normal", "Tangent"}
     if OLD_PRINCIPLED:
         absent |= {"Coat IOR", "Coat Tint", "Diffuse Roughness", "Sheen Roughness"}
+        absent |= {"Thin Film Thickness", "Thin Film IOR"}
     assert set(inputs) == set(NODES["ShaderNodeBsdfPrincipled"].inputs) - absent
     assert inputs["Transmission Weight"][0] == 0.5
     assert inputs["Specular IOR Level"][0] == 0.25

@@ -10,6 +10,7 @@ from _edits import Edits, make_scene
 from scenes import add_mesh, add_node, new_material, surface
 
 from specula import abi, native
+from specula.export.cache import ExportCache, KeptMesh, identities
 from specula.export.log import ExportLog
 from specula.export.scene import export_scene
 from specula.export.settings import export_settings
@@ -112,6 +113,21 @@ def test_every_edit_renders_as_if_built_from_nothing(edited_scene, tmp_path):
         assert resident_bytes() - memory < FLAT
     assert len(made) > 20
     assert changed > EDITS // 2, "edits do not show"
+
+
+def test_what_is_kept_of_a_mesh_is_that_of_those_who_showed_it():
+    """Another's may lie at the place of one that is gone."""
+    first, second = add_mesh("First"), add_mesh("Second")
+    bpy.context.view_layer.update()
+    depsgraph, cache, log = bpy.context.evaluated_depsgraph_get(), ExportCache(), ExportLog()
+    kept = KeptMesh(None, frozenset(), [], identities((first,)))
+    cache.begin(depsgraph)
+    cache.keep_mesh("place", kept)
+    cache.end()
+    bpy.context.view_layer.update()
+    cache.begin(bpy.context.evaluated_depsgraph_get())
+    assert cache.mesh("place", (second,), frozenset(), log) is None
+    assert cache.mesh("place", (first,), frozenset(), log) is kept
 
 
 @pytest.fixture

@@ -17,12 +17,29 @@ Part panel_of(const std::string& name, const Image& image, const Graph& graph) {
             }};
 }
 
+// Whose film makes light interfere.
+Graph filmed(const std::string& shader, float nanometres) {
+    return single_shader(shader, {{1, "Roughness", {0, 0, 0, 0}},
+                                  {1, "Thin Film Thickness", {nanometres, 0, 0, 0}},
+                                  {1, "Thin Film IOR", {1.33f, 0, 0, 0}}});
+}
+
 std::vector<Row> rows() {
     const Graph sheet = combined(transparent(0.8f), diffuse(0.5f), 0.4f);
     return {
         {.casters = ball_of("mirror ball", mirror()), .light = bulb("", kBesideBall)},
         {.casters = {"mirror", [](SceneMaker& m) { add_panel(m, mirror()); }},
          .light = bulb("", kBeforePanel, 0.3f, kVisibleAll)},
+        {.casters = {"metal with a film",
+                     [](SceneMaker& m) { add_panel(m, filmed("bsdf_metallic", 350.0f)); }},
+         .light = bulb("", kBeforePanel)},
+        {.casters = {"glass slab with a film",
+                     [](SceneMaker& m) {
+                         add_caster(m, slab(2.0f, 0.3f), filmed("bsdf_glass", 250.0f),
+                                    translation({0, 0, 1.2f}));
+                     }},
+         .light = bulb("", {0.7f, 0.2f, 2.5f}, 0.6f),
+         .camera = camera_from("", kLowEye, 0.4f)},
         {.casters = panel_of("normal-mapped mirror", gentle_waves(),
                              normal_mapped(mirror(), Vec2(1.0f, 1.0f))),
          .light = bulb("", kBeforePanel)},

@@ -41,6 +41,7 @@ FUZZING_MINUTES = 30  # of each kind
 
 CTEST_CLOSING = re.compile(r"^(\d+% tests passed, .*|No tests were found!!!)$")
 PYTEST_CLOSING = re.compile(r"^=+ .* in [\d.]+s.*=+$")
+LINES_OF_A_CRASH = 40  # the Python stacks of all threads, by pytest's faulthandler
 PYTEST_NO_TESTS = 5
 
 
@@ -157,7 +158,8 @@ def run_pytest(
     code, lines = run_logged(command, log, env)
     closing = [line for line in lines if PYTEST_CLOSING.match(line)][-1:]
     if not closing:  # it died before its last words, whatever the exit code says
-        return Result(folder, "failed", [f"pytest did not come to its end: exit code {code}"])
+        died = f"pytest did not come to its end: exit code {code}; its last lines:"
+        return Result(folder, "failed", [died, *lines[-LINES_OF_A_CRASH:]])
     if code == PYTEST_NO_TESTS and selection.expression:
         return Result(folder, "no test", closing)
     return Result(folder, "passed" if code == 0 else "failed", closing)

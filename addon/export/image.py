@@ -275,8 +275,11 @@ def _pixels_of_file(image, path: str) -> np.ndarray:
 
 
 def _as_in_memory(image, desc: ImageDesc) -> tuple[ColorSpace, AlphaMode]:
-    """Colour space and alpha of `image.pixels`: float buffers are linear and premultiplied."""
+    """Colour space and alpha of `image.pixels`: float buffers are linear and premultiplied, those
+    of bytes are not, whatever their file is."""
     if desc.pixels.dtype == np.float32 and desc.color_space != ColorSpace.DATA:
         alpha = AlphaMode.PREMULTIPLIED if desc.alpha_mode != AlphaMode.NONE else AlphaMode.NONE
         return ColorSpace.LINEAR, alpha
+    if desc.alpha_mode == AlphaMode.PREMULTIPLIED:
+        return desc.color_space, AlphaMode.STRAIGHT
     return desc.color_space, desc.alpha_mode

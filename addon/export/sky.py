@@ -63,7 +63,8 @@ def sky_image(sky: Sky) -> np.ndarray:
     if sky.model == "SINGLE_SCATTERING":
         grid = _to_rgb(_grid(sky, _single_scattering, 0.0))
         below = np.maximum(1.0 + 2.5 * np.minimum(directions[..., 2], 0.0), 0.0) ** 3
-        return _resampled(grid, azimuth, np.maximum(elevation, 0.0), 0.0) * below[..., None]
+        above = _resampled(grid, azimuth, np.maximum(elevation, 0.0), 0.0)
+        return above * below[..., None].astype(np.float32)
     grid = _to_rgb(_grid(sky, _multiple_scattering, -1.0))
     return _resampled(grid, azimuth, elevation, -1.0)
 

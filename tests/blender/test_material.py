@@ -613,6 +613,13 @@ def test_missing_file_is_magenta():
     assert warnings == ["image gone: /nowhere/gone.png is missing, shown in magenta"]
 
 
+def test_bytes_in_memory_are_straight_whatever_their_file_is():
+    image = bpy.data.images.new("Cut", 4, 4, alpha=True)
+    image.alpha_mode = "PREMUL"
+    desc, _ = added(image)
+    assert desc.alpha_mode == AlphaMode.STRAIGHT
+
+
 @pytest.mark.parametrize("size", [(3, 5), (1200, 900)])
 @pytest.mark.parametrize("alpha", [True, False])
 def test_bytes_in_memory_are_exact(size, alpha):

@@ -19,14 +19,14 @@ MEAN_TOLERANCE = 0.015
 SUN_TOLERANCE = 0.01
 
 
-def cycles_radiance(tmp_path, width: int, height: int) -> np.ndarray:
+def radiance(engine: str, tmp_path, width: int, height: int) -> np.ndarray:
     scene = bpy.context.scene
-    scene.render.engine = "CYCLES"
+    scene.render.engine = engine
     scene.render.resolution_x, scene.render.resolution_y = width, height
     scene.render.image_settings.file_format = "OPEN_EXR"
     scene.render.image_settings.color_depth = "32"
     scene.render.filepath = str(tmp_path / "sky.exr")
-    scene.cycles.samples = BLOCK**2
+    scene.cycles.samples = scene.specula.samples = BLOCK**2
     scene.cycles.use_denoising = scene.cycles.use_adaptive_sampling = False
     scene.cycles.pixel_filter_type, scene.cycles.filter_width = "BOX", 1.0
     bpy.ops.render.render(write_still=True)
@@ -73,13 +73,14 @@ def test_sky(sky, names, tmp_path):
     owner.panorama_type = "EQUIRECTANGULAR"
     camera.rotation_euler = (math.pi / 2, 0, -math.pi / 2)  # its middle at +X
     width, height = WIDTH // BLOCK, HEIGHT // BLOCK
-    theirs = cycles_radiance(tmp_path, width, height)
-    ours = sky_image(compat.sky(sky)).reshape(height, BLOCK, width, BLOCK, 3).mean(axis=(1, 3))
+    theirs = radiance("CYCLES", tmp_path, width, height)
+    image = sky_image(compat.sky(sky)).reshape(height, BLOCK, width, BLOCK, 3).mean(axis=(1, 3))
     areas = np.cos(((np.arange(height) + 0.5) / height - 0.5) * math.pi)[:, None, None]
-    error = np.sqrt((areas * (ours - theirs) ** 2).sum() / (areas * theirs**2).sum())
-    assert error < TOLERANCE
-    sums = [(areas * image).sum(axis=(0, 1)) for image in (ours, theirs)]
-    np.testing.assert_allclose(*sums, rtol=MEAN_TOLERANCE)
+    for ours in (image, radiance("SPECULA", tmp_path, width, height)):
+        error = np.sqrt((areas * (ours - theirs) ** 2).sum() / (areas * theirs**2).sum())
+        assert error < TOLERANCE
+        sums = [(areas * sky).sum(axis=(0, 1)) for sky in (ours, theirs)]
+        np.testing.assert_allclose(*sums, rtol=MEAN_TOLERANCE)
 
 
 @pytest.mark.parametrize("names", MODELS[1:])
@@ -91,7 +92,7 @@ def test_sun(sky, names, tmp_path):
     camera.rotation_mode = "QUATERNION"
     camera.rotation_quaternion = Vector(setting.sun).to_track_quat("-Z", "Y")
     pixels = 96
-    seen = cycles_radiance(tmp_path, pixels, pixels)
+    seen = radiance("CYCLES", tmp_path, pixels, pixels)
     pixel = (2 * math.tan(FIELD / 2) / pixels) ** 2
     around = np.median(seen[0], axis=0)
     np.testing.assert_allclose(

@@ -27,11 +27,21 @@ BY_DESIGN: dict[str, str] = {
     "closure/sheen/*=microfiber/roughness=0.2": "fits to the tables that Cycles interpolates",
     "closure/hair/*": "Cycles' lamps and samples disagree about where lobes end around the hair",
     "closure/toon/*": "samples of Blender 3.4 fade otherwise at the soft edge than its lamps do",
+    "input/tangent/axis=[xy]": "zero on the flat floor, where Cycles shows its rounding",
+    "input/light_path/is_glossy_ray": "lamps that Cycles looks for shine as the camera's ray sees"
+    " them, whatever ray would hit them",
+    "input/light_path/is_reflection_ray": "as input/light_path/is_glossy_ray",
+    "input/light_path/glossy_depth": "as input/light_path/is_glossy_ray",
+    "vector_math/divide": "by normals that are zero but for rounding",
     "closure/refraction/*=ggx/roughness=1.0": "as rough glass",
 }
 
 # What is wrong, or missing without a warning, and not yet mended; docs/parity.md has the numbers.
 FAILING: dict[str, str] = {
+    "input/wireframe/pixels": "lines are wider: a pixel is not as wide in Cycles",
+    "wavelength": "dark violets, and blocks at edges",
+    "normal_map/blender_object": "a card's back that Cycles lights faintly is black",
+    "color_ramp/constant": "edges of steps",
     "displacement/vector_tangent": "edges of the flat block go elsewhere by a pixel",
     "pass/transmission_color": "of rough refraction, a little darker",
     "setting/transparent_bounces=0": "Cycles' last transparent bounce still sees what glows",

@@ -32,6 +32,9 @@ BY_DESIGN: dict[str, str] = {
     " them, whatever ray would hit them",
     "input/light_path/is_reflection_ray": "as input/light_path/is_glossy_ray",
     "input/light_path/glossy_depth": "as input/light_path/is_glossy_ray",
+    "texture/image/alpha_mode=premul": "colours above their alpha, which premultiplied ones cannot"
+    " have: Cycles cuts them where the image is packed",
+    "texture/image/alpha*": "Cycles multiplies by alpha in bytes",
     "vector_math/divide": "by normals that are zero but for rounding",
     "closure/refraction/*=ggx/roughness=1.0": "as rough glass",
 }
@@ -39,6 +42,9 @@ BY_DESIGN: dict[str, str] = {
 # What is wrong, or missing without a warning, and not yet mended; docs/parity.md has the numbers.
 FAILING: dict[str, str] = {
     "input/wireframe/pixels": "lines are wider: a pixel is not as wide in Cycles",
+    "closure/principled/glass_tint": "Specular Tint colours what is transmitted, too",
+    "texture/sky/single_scattering": "2 % brighter towards the sun",
+    "texture/environment/interpolation=closest": "at the pole",
     "wavelength": "dark violets, and blocks at edges",
     "normal_map/blender_object": "a card's back that Cycles lights faintly is black",
     "color_ramp/constant": "edges of steps",

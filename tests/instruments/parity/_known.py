@@ -34,7 +34,8 @@ BY_DESIGN: dict[str, str] = {
     "input/light_path/glossy_depth": "as input/light_path/is_glossy_ray",
     "texture/image/alpha_mode=premul": "colours above their alpha, which premultiplied ones cannot"
     " have: Cycles cuts them where the image is packed",
-    "texture/image/alpha*": "Cycles multiplies by alpha in bytes",
+    "texture/image/alpha": "Cycles multiplies by alpha in bytes",
+    "texture/image/alpha_mode=straight": "as texture/image/alpha",
     "vector_math/divide": "by normals that are zero but for rounding",
     "closure/refraction/*=ggx/roughness=1.0": "as rough glass",
 }

@@ -110,13 +110,8 @@ class ExportCache:
             self._used["materials"][_name_of(owner)] = kept
 
     def _has_changed(self, owner) -> bool:
-        if owner is None:
-            return False
-        tree = owner.node_tree
-        return (
-            self._changes.all_materials
-            or compat.identity(owner) in self._changes.data
-            or (tree is not None and compat.identity(tree) in self._changes.data)
+        return owner is not None and (
+            self._changes.all_materials or compat.identity(owner) in self._changes.data
         )
 
     # ------------------------------------------------------------------------------- meshes
@@ -179,11 +174,15 @@ def _changes(updates) -> _Changes:
             if update.is_updated_geometry:
                 changes.shapes.add(compat.identity(data))
             continue
+        # A change to a material's own nodes is one to the material, too. In the kept graph of
+        # Blender 3.4 what embedded data was made from may be gone, so that nothing asks for it.
+        if data.is_embedded_data:
+            continue
         shades = not isinstance(data, _NOT_OF_MATERIALS)
         if not shades and update.is_updated_shading and not update.is_updated_geometry:
             continue  # a material on it has changed
         changes.data.add(compat.identity(data))
-        own = isinstance(data, (bpy.types.Material, bpy.types.World)) or data.is_embedded_data
+        own = isinstance(data, (bpy.types.Material, bpy.types.World))
         changes.all_materials |= shades and not own
     return changes
 

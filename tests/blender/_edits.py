@@ -71,10 +71,13 @@ class Edits:
     """Draws edits; `one` makes the next and returns its name. Objects are found by name each time:
     an undo moves them."""
 
-    def __init__(self, seed: int):
+    def __init__(self, seed: int, with_undo: bool = True):
         self._random = random.Random(seed)
         self._number = 0
-        self._kinds = [name for name in dir(self) if not name.startswith("_") and name != "one"]
+        others = {"one"} if with_undo else {"one", "undo"}
+        self._kinds = [
+            name for name in dir(self) if not name.startswith("_") and name not in others
+        ]
 
     def one(self) -> str:
         name = self._random.choice(self._kinds)

@@ -7,7 +7,9 @@
 #include "shading/attribute_needs.h"
 #include "specula/specula.h"
 
+#include <map>
 #include <mutex>
+#include <thread>
 
 // A scene under construction, or frozen: `builder` until commit, `world` after it.
 struct spc_scene {
@@ -51,5 +53,7 @@ struct spc_session {
                   scene.world->scene->has_trees_to_share ? &scene.sheets : nullptr) {}
     RendersScene renders;
     spc::Session session;
-    std::vector<std::byte> sums{};  // that the host has asked for last
+    std::mutex sums_mutex{};
+    // That each thread of the host has asked for last.
+    std::map<std::thread::id, std::vector<std::byte>> sums{};
 };

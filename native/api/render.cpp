@@ -365,8 +365,10 @@ spc_status spc_film_export(spc_session* session, spc_sums* sums) {
         checked(sums, "sums");
         spc::Session::Export all =
             spc::with_memory_for("the sums of the film", [&] { return s.export_film(); });
-        session->sums = std::move(all.sums);
-        *sums = {sizeof(*sums), session->sums.data(), session->sums.size(), all.samples};
+        const std::lock_guard lock(session->sums_mutex);
+        std::vector<std::byte>& kept = session->sums[std::this_thread::get_id()];
+        kept = std::move(all.sums);
+        *sums = {sizeof(*sums), kept.data(), kept.size(), all.samples};
     });
 }
 

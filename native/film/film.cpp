@@ -8,6 +8,12 @@
 
 namespace spc {
 
+bool takes_splats(Pass pass) {
+    const Accumulation how = describe(pass).accumulation;
+    return how == Accumulation::light_by_color ||
+           (how == Accumulation::light && pass >= first_of(CustomKind::light_group));
+}
+
 Film::Film(uint32_t width, uint32_t height, PassSet passes, SplatSpread spread,
            CryptoRequest crypto, bool keeps_halves)
     : width_(width),
@@ -21,9 +27,7 @@ Film::Film(uint32_t width, uint32_t height, PassSet passes, SplatSpread spread,
     passes_.each([this](Pass pass) { add_plane(pass); });
     const size_t pixels = static_cast<size_t>(width) * height;
     pixels_.resize(pixels);
-    high_.resize(pixels * high_stride_);
-    low_.resize(pixels * low_stride_);
-    coverage_.resize(pixels * crypto_stride());
+    tile_planes_.resize(tile_count());
     if (keeps_halves) halves_.resize(pixels);
 }
 
@@ -58,26 +62,27 @@ size_t Film::first_pixel(uint32_t tile) const {
 }
 
 Film::TileSums Film::copy_tile(uint32_t tile) const {
-    const TileBounds b = bounds(tile);
-    const size_t begin = first_pixel(tile), count = static_cast<size_t>(b.width) * b.height;
-    const auto part = [&](const auto& all, size_t stride) {
-        const auto first = all.begin() + static_cast<ptrdiff_t>(begin * stride);
-        return std::vector(first, first + static_cast<ptrdiff_t>(count * stride));
-    };
+    const auto begin = static_cast<ptrdiff_t>(first_pixel(tile));
+    const size_t count = pixel_count(tile);
+    const auto end = begin + static_cast<ptrdiff_t>(count);
+    const TilePlanes& planes = tile_planes_[tile];
     const std::lock_guard lock(mutexes_[tile]);
-    return {part(pixels_, 1), part(high_, high_stride_), part(low_, low_stride_),
-            part(coverage_, crypto_stride()), part(halves_, halves_.empty() ? 0 : 1)};
+    return {std::vector(pixels_.begin() + begin, pixels_.begin() + end),
+            planes.high.load(count, high_stride_), planes.low.load(count, low_stride_),
+            planes.coverage.load(count, crypto_stride()),
+            halves_.empty() ? std::vector<HalfSums>()
+                            : std::vector(halves_.begin() + begin, halves_.begin() + end)};
 }
 
 void Film::store_tile(uint32_t tile, const TileSums& sums) {
-    SPC_ASSERT(sums.pixels.size() == size_t{bounds(tile).width} * bounds(tile).height);
+    SPC_ASSERT(sums.pixels.size() == pixel_count(tile));
     const auto begin = static_cast<ptrdiff_t>(first_pixel(tile));
+    TilePlanes& planes = tile_planes_[tile];
     const std::lock_guard lock(mutexes_[tile]);
     std::copy(sums.pixels.begin(), sums.pixels.end(), pixels_.begin() + begin);
-    std::copy(sums.high.begin(), sums.high.end(), high_.begin() + begin * high_stride_);
-    std::copy(sums.low.begin(), sums.low.end(), low_.begin() + begin * low_stride_);
-    std::copy(sums.coverage.begin(), sums.coverage.end(),
-              coverage_.begin() + begin * static_cast<ptrdiff_t>(crypto_stride()));
+    planes.high.store(sums.high, high_stride_);
+    planes.low.store(sums.low, low_stride_);
+    planes.coverage.store(sums.coverage, crypto_stride());
     if (!halves_.empty())
         std::copy(sums.halves.begin(), sums.halves.end(), halves_.begin() + begin);
 }
@@ -192,15 +197,22 @@ void Film::SplatSums::add(const Spectrum& value) {
                     static_cast<double>(value[c]));
 }
 
-void Film::add_to_pixel(SplatLayer& layer, size_t pixel, const Splat& splat, float weight) const {
-    const Spectrum value = splat.value * weight;
-    layer.picture[pixel].add(value);
-    layer.squared[pixel].add(value * value);
-    const auto add = [&](Pass pass, const Spectrum& part) {
-        std::vector<SplatSums>& sums = layer.passes[passes_.slot(pass)];
-        if (!sums.empty()) sums[pixel].add(part);
+void Film::add_to_pixel(SplatLayer& layer, size_t x, size_t y, const Splat& splat,
+                        float weight) const {
+    const size_t index = y / kTileSize * tiles_across_ + x / kTileSize;
+    const TileBounds b = bounds(static_cast<uint32_t>(index));
+    const size_t pixel = (y - b.y0) * b.width + (x - b.x0);
+    SplatTile& tile = layer.tiles[index];
+    const auto add_to = [&](std::vector<SplatSums>& sums, const Spectrum& part) {
+        if (sums.empty()) sums.resize(size_t{b.width} * b.height);
+        sums[pixel].add(part);
     };
-    add(Pass::caustics, value);
+    const auto add = [&](Pass pass, const Spectrum& part) {
+        if (passes_.has(pass)) add_to(tile.passes[passes_.slot(pass)], part);
+    };
+    const Spectrum value = splat.value * weight;
+    add_to(tile.picture, value);
+    add_to(tile.squared, value * value);
     if (splat.light_group != kNoGroup)
         add(pass_of(CustomKind::light_group, splat.light_group), value);
     if (!passes_.tell_lobes()) return;
@@ -210,20 +222,11 @@ void Film::add_to_pixel(SplatLayer& layer, size_t pixel, const Splat& splat, flo
             add(pass_of(first, static_cast<Lobe>(i)), value * splat.shares[i]);
 }
 
-// Camera chains are no caustics, and no splat is seen by the camera without a scattering.
 Film::SplatLayer& Film::layer_of(SplatSource source) {
     SplatLayer& layer = splats_[static_cast<size_t>(source)];
-    if (!layer.picture.empty()) return layer;
-    layer.picture.resize(pixels_.size());
-    layer.squared.resize(pixels_.size());
-    layer.passes.resize(passes_.slots());
-    for (const Plane& plane : planes_) {
-        const bool takes = plane.pass == Pass::caustics
-                               ? source == SplatSource::light_paths
-                               : plane.how == Accumulation::light_by_color ||
-                                     plane.pass >= first_of(CustomKind::light_group);
-        if (takes && plane.how != Accumulation::mean)
-            layer.passes[plane.slot].resize(pixels_.size());
+    if (layer.tiles.empty()) {
+        layer.tiles.resize(tile_count());
+        for (SplatTile& tile : layer.tiles) tile.passes.resize(passes_.slots());
     }
     return layer;
 }
@@ -242,29 +245,29 @@ void Film::add_splats(SplatSource source, std::span<const Splat> splats, const P
             const auto [x, x_share] = columns.draw(splat.u.x, width_);
             const auto [y, y_share] = rows.draw(splat.u.y, height_);
             if (x >= 0 && y >= 0)
-                add_to_pixel(layer, static_cast<size_t>(y) * width_ + static_cast<size_t>(x), splat,
+                add_to_pixel(layer, static_cast<size_t>(x), static_cast<size_t>(y), splat,
                              x_share * y_share);
             continue;
         }
         rows.each(height_, [&](size_t y, float y_share) {
             columns.each(width_, [&](size_t x, float x_share) {
-                add_to_pixel(layer, y * width_ + x, splat, x_share * y_share);
+                add_to_pixel(layer, x, y, splat, x_share * y_share);
             });
         });
     }
 }
 
-std::array<double, 3> Film::SplatLayer::mean(const std::vector<SplatSums>& sums, size_t pixel) const {
-    std::array<double, 3> result = sums[pixel].high;
+std::array<double, 3> Film::SplatLayer::mean(const SplatSums& sums) const {
+    std::array<double, 3> result = sums.high;
     for (double& value : result) value /= pictures();
     return result;
 }
 
-std::array<double, 3> Film::SplatLayer::variance(size_t pixel) const {
+std::array<double, 3> Film::SplatLayer::variance(const SplatTile& tile, size_t pixel) const {
     std::array<double, 3> result{};
     for (size_t c = 0; c < 3; ++c) {
-        const double sum = picture[pixel].high[c];
-        result[c] = std::max(squared[pixel].high[c] - sum * sum / estimates, 0.0) /
+        const double sum = tile.picture[pixel].high[c];
+        result[c] = std::max(tile.squared[pixel].high[c] - sum * sum / estimates, 0.0) /
                     (pictures() * pictures());
     }
     return result;

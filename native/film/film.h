@@ -6,6 +6,7 @@
 
 #include "film/filter.h"
 #include "film/passes.h"
+#include "film/sparse_columns.h"
 
 #include <cstddef>
 #include <memory>
@@ -67,11 +68,19 @@ inline constexpr size_t kSplatSources = 3;
 // or on one that is drawn, so that errors of neighbours are independent, as denoisers expect.
 enum class SplatSpread : uint8_t { all_pixels, one_pixel };
 
+// Whether splats have sums of their own for the pass. What splats is scattered towards the camera,
+// so it is neither emission nor environment; and all that light paths splat is caustics.
+bool takes_splats(Pass pass);
+
+inline bool operator==(const CryptoSlot& a, const CryptoSlot& b) {
+    return a.id == b.id && a.weight == b.weight;
+}
+
 class Film {
 public:
     static constexpr uint32_t kTileSize = 16;
 
-    // Has planes for the passes that are asked for alone.
+    // Has planes for the passes that are asked for alone, and memory where they are not zero.
     Film(uint32_t width, uint32_t height, PassSet passes = PassSet(),
          SplatSpread spread = SplatSpread::all_pixels, CryptoRequest crypto = {},
          bool keeps_halves = false);
@@ -134,21 +143,36 @@ private:
         size_t slot;  // PassSet::slot()
         uint32_t channels, high, low;
     };
-    // Row after row; no pixels until there are some.
+    // What the passes have of a tile.
+    struct TilePlanes {
+        SparseColumns<double> high;
+        SparseColumns<float> low;
+        SparseColumns<CryptoSlot> coverage;
+    };
     struct SplatSums {
         std::array<double, 3> high{}, low{};  // shares of a splat differ by far
         void add(const Spectrum& value);
+        bool operator==(const SplatSums&) const = default;
+    };
+    // Pixel after pixel; each is empty until a splat has something for it.
+    struct SplatTile {
+        std::vector<SplatSums> picture, squared;
+        std::vector<std::vector<SplatSums>> passes;  // by slot
     };
     struct SplatLayer {
-        std::vector<SplatSums> picture, squared;
-        std::vector<std::vector<SplatSums>> passes;  // by slot; of those that take splats
+        std::vector<SplatTile> tiles;  // none if there are no splats
         double estimates = 0.0, per_picture = 1.0;
         double pictures() const { return estimates / per_picture; }
-        std::array<double, 3> mean(const std::vector<SplatSums>& sums, size_t pixel) const;
-        std::array<double, 3> variance(size_t pixel) const;
+        std::array<double, 3> mean(const SplatSums& sums) const;
+        std::array<double, 3> variance(const SplatTile& tile, size_t pixel) const;
     };
 
     SplatLayer& layer_of(SplatSource source);
+    size_t byte_count(uint32_t sources) const;
+    void add_tile(TileSums& tile, const TileSums& other, bool earlier) const;
+    // Visits all sums of a tile that there may be, empty or not.
+    template <class Tile, class Visit>
+    void each_splat_sums(Tile& tile, const Visit& visit) const;
     const Plane* plane_of(Pass pass) const;
     void add_plane(Pass pass);
     size_t crypto_stride() const;
@@ -156,9 +180,17 @@ private:
     template <class Visit>
     void each_crypto_kind(const Visit& visit) const;
     size_t first_pixel(uint32_t tile) const;
-    void write_pixel(Pass pass, const PixelSums& pixel, const double* high, const float* low,
+    size_t pixel_count(uint32_t tile) const {
+        return static_cast<size_t>(bounds(tile).width) * bounds(tile).height;
+    }
+    // Row after row, of a pixel of a tile.
+    size_t place_of(uint32_t tile, size_t in_tile) const {
+        const TileBounds b = bounds(tile);
+        return (b.y0 + in_tile / b.width) * width_ + b.x0 + in_tile % b.width;
+    }
+    void write_pixel(Pass pass, size_t pixel, const TilePlanes& planes, size_t in_tile,
                      float* out) const;
-    void add_to_pixel(SplatLayer& layer, size_t pixel, const Splat& splat, float weight) const;
+    void add_to_pixel(SplatLayer& layer, size_t x, size_t y, const Splat& splat, float weight) const;
     void add_splat_passes(Pass pass, std::span<float> out) const;
     void divide_by_color(Pass pass, std::span<float> out) const;
     void show_preview(std::span<float> combined) const;
@@ -171,10 +203,8 @@ private:
     uint32_t high_stride_ = 0, low_stride_ = 0;
     // Tile after tile; one block each: too large a frame fails at once.
     std::vector<PixelSums> pixels_;
-    std::vector<double> high_;
-    std::vector<float> low_;
-    std::vector<CryptoSlot> coverage_;
-    std::vector<HalfSums> halves_;             // empty unless they are kept
+    std::vector<HalfSums> halves_;  // empty unless they are kept
+    std::vector<TilePlanes> tile_planes_;
     mutable std::vector<std::mutex> mutexes_;  // of each tile
 
     mutable std::mutex splat_mutex_;  // guards them, and the preview
@@ -182,6 +212,14 @@ private:
     uint32_t preview_block_ = 0;  // pixels; 0: there is none
     std::vector<std::array<float, 4>> preview_;
 };
+
+template <class Tile, class Visit>
+void Film::each_splat_sums(Tile& tile, const Visit& visit) const {
+    visit(tile.picture);
+    visit(tile.squared);
+    for (const Plane& plane : planes_)
+        if (takes_splats(plane.pass)) visit(tile.passes[plane.slot]);
+}
 
 template <class Visit>
 void Film::each_crypto_kind(const Visit& visit) const {

@@ -5,13 +5,14 @@
 #include "film/film.h"
 
 #include <algorithm>
+#include <bit>
 #include <cstring>
 
 namespace spc {
 
 namespace {
 
-constexpr uint32_t kMagic = 0x73637073, kFormat = 2;
+constexpr uint32_t kMagic = 0x73637073, kFormat = 3;
 
 struct Header {
     uint32_t magic = kMagic, format = kFormat;
@@ -29,6 +30,7 @@ static_assert(sizeof(Header) == 4 * 4 + 8 + 4 * kCustomKinds + 2 * 4 + 2 * 4 + 4
 
 class Writer {
 public:
+    explicit Writer(size_t bytes) { bytes_.reserve(bytes); }
     template <class T>
     void one(const T& value) {
         many(&value, 1);
@@ -65,23 +67,18 @@ private:
     std::span<const std::byte> bytes_;
 };
 
-// Visits all numbers of the splats of one source, in one order for reading and writing.
-template <class Way, class Layer>
-void exchange(Way& way, Layer& layer) {
-    way.one(layer.estimates);
-    way.one(layer.per_picture);
-    const auto all = [&](auto& sums) {
-        for (auto& pixel : sums) {
-            way.many(pixel.high.data(), pixel.high.size());
-            way.many(pixel.low.data(), pixel.low.size());
-        }
-    };
-    all(layer.picture);
-    all(layer.squared);
-    for (auto& pass : layer.passes) all(pass);
-}
-
 }  // namespace
+
+size_t Film::byte_count(uint32_t sources) const {
+    const size_t of_pixel = sizeof(PixelSums) + high_stride_ * sizeof(double) +
+                            low_stride_ * sizeof(float) + crypto_stride() * sizeof(CryptoSlot);
+    const auto passes =
+        std::ranges::count_if(planes_, [](const Plane& plane) { return takes_splats(plane.pass); });
+    const size_t splats = (2 + static_cast<size_t>(passes)) * sizeof(SplatSums);
+    const auto layers = static_cast<size_t>(std::popcount(sources));
+    return sizeof(Header) + pixels_.size() * (of_pixel + layers * splats) +
+           layers * 2 * sizeof(double);
+}
 
 std::vector<std::byte> Film::to_bytes() const {
     static_assert(sizeof(PixelSums) == 11 * 8 + 3 * 4 + 4, "bytes between fields would be written");
@@ -94,15 +91,26 @@ std::vector<std::byte> Film::to_bytes() const {
     header.spread = static_cast<uint32_t>(spread_);
     header.crypto = crypto_;
     for (size_t i = 0; i < kSplatSources; ++i)
-        if (!splats_[i].picture.empty()) header.sources |= 1u << i;
-    Writer writer;
+        if (!splats_[i].tiles.empty()) header.sources |= 1u << i;
+    Writer writer(byte_count(header.sources));
     writer.one(header);
-    writer.many(pixels_.data(), pixels_.size());
-    writer.many(high_.data(), high_.size());
-    writer.many(low_.data(), low_.size());
-    writer.many(coverage_.data(), coverage_.size());
-    for (const SplatLayer& layer : splats_)
-        if (!layer.picture.empty()) exchange(writer, layer);
+    for (uint32_t t = 0; t < tile_count(); ++t) {
+        const TileSums tile = copy_tile(t);
+        writer.many(tile.pixels.data(), tile.pixels.size());
+        writer.many(tile.high.data(), tile.high.size());
+        writer.many(tile.low.data(), tile.low.size());
+        writer.many(tile.coverage.data(), tile.coverage.size());
+    }
+    const std::vector<SplatSums> none(size_t{kTileSize} * kTileSize);
+    for (const SplatLayer& layer : splats_) {
+        if (layer.tiles.empty()) continue;
+        writer.one(layer.estimates);
+        writer.one(layer.per_picture);
+        for (uint32_t t = 0; t < tile_count(); ++t)
+            each_splat_sums(layer.tiles[t], [&](const std::vector<SplatSums>& sums) {
+                writer.many((sums.empty() ? none : sums).data(), pixel_count(t));
+            });
+    }
     return writer.take();
 }
 
@@ -123,13 +131,28 @@ std::unique_ptr<Film> Film::from_bytes(std::span<const std::byte> bytes) {
         refuse("the sums' header is damaged");
     auto film = std::make_unique<Film>(header.width, header.height, passes,
                                        static_cast<SplatSpread>(header.spread), header.crypto);
-    reader.many(film->pixels_.data(), film->pixels_.size());
-    reader.many(film->high_.data(), film->high_.size());
-    reader.many(film->low_.data(), film->low_.size());
-    reader.many(film->coverage_.data(), film->coverage_.size());
-    for (size_t i = 0; i < kSplatSources; ++i)
-        if ((header.sources & 1u << i) != 0)
-            exchange(reader, film->layer_of(static_cast<SplatSource>(i)));
+    for (uint32_t t = 0; t < film->tile_count(); ++t) {
+        TileSums tile = film->copy_tile(t);
+        reader.many(tile.pixels.data(), tile.pixels.size());
+        reader.many(tile.high.data(), tile.high.size());
+        reader.many(tile.low.data(), tile.low.size());
+        reader.many(tile.coverage.data(), tile.coverage.size());
+        film->store_tile(t, tile);
+    }
+    for (size_t i = 0; i < kSplatSources; ++i) {
+        if ((header.sources & 1u << i) == 0) continue;
+        SplatLayer& layer = film->layer_of(static_cast<SplatSource>(i));
+        reader.one(layer.estimates);
+        reader.one(layer.per_picture);
+        for (uint32_t t = 0; t < film->tile_count(); ++t)
+            film->each_splat_sums(layer.tiles[t], [&](std::vector<SplatSums>& sums) {
+                std::vector<SplatSums> read(film->pixel_count(t));
+                reader.many(read.data(), read.size());
+                if (std::ranges::any_of(read,
+                                        [](const SplatSums& one) { return one != SplatSums{}; }))
+                    sums = std::move(read);
+            });
+    }
     if (!reader.at_end()) refuse("sums are longer than they should be");
     return film;
 }
@@ -150,9 +173,37 @@ void Film::add(const Film& other, bool earlier) {
     if (other.width_ != width_ || other.height_ != height_ || other.passes_ != passes_ ||
         other.spread_ != spread_ || other.crypto_ != crypto_)
         refuse("the sums are those of another picture");
-    for (size_t at = 0; at < pixels_.size(); ++at) {
-        PixelSums& to = pixels_[at];
-        const PixelSums& from = other.pixels_[at];
+    for (uint32_t t = 0; t < tile_count(); ++t) {
+        TileSums tile = copy_tile(t);
+        add_tile(tile, other.copy_tile(t), earlier);
+        store_tile(t, tile);
+    }
+    for (size_t i = 0; i < kSplatSources; ++i) {
+        const SplatLayer& from = other.splats_[i];
+        if (from.tiles.empty()) continue;
+        SplatLayer& to = layer_of(static_cast<SplatSource>(i));
+        if (to.estimates > 0.0 && to.per_picture != from.per_picture)
+            refuse("the sums have other numbers of light paths");
+        to.estimates += from.estimates;
+        to.per_picture = from.per_picture;
+        const auto add_sums = [](std::vector<SplatSums>& sums, const std::vector<SplatSums>& others) {
+            if (sums.size() < others.size()) sums.resize(others.size());
+            for (size_t at = 0; at < others.size(); ++at)
+                add_all(sums[at].high, sums[at].low, others[at].high, others[at].low);
+        };
+        for (uint32_t t = 0; t < tile_count(); ++t) {
+            add_sums(to.tiles[t].picture, from.tiles[t].picture);
+            add_sums(to.tiles[t].squared, from.tiles[t].squared);
+            for (size_t slot = 0; slot < passes_.slots(); ++slot)
+                add_sums(to.tiles[t].passes[slot], from.tiles[t].passes[slot]);
+        }
+    }
+}
+
+void Film::add_tile(TileSums& tile, const TileSums& other, bool earlier) const {
+    for (size_t at = 0; at < tile.pixels.size(); ++at) {
+        PixelSums& to = tile.pixels[at];
+        const PixelSums& from = other.pixels[at];
         const bool takes_first = from.count > 0 && (earlier || to.count == 0);
         add_all(to.radiance, to.radiance_low, from.radiance, from.radiance_low);
         add_all(to.radiance_squared, to.radiance_squared_low, from.radiance_squared,
@@ -164,36 +215,19 @@ void Film::add(const Film& other, bool earlier) {
             for (uint32_t c = 0; c < plane.channels; ++c) {
                 const size_t low = at * low_stride_ + plane.low + c;
                 if (plane.how == Accumulation::first) {
-                    if (takes_first) low_[low] = other.low_[low];
+                    if (takes_first) tile.low[low] = other.low[low];
                     continue;
                 }
-                double& high = high_[at * high_stride_ + plane.high + c];
-                add_exactly(high, low_[low], other.high_[at * high_stride_ + plane.high + c]);
-                add_exactly(high, low_[low], static_cast<double>(other.low_[low]));
+                const size_t high = at * high_stride_ + plane.high + c;
+                add_exactly(tile.high[high], tile.low[low], other.high[high]);
+                add_exactly(tile.high[high], tile.low[low], static_cast<double>(other.low[low]));
             }
     }
-    for (size_t at = 0; at < coverage_.size(); at += crypto_.slots())
-        for (const CryptoSlot& slot : std::span(other.coverage_).subspan(at, crypto_.slots()))
+    for (size_t at = 0; at < tile.coverage.size(); at += crypto_.slots())
+        for (const CryptoSlot& slot : std::span(other.coverage).subspan(at, crypto_.slots()))
             if (slot.weight > 0)
-                add_coverage(std::span(coverage_).subspan(at, crypto_.slots()), slot.id,
+                add_coverage(std::span(tile.coverage).subspan(at, crypto_.slots()), slot.id,
                              slot.weight);
-    for (size_t i = 0; i < kSplatSources; ++i) {
-        const SplatLayer& from = other.splats_[i];
-        if (from.picture.empty()) continue;
-        SplatLayer& to = layer_of(static_cast<SplatSource>(i));
-        if (to.estimates > 0.0 && to.per_picture != from.per_picture)
-            refuse("the sums have other numbers of light paths");
-        to.estimates += from.estimates;
-        to.per_picture = from.per_picture;
-        const auto all = [](std::vector<SplatSums>& sums, const std::vector<SplatSums>& others) {
-            for (size_t at = 0; at < sums.size(); ++at)
-                add_all(sums[at].high, sums[at].low, others[at].high, others[at].low);
-        };
-        all(to.picture, from.picture);
-        all(to.squared, from.squared);
-        for (size_t slot = 0; slot < passes_.slots(); ++slot)
-            all(to.passes[slot], from.passes[slot]);
-    }
 }
 
 }  // namespace spc

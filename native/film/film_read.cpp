@@ -3,6 +3,8 @@
 #include "core/error.h"
 #include "film/film.h"
 
+#include <algorithm>
+
 namespace spc {
 
 namespace {
@@ -34,19 +36,22 @@ bool Film::can_read(Pass pass) const {
     return describe(pass).accumulation == Accumulation::picture || plane_of(pass) != nullptr;
 }
 
-void Film::write_pixel(Pass pass, const PixelSums& pixel, const double* high, const float* low,
+void Film::write_pixel(Pass pass, size_t pixel, const TilePlanes& planes, size_t in_tile,
                        float* out) const {
+    const PixelSums& sums = pixels_[pixel];
     const Plane* plane = plane_of(pass);
-    if (plane == nullptr) return write_picture(pass, pixel, out);
+    if (plane == nullptr) return write_picture(pass, sums, out);
+    const auto sum = [&](uint32_t channel) {
+        return planes.high.at(in_tile, plane->high + channel);
+    };
     if (plane->how == Accumulation::ratio) {
-        const double whole = high[plane->high + 1];
-        out[0] = whole > 0.0 ? static_cast<float>(high[plane->high] / whole) : 0.0f;
+        const double whole = sum(1);
+        out[0] = whole > 0.0 ? static_cast<float>(sum(0) / whole) : 0.0f;
         return;
     }
     for (uint32_t c = 0; c < plane->channels; ++c)
-        out[c] = plane->how == Accumulation::first
-                     ? low[plane->low + c]
-                     : static_cast<float>(high[plane->high + c] / pixel.count);
+        out[c] = plane->how == Accumulation::first ? planes.low.at(in_tile, plane->low + c)
+                                                   : static_cast<float>(sum(c) / sums.count);
 }
 
 void Film::read(Pass pass, std::span<float> out) const {
@@ -55,16 +60,12 @@ void Film::read(Pass pass, std::span<float> out) const {
     SPC_ASSERT(out.size() == channels * width_ * height_);
     std::fill(out.begin(), out.end(), 0.0f);
     for (uint32_t t = 0; t < tile_count(); ++t) {
-        const TileBounds b = bounds(t);
-        size_t index = first_pixel(t);
+        const size_t begin = first_pixel(t), count = pixel_count(t);
         const std::lock_guard lock(mutexes_[t]);
-        for (uint32_t y = 0; y < b.height; ++y)
-            for (uint32_t x = 0; x < b.width; ++x, ++index) {
-                const size_t at = static_cast<size_t>(b.y0 + y) * width_ + b.x0 + x;
-                if (pixels_[index].count > 0)
-                    write_pixel(pass, pixels_[index], high_.data() + index * high_stride_,
-                                low_.data() + index * low_stride_, out.data() + at * channels);
-            }
+        for (size_t i = 0; i < count; ++i)
+            if (pixels_[begin + i].count > 0)
+                write_pixel(pass, begin + i, tile_planes_[t], i,
+                            out.data() + place_of(t, i) * channels);
     }
     {
         const std::lock_guard lock(splat_mutex_);
@@ -79,19 +80,16 @@ void Film::read_crypto(CryptoKind wanted, uint32_t level, std::span<float> out) 
     std::fill(out.begin(), out.end(), 0.0f);
     each_crypto_kind([&](size_t kind, size_t at) {
         if (kind != static_cast<size_t>(wanted)) return;
+        std::vector<CryptoSlot> slots(crypto_.slots());
         for (uint32_t t = 0; t < tile_count(); ++t) {
-            const TileBounds b = bounds(t);
-            size_t index = first_pixel(t);
+            const size_t begin = first_pixel(t), count = pixel_count(t);
             const std::lock_guard lock(mutexes_[t]);
-            for (uint32_t y = 0; y < b.height; ++y)
-                for (uint32_t x = 0; x < b.width; ++x, ++index) {
-                    const auto slots =
-                        std::span(coverage_).subspan(index * crypto_stride() + at, crypto_.slots());
-                    const auto value = crypto_level(slots, level, pixels_[index].count);
-                    const size_t pixel = static_cast<size_t>(b.y0 + y) * width_ + b.x0 + x;
-                    std::copy(value.begin(), value.end(),
-                              out.begin() + static_cast<ptrdiff_t>(4 * pixel));
-                }
+            for (size_t i = 0; i < count; ++i) {
+                for (size_t slot = 0; slot < slots.size(); ++slot)
+                    slots[slot] = tile_planes_[t].coverage.at(i, at + slot);
+                const auto value = crypto_level(slots, level, pixels_[begin + i].count);
+                std::ranges::copy(value, out.begin() + 4 * static_cast<ptrdiff_t>(place_of(t, i)));
+            }
         }
     });
 }
@@ -99,15 +97,21 @@ void Film::read_crypto(CryptoKind wanted, uint32_t level, std::span<float> out) 
 // With the lock.
 void Film::add_splat_passes(Pass pass, std::span<float> out) const {
     const size_t channels = pass_channels(pass);
-    for (const SplatLayer& layer : splats_) {
-        if (layer.picture.empty()) continue;
-        const bool of_picture = pass == Pass::combined || pass == Pass::variance;
-        const std::vector<SplatSums>& sums =
-            of_picture ? layer.picture : layer.passes[passes_.slot(pass)];
-        for (size_t at = 0; at < sums.size(); ++at) {
-            const std::array<double, 3> value =
-                pass == Pass::variance ? layer.variance(at) : layer.mean(sums, at);
-            for (size_t c = 0; c < 3; ++c) out[at * channels + c] += to_float(value[c]);
+    for (size_t source = 0; source < kSplatSources; ++source) {
+        const SplatLayer& layer = splats_[source];
+        const bool is_caustics = source == static_cast<size_t>(SplatSource::light_paths);
+        const bool of_picture = pass == Pass::combined || (pass == Pass::caustics && is_caustics);
+        for (uint32_t t = 0; t < layer.tiles.size(); ++t) {
+            const SplatTile& tile = layer.tiles[t];
+            const bool is_variance = pass == Pass::variance;
+            const std::vector<SplatSums>& sums =
+                of_picture || is_variance ? tile.picture : tile.passes[passes_.slot(pass)];
+            for (size_t i = 0; i < sums.size(); ++i) {
+                const std::array<double, 3> value =
+                    is_variance ? layer.variance(tile, i) : layer.mean(sums[i]);
+                float* to = out.data() + place_of(t, i) * channels;
+                for (size_t c = 0; c < 3; ++c) to[c] += to_float(value[c]);
+            }
         }
     }
 }
@@ -127,16 +131,15 @@ void Film::divide_by_color(Pass pass, std::span<float> out) const {
 void Film::show_preview(std::span<float> combined) const {
     const uint32_t across = (width_ + preview_block_ - 1) / preview_block_;
     for (uint32_t t = 0; t < tile_count(); ++t) {
-        const TileBounds b = bounds(t);
-        const size_t begin = first_pixel(t);
+        const size_t begin = first_pixel(t), count = pixel_count(t);
         const std::lock_guard lock(mutexes_[t]);
-        for (uint32_t i = 0; i < b.width * b.height; ++i) {
+        for (size_t i = 0; i < count; ++i) {
             if (pixels_[begin + i].count > 0) continue;
-            const uint32_t x = b.x0 + i % b.width, y = b.y0 + i / b.width;
+            const size_t place = place_of(t, i);
+            const size_t x = place % width_, y = place / width_;
             const std::array<float, 4>& color =
-                preview_[static_cast<size_t>(y / preview_block_) * across + x / preview_block_];
-            std::copy(color.begin(), color.end(),
-                      combined.begin() + 4 * (static_cast<ptrdiff_t>(y) * width_ + x));
+                preview_[y / preview_block_ * across + x / preview_block_];
+            std::ranges::copy(color, combined.begin() + 4 * static_cast<ptrdiff_t>(place));
         }
     }
 }

@@ -240,6 +240,7 @@ bool Session::may_begin(uint32_t round) {
 }
 
 Session::Export Session::export_film() {
+    const std::lock_guard one_at_a_time(export_mutex_);
     std::unique_lock lock(mutex_);
     const auto per_round = [this] { return uint64_t{splat_jobs_} + film_.tile_count(); };
     // Not before the preparation has said how many jobs there are.

@@ -249,6 +249,7 @@ private:
     std::atomic<bool> previewed_{false};
     const Clock::time_point start_;
 
+    std::mutex export_mutex_;   // of whoever has the render stand still; taken before the next
     mutable std::mutex mutex_;  // guards the rest
     std::condition_variable ended_;
     // Rounds that have begun, and those that may; jobs that are done.

@@ -48,7 +48,7 @@ extern "C" {
 #endif
 
 /* This number is raised whenever a struct or the meaning of a call changes. */
-#define SPC_API_VERSION 17u
+#define SPC_API_VERSION 18u
 
 /* This value stands for "no index" where an index is optional. */
 #define SPC_NONE 0xffffffffu
@@ -835,7 +835,7 @@ SPC_API spc_status spc_film_read_crypto(spc_session* session, uint32_t kind, uin
 
 typedef struct spc_sums {
     size_t struct_size;
-    const void* data; /* owned by the session; valid until the next call of this function for it */
+    const void* data; /* owned by the session; valid until this thread exports it again */
     size_t size;
     uint32_t samples; /* of every pixel, from spc_render_settings.first_sample on */
 } spc_sums;

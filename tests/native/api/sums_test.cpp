@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <map>
+#include <thread>
 
 namespace spc::test {
 namespace {
@@ -19,12 +21,13 @@ Bytes sums_of(spc_session* session, uint32_t samples) {
     return {data, data + sums.size};
 }
 
-Bytes rendered(const spc_scene* scene, uint32_t first, uint32_t end, uint32_t total) {
+Bytes rendered(const spc_scene* scene, uint32_t first, uint32_t end, uint32_t total,
+               uint32_t crypto_kinds = 1u << SPC_CRYPTO_OBJECT) {
     spc_render_settings settings = quick_settings(end - first);
     settings.first_sample = first;
     settings.total_samples = total;
-    settings.crypto_kinds = 1u << SPC_CRYPTO_OBJECT;
-    settings.crypto_ranks = 2;
+    settings.crypto_kinds = crypto_kinds;
+    settings.crypto_ranks = crypto_kinds == 0 ? 0 : 2;
     const SessionPtr session = start(scene, settings);
     wait_for(session.get());
     return sums_of(session.get(), end - first);
@@ -45,6 +48,40 @@ TEST(Sums, OfPartsAreThoseOfTheWhole) {
     EXPECT_EQ(
         spc_sums_read_crypto(sum.data(), sum.size(), SPC_CRYPTO_OBJECT, 0, ids.data(), ids.size()),
         SPC_OK);
+}
+
+// Each thread has sums of its own, and the render stands still for one after the other.
+TEST(SumsThreads, ThreadsExportAtOnce) {
+    constexpr uint32_t kSamples = 64;
+    const ScenePtr scene = committed_scene();
+    spc_render_settings settings = quick_settings(kSamples);
+    settings.total_samples = kSamples;
+    const SessionPtr session = start(scene.get(), settings);
+    const auto exported = [&] {
+        auto sums = sized<spc_sums>();
+        EXPECT_EQ(spc_film_export(session.get(), &sums), SPC_OK) << spc_last_error();
+        const auto* data = static_cast<const unsigned char*>(sums.data);
+        return std::pair(sums.samples, Bytes(data, data + sums.size));
+    };
+    std::array<std::map<uint32_t, Bytes>, 3> found;
+    {
+        std::vector<std::jthread> threads;
+        for (auto& of_thread : found)
+            threads.emplace_back([&] {
+                for (int i = 0; i < 8; ++i) of_thread.insert(exported());
+            });
+    }
+    wait_for(session.get());
+    const Bytes whole = sums_of(session.get(), kSamples);
+    for (const auto& of_thread : found)
+        for (const auto& [samples, sums] : of_thread) {
+            Bytes sum = sums;
+            if (samples < kSamples) {
+                const Bytes rest = rendered(scene.get(), samples, kSamples, kSamples, 0);
+                ASSERT_EQ(spc_sums_add(sum.data(), rest.data(), sum.size(), 0), SPC_OK);
+            }
+            EXPECT_EQ(sum, whole) << samples;
+        }
 }
 
 TEST(SumsMisuse, IsRefused) {

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The grain of a surface that no Tangent is linked to goes around the middle of its mesh, as in
-Cycles, wherever the object's origin is. A lamp without size lights it, so that there is no noise."""
+"""Without a Tangent the grain of a surface goes around the middle of its mesh, as in Cycles.
+
+That need not be the object's origin. A lamp without size lights it, so that there is no noise.
+"""
 
 import bpy
 import numpy as np

@@ -246,7 +246,7 @@ def sky(node) -> Sky:
     elevation, rotation = node.sun_elevation, node.sun_rotation  # clockwise from +Y
     flat = math.cos(elevation)
     return Sky(
-        "MULTIPLE_SCATTERING" if node.sky_type == "MULTIPLE_SCATTERING" else "SINGLE_SCATTERING",
+        node.sky_type,
         (flat * math.sin(rotation), flat * math.cos(rotation), math.sin(elevation)),
         altitude=node.altitude,
         air=node.air_density,

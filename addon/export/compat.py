@@ -342,12 +342,6 @@ def has_soft_falloff(light) -> bool:
     return getattr(light, "use_soft_falloff", True)
 
 
-def has_light_linking(obj) -> bool:
-    """Whether a light shines on some objects only, or only some block it (since 4.0)."""
-    linking = getattr(obj, "light_linking", None)
-    return bool(linking and (linking.receiver_collection or linking.blocker_collection))
-
-
 def ies_text(node) -> str:
     """What an IES Texture reads. Raises OSError."""
     import bpy  # not above: tables that use this module are also read without Blender

@@ -33,7 +33,7 @@ class SizedStructure(Structure):
         super().__init__(struct_size=sizeof(type(self)), **fields)
 
 
-API_VERSION = 17
+API_VERSION = 18
 NONE = 0xFFFFFFFF
 
 

@@ -49,7 +49,7 @@ extern "C" {
 #endif
 
 /* This number is raised whenever a struct or the meaning of a call changes. */
-#define SPC_API_VERSION 17u
+#define SPC_API_VERSION 18u
 
 /* This value stands for "no index" where an index is optional. */
 #define SPC_NONE 0xffffffffu

@@ -31,7 +31,6 @@ FONT = 0  # Blender's default
 
 FAST_TICK, SLOW_TICK = 0.03, 0.25  # s between looks at a picture that is new, and an old one
 NEW_TICKS = 60
-BUILD_MILLISECONDS = 10  # that a look waits for a scene: most edits take less
 
 
 def draw_note(region, text: str) -> None:
@@ -134,7 +133,7 @@ class Viewport:
         if self._is_paused:  # what changes meanwhile is taken over afterwards
             return
         if self._awaits_scene:
-            built = self._series.built(BUILD_MILLISECONDS)
+            built = self._series.built()
             if built is None:
                 return
             self._awaits_scene = False

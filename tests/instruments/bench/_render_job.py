@@ -22,6 +22,8 @@ from tests.images._render import render_result
 
 # Cycles' settings that Specula has no counterpart for: as Blender sets them for a new scene.
 CYCLES_DEFAULTS = ("use_light_tree", "use_auto_tile", "tile_size", "sampling_pattern")
+# What changes the mean, which Specula has no counterpart for, either.
+BIASED = ("sample_clamp_direct", "sample_clamp_indirect", "blur_glossy")
 
 
 def prepare(job: dict):
@@ -54,6 +56,8 @@ def prepare_cycles(scene, shadow_caustics: bool) -> None:
     cycles.time_limit = 0.0
     for name in CYCLES_DEFAULTS:
         cycles.property_unset(name)
+    for name in BIASED:
+        setattr(cycles, name, 0.0)
     if not shadow_caustics:  # without flagged casters there is no walk
         for obj in scene.objects:
             obj.cycles.is_caustics_caster = False

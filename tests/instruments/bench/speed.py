@@ -131,11 +131,11 @@ def peak_memory(run: Run) -> float:
     return run.peak_memory / 1e6
 
 
-def render_side(label: str, scene: str, guess: float, **job) -> Side:
-    """A render with Specula if `job` names a method, else with Cycles. `scene` is one of
+def render_side(label: str, name: str, guess: float, /, **job) -> Side:
+    """A render with Specula if `job` names a method, else with Cycles. `name` is of one of
     blend_scenes/ unless `job` says where it is."""
     engine, where = ("SPECULA", "specula in bpy") if "method" in job else ("CYCLES", "bpy")
-    job = {"scene": str(SCENES / f"{scene}.blend"), "engine": engine, "threads": THREADS} | job
+    job = {"scene": str(SCENES / f"{name}.blend"), "engine": engine, "threads": THREADS} | job
     return Side(label, where, "_render_job.py", job, guess)
 
 

@@ -33,7 +33,7 @@ class SizedStructure(Structure):
         super().__init__(struct_size=sizeof(type(self)), **fields)
 
 
-API_VERSION = 16
+API_VERSION = 17
 NONE = 0xFFFFFFFF
 
 
@@ -264,6 +264,10 @@ class InstanceDesc(SizedStructure):
         ("light_group", c_char_p),
         ("attributes", POINTER(Attribute)),
         ("attribute_count", c_uint32),
+        ("receives_in", c_uint64),
+        ("blocks_in", c_uint64),
+        ("receiver_sets", c_uint64),
+        ("blocker_sets", c_uint64),
     ]
 
 
@@ -316,6 +320,9 @@ class LightDesc(SizedStructure):
         ("soft_falloff", c_uint32),
         ("material", c_uint32),
         ("light_group", c_char_p),
+        ("receiver_sets", c_uint64),
+        ("blocker_sets", c_uint64),
+        ("max_bounces", c_uint32),
     ]
 
 

@@ -246,7 +246,7 @@ def sky(node) -> Sky:
     elevation, rotation = node.sun_elevation, node.sun_rotation  # clockwise from +Y
     flat = math.cos(elevation)
     return Sky(
-        "MULTIPLE_SCATTERING" if node.sky_type == "MULTIPLE_SCATTERING" else "SINGLE_SCATTERING",
+        node.sky_type,
         (flat * math.sin(rotation), flat * math.cos(rotation), math.sin(elevation)),
         altitude=node.altitude,
         air=node.air_density,
@@ -340,12 +340,6 @@ def light_gain(light) -> tuple[float, float, float]:
 def has_soft_falloff(light) -> bool:
     """Whether a point or spot light is a disk in Cycles, which had no other in 3.4."""
     return getattr(light, "use_soft_falloff", True)
-
-
-def has_light_linking(obj) -> bool:
-    """Whether a light shines on some objects only, or only some block it (since 4.0)."""
-    linking = getattr(obj, "light_linking", None)
-    return bool(linking and (linking.receiver_collection or linking.blocker_collection))
 
 
 def ies_text(node) -> str:

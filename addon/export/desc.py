@@ -145,6 +145,10 @@ class InstanceDesc:
     crypto_object: float = 0.0  # identifiers for Cryptomatte; 0: none
     crypto_asset: float = 0.0
     light_group: str = ""  # of the light that it emits; "": none
+    receives_in: int = 0  # sets that it is in, a bit each, as a receiver of light
+    blocks_in: int = 0  # and as what throws shadows
+    receiver_sets: int = 0  # of the light that it emits, as LightDesc has them
+    blocker_sets: int = 0
 
 
 @dataclass
@@ -167,6 +171,9 @@ class LightDesc:
     feeds_caustics: bool = True
     light_group: str = ""  # "": none
     material: int = NONE  # whose emission is a factor of the light; NONE: 1
+    receiver_sets: int = 0  # whose members alone it shines on; 0: on everything
+    blocker_sets: int = 0  # whose members alone throw its shadow; 0: everything does
+    max_bounces: int = 1024  # of paths that are connected to it
 
 
 @dataclass

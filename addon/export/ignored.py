@@ -32,7 +32,7 @@ OBJECT = (
 )
 ADAPTIVE_MESSAGE = "adaptive subdivision is not supported, its modifier's own levels are used"
 SHADOW_MESSAGE = "shadows of what is looked through are always transparent"
-# Bounces after which the light of a lamp or the world counts no more.
+# Bounces after which the light of the world counts no more.
 BOUNCES = 1024
 BOUNCES_MESSAGE = "a limit of its bounces is not supported, it lights all of them"
 
@@ -62,10 +62,9 @@ def warn_of_material(material, log: ExportLog) -> None:
         log.warn(f"material {material.name}", SHADOW_MESSAGE)
 
 
-def warn_of_bounces(owner, label: str, log: ExportLog) -> None:
-    """`owner`: a light or world."""
-    if compat.cycles_value(owner, "max_bounces", BOUNCES) < BOUNCES:
-        log.warn(label, BOUNCES_MESSAGE)
+def warn_of_world(world, log: ExportLog) -> None:
+    if compat.cycles_value(world, "max_bounces", BOUNCES) < BOUNCES:
+        log.warn(f"world {world.name}", BOUNCES_MESSAGE)
 
 
 def _warn(owner, label: str, rows: tuple[Ignored, ...], log: ExportLog) -> None:

@@ -9,7 +9,7 @@ from collections.abc import Callable
 import numpy as np
 
 from ..abi import NONE
-from . import compat, ignored
+from . import compat
 from .desc import AreaShape, LightDesc, LightType, LinkDesc, MaterialDesc, NodeDesc, Visibility
 from .image import Images
 from .log import ExportLog
@@ -50,9 +50,6 @@ def export_light(
     if transform is None:
         log.warn(owner, "has a scale or size of zero, it gives no light")
         return None
-    if compat.has_light_linking(obj):
-        log.warn(owner, "light linking is not supported, it shines on and is blocked by everything")
-    ignored.warn_of_bounces(light, owner, log)
     if not compat.casts_shadows(light):
         visibility &= ~Visibility.SHADOW
     emission, material = shade(light) if compat.uses_nodes(light) else ((1.0, 1.0, 1.0), NONE)
@@ -64,6 +61,7 @@ def export_light(
         visibility=visibility,
         feeds_caustics=light.specula.caustics,
         material=material,
+        max_bounces=compat.cycles_value(light, "max_bounces", LightDesc.max_bounces),
     )
     _TYPES[desc.type](desc, light, owner, log)
     return desc
@@ -136,8 +134,6 @@ def _spot(desc: LightDesc, light, owner: str, log: ExportLog) -> None:
     _point(desc, light, owner, log)
     desc.spot_angle = light.spot_size
     desc.spot_blend = light.spot_blend
-    if light.use_square:
-        log.warn(owner, "a square spot cone is only drawn so, it renders round")
 
 
 def _sun(desc: LightDesc, light, owner: str, log: ExportLog) -> None:

@@ -25,6 +25,7 @@ from .desc import (
 )
 from .image import Images
 from .light import export_light, export_light_nodes
+from .linking import Linking
 from .log import ExportLog
 from .material import default_material, export_material
 from .mesh import export_mesh
@@ -84,6 +85,7 @@ class SceneExport:
         self.scene.camera = (
             export_view(self.view, self.depsgraph) if self.view else export_camera(self.depsgraph)
         )
+        self._linking = Linking(self.depsgraph, self.log)
         self._world(compat.world_of(self.depsgraph.scene_eval, self.layer))
         with Inquiry() as self._core:
             for instance in self.depsgraph.object_instances:
@@ -129,6 +131,7 @@ class SceneExport:
             light = export_light(obj, transform, visibility, self._light_nodes, self.log)
             if light:
                 light.light_group = light_group(instance)
+                light.receiver_sets, light.blocker_sets = self._linking.links(original(instance))
                 self.scene.lights.append(light)
             return
         self._check_object(instance, owner)
@@ -230,6 +233,8 @@ class SceneExport:
         if np.linalg.det(transform[:, :3].astype(np.float64)) == 0.0:
             self.log.warn(f"object {name}", "has a scale of zero, it is not rendered")
             return
+        receivers, blockers = self._linking.links(original(instance))
+        receives_in, blocks_in = self._linking.memberships(instance)
         self.scene.instances.append(
             InstanceDesc(
                 name=name,
@@ -244,6 +249,10 @@ class SceneExport:
                 crypto_object=self._crypto(Crypto.OBJECT, obj.name),
                 crypto_asset=self._crypto(Crypto.ASSET, cryptomatte.asset_name(obj)),
                 light_group=light_group(instance),
+                receives_in=receives_in,
+                blocks_in=blocks_in,
+                receiver_sets=receivers,
+                blocker_sets=blockers,
                 attributes=object_attributes(instance, self.depsgraph, needs),
             )
         )
@@ -321,7 +330,7 @@ class SceneExport:
     def _world(self, world) -> None:
         if world is None or not self.layer.use_sky:
             return
-        ignored.warn_of_bounces(world, f"world {world.name}", self.log)
+        ignored.warn_of_world(world, self.log)
         self.scene.environment = EnvironmentDesc(
             material=len(self.scene.materials),
             visibility=world_visibility(world),

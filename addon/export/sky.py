@@ -19,7 +19,10 @@ from dataclasses import dataclass
 import numpy as np
 
 WIDTH, HEIGHT = 1024, 512  # of the image
-AZIMUTHS, ELEVATIONS = 97, 128  # of the grid, over half of the sky, which is symmetric
+# Of the tables, over half of the sky, which is symmetric; those of single scattering as Blender's.
+COLUMNS, ROWS = 97, 128
+SINGLE_COLUMNS, SINGLE_ROWS = 256, 128
+SINGLE = ("NISHITA", "SINGLE_SCATTERING")
 LIMB_DARKENING = 0.8  # mean of 1 - 0.6 (1 - cos) over a disc
 
 XYZ_TO_RGB = np.array(
@@ -35,7 +38,7 @@ XYZ_TO_RGB = np.array(
 class Sky:
     """What a Sky Texture is set to."""
 
-    model: str  # PREETHAM, SINGLE_SCATTERING or MULTIPLE_SCATTERING
+    model: str  # PREETHAM, NISHITA, its successor SINGLE_SCATTERING or MULTIPLE_SCATTERING
     sun: tuple[float, float, float]  # unit vector towards it
     turbidity: float = 2.0  # of Preetham alone
     altitude: float = 0.0  # m
@@ -60,13 +63,9 @@ def sky_image(sky: Sky) -> np.ndarray:
     azimuth = np.arctan2(directions[..., 1], directions[..., 0]) - sun_azimuth
     azimuth = np.abs((azimuth + math.pi) % (2 * math.pi) - math.pi)
     elevation = np.arctan2(directions[..., 2], cos_elevation)
-    if sky.model == "SINGLE_SCATTERING":
-        grid = _to_rgb(_grid(sky, _single_scattering, 0.0))
-        below = np.maximum(1.0 + 2.5 * np.minimum(directions[..., 2], 0.0), 0.0) ** 3
-        above = _resampled(grid, azimuth, np.maximum(elevation, 0.0), 0.0)
-        return above * below[..., None].astype(np.float32)
-    grid = _to_rgb(_grid(sky, _multiple_scattering, -1.0))
-    return _resampled(grid, azimuth, elevation, -1.0)
+    if sky.model in SINGLE:
+        return _single_sky(sky, azimuth, elevation)
+    return _multiple_sky(sky, azimuth, elevation)
 
 
 def sun_irradiance(sky: Sky) -> np.ndarray | None:
@@ -74,7 +73,7 @@ def sun_irradiance(sky: Sky) -> np.ndarray | None:
     if sky.model == "PREETHAM" or sky.sun_size <= 0.0 or sky.sun_intensity <= 0.0:
         return None
     half = 0.5 * sky.sun_size
-    single = sky.model == "SINGLE_SCATTERING"
+    single = sky.model in SINGLE
     horizon = 0.0 if single else -math.acos(EARTH / (EARTH + sky.altitude * 1e-3))
     height = (sky.elevation - horizon) / half
     if height <= -1.0:
@@ -117,25 +116,52 @@ def _to_rgb(xyz: np.ndarray) -> np.ndarray:
     return np.maximum(xyz @ XYZ_TO_RGB.T, 0.0).astype(np.float32)
 
 
-def _grid(sky: Sky, model, lowest: float) -> np.ndarray:
-    """A model's XYZ by elevation and azimuth from the sun, (ELEVATIONS, AZIMUTHS, 3).
-
-    Rows lie close to each other at the horizon: the elevation is the square of what is uniform,
-    from `lowest` to 1.
-    """
-    row = np.linspace(lowest, 1.0, ELEVATIONS)
-    elevation = np.sign(row) * row**2 * (0.5 * math.pi)
-    azimuth = np.linspace(0.0, math.pi, AZIMUTHS)
-    return model(sky, _on_sphere(azimuth[None, :], elevation[:, None]))
+# Elevations are squares of what is uniform: rows lie close to each other at the horizon.
+def _elevation_of(row):
+    return np.sign(row) * row**2 * (0.5 * math.pi)
 
 
-def _resampled(grid: np.ndarray, azimuth, elevation, lowest: float) -> np.ndarray:
-    """Linear between the entries of a grid."""
-    row = np.sign(elevation) * np.sqrt(np.abs(elevation) / (0.5 * math.pi))
-    y = np.clip((row - lowest) / (1.0 - lowest), 0.0, 1.0) * (ELEVATIONS - 1)
-    x = np.clip(azimuth / math.pi, 0.0, 1.0) * (AZIMUTHS - 1)
-    y0 = np.minimum(y.astype(int), ELEVATIONS - 2)
-    x0 = np.minimum(x.astype(int), AZIMUTHS - 2)
+def _row_of(elevation):
+    return np.sign(elevation) * np.sqrt(np.abs(elevation) / (0.5 * math.pi))
+
+
+def _multiple_sky(sky: Sky, azimuth: np.ndarray, elevation: np.ndarray) -> np.ndarray:
+    """RGB; the azimuth counts from the sun."""
+    rows, columns = np.linspace(-1.0, 1.0, ROWS), np.linspace(0.0, math.pi, COLUMNS)
+    directions = _on_sphere(columns[None, :], _elevation_of(rows)[:, None])
+    grid = _to_rgb(_multiple_scattering(sky, directions))
+    return _resampled(
+        grid, 0.5 * (_row_of(elevation) + 1.0) * (ROWS - 1), azimuth / math.pi * (COLUMNS - 1)
+    )
+
+
+def _single_sky(sky: Sky, azimuth: np.ndarray, elevation: np.ndarray) -> np.ndarray:
+    """As _multiple_sky(). A texel of Blender's table shows its lower corner, the one farther from
+    the sun: the table's brightest spot is a little fainter than the sky's. Below the horizon is
+    what is seen there, faded."""
+    rows = np.arange(SINGLE_ROWS) / SINGLE_ROWS
+    columns = np.arange(1, SINGLE_COLUMNS + 1) * math.pi / SINGLE_COLUMNS
+    elevations = _elevation_of(rows)
+    if sky.model == "NISHITA":
+        elevations *= 1.0 + 0.5 / SINGLE_ROWS
+    above = _to_rgb(_single_scattering(sky, _on_sphere(columns[None, :], elevations[:, None])))
+    x = azimuth / math.pi * SINGLE_COLUMNS - 0.5
+    if sky.model == "NISHITA":
+        fade = np.maximum(1.0 + 2.5 * np.minimum(np.sin(elevation), 0.0), 0.0) ** 3
+        y = _row_of(np.maximum(elevation, 0.0)) * SINGLE_ROWS - 0.5
+        return _resampled(above, y, x) * fade[..., None].astype(np.float32)
+    depth = np.sin(_elevation_of(np.arange(SINGLE_ROWS, 0, -1) / SINGLE_ROWS))
+    below = above[0] * np.maximum(1.0 - 2.5 * depth, 0.0)[:, None, None] ** 3
+    y = (_row_of(elevation) + 1.0) * SINGLE_ROWS - 0.5
+    return _resampled(np.concatenate([below, above]), y, x)
+
+
+def _resampled(grid: np.ndarray, y, x) -> np.ndarray:
+    """Linear between the entries of a grid (rows, columns, 3), where the first is at y = x = 0."""
+    y = np.clip(y, 0.0, grid.shape[0] - 1.0)
+    x = np.clip(x, 0.0, grid.shape[1] - 1.0)
+    y0 = np.minimum(y.astype(int), grid.shape[0] - 2)
+    x0 = np.minimum(x.astype(int), grid.shape[1] - 2)
     fy, fx = (y - y0)[..., None], (x - x0)[..., None]
     low = grid[y0, x0] * (1.0 - fx) + grid[y0, x0 + 1] * fx
     high = grid[y0 + 1, x0] * (1.0 - fx) + grid[y0 + 1, x0 + 1] * fx

@@ -42,9 +42,8 @@ class SPECULA_PT_light(SpeculaPanel, bpy.types.Panel):
         column.prop(light.specula, "caustics")
         if getattr(cycles, "is_portal", False):
             draw_note(column, "A portal gives no light, and is not needed", icon="INFO")
-        bounces = cycles and cycles.bl_rna.properties["max_bounces"].default
-        if cycles and cycles.max_bounces < bounces:
-            draw_note(column, "Max Bounces: no effect", icon="INFO")
+        if cycles:
+            column.prop(cycles, "max_bounces")
 
 
 class SPECULA_PT_light_nodes(SpeculaPanel, bpy.types.Panel):

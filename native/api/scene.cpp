@@ -228,6 +228,8 @@ Instance to_instance(const spc_instance_desc& desc) {
     require(desc.terminator_offset >= 0.0f && desc.terminator_offset <= 1.0f,
             owner + ": terminator_offset is not within 0 and 1");
     instance.terminator_stretch = 1.0f / (1.0f - 0.5f * desc.terminator_offset);
+    instance.links = {desc.receiver_sets, desc.blocker_sets};
+    instance.sets = {desc.receives_in, desc.blocks_in};
     return instance;
 }
 
@@ -252,6 +254,8 @@ LightDesc to_light(const spc_light_desc& desc) {
     light.feeds_caustics = desc.feeds_caustics != 0;
     light.light_group = name_or(desc.light_group, "");
     light.material = desc.material;
+    light.links = {desc.receiver_sets, desc.blocker_sets};
+    light.max_bounces = desc.max_bounces;
     return light;
 }
 

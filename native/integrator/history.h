@@ -35,6 +35,7 @@ struct PathHistory {
     // If x lies on a rough caster: the chain from an earlier receiver through x and on. Else empty.
     CausticPath rough_chain;
     Surface surface;                 // at x
+    uint64_t receives = 0;           // LinkSets of x
     CameraSubpath camera_subpath{};  // to x
     bool crossed_caster = false;  // went straight through a transparent part since the last vertex
     // Density of the scattering at x (1/sr), for the weight against next event estimation. Closures
@@ -48,7 +49,7 @@ struct PathHistory {
     }
     // x as the choice of a light saw it. Valid after a scattering at x.
     LitPoint lit_point() const {
-        return {caustic.x, caustic.sides.below ? Vec3(0.0f) : caustic.sides.ng};
+        return {caustic.x, caustic.sides.below ? Vec3(0.0f) : caustic.sides.ng, receives};
     }
     // Whether the part of the path that is remembered begins with a smooth scattering.
     bool has_scattered() const { return stage != Stage::unconnected && !caustic.from_camera; }
@@ -95,6 +96,7 @@ struct PathHistory {
         stage = Stage::scattered;
         pdf_direct = sample.pdf_omega;
         glints.reset();
+        receives = scene.instances[at.hit.instance].sets.receives;
         caustic.x = at.p;
         caustic.p_error = at.p_error;
         caustic.sides = {at.ng, has_smooth_transmission(at.closures)};

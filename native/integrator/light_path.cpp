@@ -46,9 +46,8 @@ public:
         ++stats_.paths;
         const std::optional<LightPoint> y =
             sample_light_point(world_.lights, scene_, sampler_[Domain::light_point].three());
-        // What shines through everything is left to those who connect to it.
-        if (!y || (light_visibility(world_.lights, y->light) & kVisibleShadow) == 0)
-            return std::nullopt;
+        // What shines through things is left to those who connect to it.
+        if (!y || !sends_light_paths(world_.lights, y->light)) return std::nullopt;
         y_ = *y;
         visibility_ = light_visibility(world_.lights, y_.light);
         const EmittedRay emitted =
@@ -97,7 +96,9 @@ private:
         if (!next || next->below != nullptr) return false;  // left to path tracing
         if (dot(surface.ng, next->wi) < 0.0f) media_.cross(scene_, surface.hit, next->wi);
         if (next->kind == BounceKind::transparent) return look_through(instance, *next);
-        if (history_.count == 0 && !history_.has_scattered() && !reaches(surface.p)) return false;
+        if (history_.count == 0 && !history_.has_scattered() &&
+            !(shines_on(world_.lights, y_.light, instance.sets.receives) && reaches(surface.p)))
+            return false;
         const bool goes_on =
             next->delta ? turn(surface, *next) : may_scatter && scatter(surface, *next, here);
         ray_ = {offset_origin({surface.p, surface.ng, surface.p_error}, next->wi), next->wi, 0.0f,
@@ -146,7 +147,7 @@ private:
         Surface from_camera;
         evaluate_surface(scene_, surface.hit, next.wi, from_camera);
         if (first && history_.count == 0)
-            end_.pdf_direct = pdf_direct(world_.lights, scene_, lit_point(from_camera), y_);
+            end_.pdf_direct = pdf_direct(world_.lights, scene_, lit_point(scene_, from_camera), y_);
         const std::optional<LightHistory::Arrival> arrival =
             history_.arrive(scene_, end_.end, visibility_, from_camera);
         if (!arrival) return false;

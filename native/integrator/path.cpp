@@ -18,14 +18,16 @@ std::optional<Hit> PathTracer::go_to_surface(Surface& surface, PathLight& light)
             if (in_hole) return std::nullopt;
             evaluate(*hit, surface);
             come_to(surface.p);
-            add_met(throughput * emission_of_surface(*hit, surface), Pass::emission,
-                    settings.group_of_instance(hit->surface.instance), light);
+            if (meets(scene().instances[hit->surface.instance].links))
+                add_met(throughput * emission_of_surface(*hit, surface), Pass::emission,
+                        settings.group_of_instance(hit->surface.instance), light);
             return hit;
         }
         // Lamps are looked through, as in Cycles.
         come_to(ray.origin + ray.direction * hit->t);
-        add_met(throughput * emission_of_lamp(*hit), Pass::emission,
-                settings.group_of_light(hit->light), light);
+        if (meets(world.lights.links[hit->light]))
+            add_met(throughput * emission_of_lamp(*hit), Pass::emission,
+                    settings.group_of_light(hit->light), light);
         ray.t_near = past(hit->t);
     }
 }
@@ -67,7 +69,8 @@ bool PathTracer::go_below(Surface& surface, const ClosureSample& entry, const Sa
 }
 
 bool PathTracer::scatter(const Hit& hit, const Surface& surface, const ClosureSample& next,
-                         bool receives, const CameraSubpath& camera_subpath, const Sampler& sampler) {
+                         bool receives, const CameraSubpath& camera_subpath, const Sampler& sampler,
+                         PathLight& light) {
     throughput *= next.weight;
     if (!survive_roulette(sampler)) return false;
     if (next.kind == BounceKind::transparent) return look_through(hit);
@@ -90,6 +93,7 @@ bool PathTracer::scatter(const Hit& hit, const Surface& surface, const ClosureSa
         history.append_delta(surface.hit, next, world.casters);
     }
     spawn_ray(surface, next);
+    add_shadow_linked(surface, light);
     return true;
 }
 
@@ -127,6 +131,7 @@ bool PathTracer::look_through(const Hit& hit) {
 
 void PathTracer::spawn_ray(const Surface& surface, const ClosureSample& next) {
     ray_kind = ray_kind_after(next.kind);
+    scattered_by = &scene().instances[surface.hit.instance];
     ray_begins = 0.0f;
     ray_kinds = (next.kind == BounceKind::diffuse ? kRayDiffuse : kRayGlossy) |
                 (next.kind == BounceKind::transmission ? kRayTransmission : kRayReflection) |
@@ -228,7 +233,8 @@ PathSample path_radiance(const RenderScene& world, const IntegratorSettings& set
             if (!path.go_below(surface, *on.next, here)) break;
             on = path.shade(*hit, surface, here, pixel, light, out);
         }
-        if (!on.next || !path.scatter(*hit, surface, *on.next, on.receives, on.camera_subpath, here))
+        if (!on.next ||
+            !path.scatter(*hit, surface, *on.next, on.receives, on.camera_subpath, here, light))
             break;
         if (features) features->scatter(*on.next);
     }

@@ -161,6 +161,7 @@ void PathTracer::add_light_behind_deltas(const Sampler& sampler, PathLight& ligh
         history.append_delta(surface.hit, *next, world.casters);
         if (history.stage != PathHistory::Stage::chain) return;
         spawn_ray(surface, *next);
+        add_shadow_linked(surface, light);
     }
 }
 

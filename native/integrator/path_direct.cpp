@@ -6,7 +6,7 @@ namespace spc {
 void PathTracer::add_direct(const Surface& surface, const CameraSubpath& camera_subpath,
                             const Sampler& sampler, PathLight& light) {
     if (!has_smooth_closure(surface.closures)) return;
-    const LitPoint at = lit_point(surface);
+    const LitPoint at = lit_point(scene(), surface);
     const auto add = [&](const std::optional<DirectSample>& one) {
         if (one)
             add_scattered(throughput * direct_radiance(surface, camera_subpath, *one), surface,
@@ -20,7 +20,7 @@ void PathTracer::add_direct(const Surface& surface, const CameraSubpath& camera_
 
 Spectrum PathTracer::direct_radiance(const Surface& surface, const CameraSubpath& camera_subpath,
                                      const DirectSample& light) {
-    if (is_black(light.radiance)) return Spectrum(0.0f);
+    if (is_black(light.radiance) || !connects_to(light.light)) return Spectrum(0.0f);
     const uint32_t visibility = light_visibility(world.lights, light.light);
     const ClosureEval f =
         eval(surface.closures, surface.ng, surface.wo, light.wi, kinds_seeing(visibility));
@@ -75,7 +75,8 @@ Spectrum PathTracer::unblocked(const Surface& surface, const DirectSample& light
     Media along = media;
     if (dot(surface.ng, light.wi) < 0.0f) along.cross(scene(), surface.hit, light.wi);
     return transmittance(scene(), {surface.p, surface.ng, surface.p_error}, end, kVisibleShadow,
-                         to_light(kRayShadow), transparent_left, along, stats.rays);
+                         to_light(kRayShadow), transparent_left, along, stats.rays,
+                         Opaque::by_material, blockers_of(world.lights, light.light));
 }
 
 }  // namespace spc

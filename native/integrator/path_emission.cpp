@@ -10,15 +10,19 @@ void PathTracer::add_from_afar(PathLight& light) const {
         add_met(throughput * emission_of_world(), Pass::environment,
                 group_of(world.lights.of_world()), light);
     for (const uint32_t sun : world.lights.disc_suns) {
-        if ((light_visibility(world.lights, sun) & ray_kind) == 0) continue;
-        const Spectrum radiance = radiance_of_lamp(world.lights, scene(), sun, Vec3(0.0f),
-                                                   ray.direction * -1.0f, seen_by(kFromAfar));
-        if (is_black(radiance)) continue;
-        const float weight = weight_of_lamp(
-            end_afar(sun, pdf_light_point_sun(world.lights, sun, ray.direction),
-                     pdf_direct_sun(world.lights, history.lit_point(), sun, ray.direction)));
-        add_met(throughput * radiance * weight, Pass::emission, group_of(sun), light);
+        const bool seen = (light_visibility(world.lights, sun) & ray_kind) != 0;
+        if (seen && meets(world.lights.links[sun]))
+            add_met(throughput * emission_of_sun(sun), Pass::emission, group_of(sun), light);
     }
+}
+
+Spectrum PathTracer::emission_of_sun(uint32_t sun) const {
+    const Spectrum radiance = radiance_of_lamp(world.lights, scene(), sun, Vec3(0.0f),
+                                               ray.direction * -1.0f, seen_by(kFromAfar));
+    if (is_black(radiance)) return radiance;
+    return radiance * weight_of_lamp(end_afar(
+                          sun, pdf_light_point_sun(world.lights, sun, ray.direction),
+                          pdf_direct_sun(world.lights, history.lit_point(), sun, ray.direction)));
 }
 
 Spectrum PathTracer::world_seen() const {

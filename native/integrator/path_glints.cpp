@@ -50,9 +50,10 @@ PathTracer::GlintLight PathTracer::glint_estimate(const Surface& surface, const 
     const Vec3 first = sampler.vertex(0)[Domain::glints].three();
     const uint32_t begin = estimate * kGlintCandidates;
     for (uint32_t i = begin; i < begin + kGlintCandidates; ++i) {
-        const std::optional<DirectSample> light = sample_direct(
-            world.lights, scene(), lit_point(surface), lattice_point(first, i), to_light(0));
-        if (!light || !(dot(surface.ng, light->wi) > 0.0f)) continue;
+        const std::optional<DirectSample> light =
+            sample_direct(world.lights, scene(), lit_point(scene(), surface),
+                          lattice_point(first, i), to_light(0));
+        if (!light || !(dot(surface.ng, light->wi) > 0.0f) || !connects_to(light->light)) continue;
         const uint32_t visibility = light_visibility(world.lights, light->light);
         if ((visibility & kVisibleGlossy) == 0) continue;
         const GlintDensity density = glints->density(light->wi);

@@ -64,7 +64,9 @@ struct PathTracer {
     bool sees_film = true;            // through nothing but what lets it through
     bool in_hole = false;             // has come to a hole in the picture
     uint32_t ray_kinds = kRayCamera;  // of RayKind
-    float ray_begins = ray.t_near;    // where graphs count the ray's length from, as Cycles does
+    // That the ray left by its last scattering; null: it is the camera's.
+    const Instance* scattered_by = nullptr;
+    float ray_begins = ray.t_near;  // where graphs count the ray's length from, as Cycles does
     // Set while the path may meet glints: its differential, and the footprint on its last surface.
     std::optional<PathDifferential> differential{};
     std::optional<GlintPoint> glints{};
@@ -110,7 +112,7 @@ struct PathTracer {
     // These return whether the path continues. `surface` becomes the one where light leaves.
     bool go_below(Surface& surface, const ClosureSample& entry, const Sampler& here);
     bool scatter(const Hit& hit, const Surface& surface, const ClosureSample& next, bool receives,
-                 const CameraSubpath& camera_subpath, const Sampler& sampler);
+                 const CameraSubpath& camera_subpath, const Sampler& sampler, PathLight& light);
     bool look_for_lights_behind(const Hit& hit, const Surface& surface);
 
     // What graphs are told of the path's ray, and of one of these `kinds` from its last vertex to a
@@ -150,6 +152,8 @@ struct PathTracer {
     // Adds the world and every sun with a disc, in the direction of a ray that leaves the scene.
     // The path's throughput is included.
     void add_from_afar(PathLight& light) const;
+    // The path's throughput is not included.
+    Spectrum emission_of_sun(uint32_t sun) const;
     Spectrum emission_of_lamp(const Hit& hit) const;
     Spectrum emission_of_surface(const Hit& hit, const Surface& surface) const;
 
@@ -170,10 +174,29 @@ struct PathTracer {
     std::optional<CausticDensities> shared_with_light_paths(const CausticPath& path,
                                                             const LightEnd& end) const;
 
+    // ---- path_linking.cpp: light that is tied to some instances
+
+    // Whether the emission that the ray meets is that of a light with such links. What shines
+    // through things is left to add_shadow_linked().
+    bool meets(const LightLinks& links) const {
+        return scattered_by == nullptr ||
+               (links.blockers == 0 && is_linked(links.receivers, scattered_by->sets.receives));
+    }
+    // Adds light that the ray which has just left the surface meets of lights that not everything
+    // shadows, whatever stands in between that is none of their blockers.
+    void add_shadow_linked(const Surface& surface, PathLight& light);
+    void add_shadow_linked_mesh(const Surface& surface, uint32_t emitter, PathLight& light);
+    // What the light's blockers let pass from the surface. The path's throughput is included.
+    Spectrum past_blockers(const Surface& surface, uint32_t of_light, const RayEnd& end);
+
     // ---- path_direct.cpp: next event estimation over all lights
 
     void add_direct(const Surface& surface, const CameraSubpath& camera_subpath,
                     const Sampler& sampler, PathLight& light);
+    bool connects_to(uint32_t light) const {
+        return light >= world.lights.lamps.size() ||
+               bounces.total <= scene().lights[light].max_bounces;
+    }
     // The path's throughput is not included.
     Spectrum direct_radiance(const Surface& surface, const CameraSubpath& camera_subpath,
                              const DirectSample& light);

@@ -56,6 +56,19 @@ bool depends_on_kind(const Scene& scene, uint32_t material) {
     return material != kNone && (scene.materials[material]->emission_reads & kReadsRay) != 0;
 }
 
+// Through a lamp without shadow nothing is a blocker to be told from others.
+LightLinks links_of(const LightDesc& desc) {
+    const bool casts_shadow = (desc.visibility & kVisibleShadow) != 0;
+    return {desc.links.receivers, casts_shadow ? desc.links.blockers : 0};
+}
+
+bool shines_on_casters(const Scene& scene, const LightLinks& links) {
+    return links.receivers == 0 ||
+           std::any_of(scene.instances.begin(), scene.instances.end(), [&](const Instance& one) {
+               return one.turns_light() && is_linked(links.receivers, one.sets.receives);
+           });
+}
+
 RayState with_length(RayState ray, float length) {
     ray.length = std::isinf(length) ? kFromAfar : length;
     return ray;
@@ -94,6 +107,7 @@ LightSet build_lights(const Scene& scene, uint32_t threads, const LightSet* befo
         if (std::holds_alternative<DiscSun>(lamp))
             lights.disc_suns.push_back(static_cast<uint32_t>(lights.lamps.size() - 1));
         lights.visibility.push_back(desc.visibility);
+        lights.links.push_back(links_of(desc));
         const bool seen = (desc.visibility & kVisibleScattered) != 0;
         lights.shadings.push_back(make_lamp_shading(desc));
         const float factor = mean_lamp_factor(scene, lights.shadings.back());
@@ -101,7 +115,9 @@ LightSet build_lights(const Scene& scene, uint32_t threads, const LightSet* befo
         lights.leaves.push_back({static_cast<uint32_t>(lights.lamps.size() - 1), 0});
         light_bounds.push_back(seen && flux > 0.0 ? bounds_of(desc, lamp, flux, factor)
                                                   : LightBounds{});
-        const bool feeds = seen && desc.feeds_caustics && !depends_on_kind(scene, desc.material);
+        light_bounds.back().receivers = desc.links.receivers;
+        const bool feeds = seen && desc.feeds_caustics && !depends_on_kind(scene, desc.material) &&
+                           shines_on_casters(scene, desc.links);
         caustic_power.push_back(feeds ? flux * (is_sun(lamp) ? disc : 1.0) : 0.0);
     }
     lights.emissive_of_instance.assign(scene.instances.size(), kNone);
@@ -120,6 +136,7 @@ LightSet build_lights(const Scene& scene, uint32_t threads, const LightSet* befo
         built->emitter.first_leaf = static_cast<uint32_t>(light_bounds.size());
         for (LightBounds& bounds : built->light_bounds) {
             bounds.even = 1.0f / static_cast<float>(built->light_bounds.size());
+            bounds.receivers = instance.links.receivers;
             lights.leaves.push_back(
                 {lights.of_emitter(lights.emissive_of_instance[i]),
                  static_cast<uint32_t>(light_bounds.size()) - built->emitter.first_leaf});
@@ -127,11 +144,13 @@ LightSet build_lights(const Scene& scene, uint32_t threads, const LightSet* befo
         }
         lights.emissive.push_back(std::move(built->emitter));
         lights.visibility.push_back(instance.visibility | kVisibleShadow);
-        caustic_power.push_back(built->flux);
+        lights.links.push_back(instance.links);
+        caustic_power.push_back(shines_on_casters(scene, instance.links) ? built->flux : 0.0);
     }
     build_world(scene, lights, threads, before);
     if (lights.has_world) {
         lights.visibility.push_back(scene.environment.visibility | kVisibleShadow);
+        lights.links.push_back({});
         const bool seen = (scene.environment.visibility & kVisibleScattered) != 0;
         LightBounds bounds{.distant = true};
         // Irradiance, on average over all orientations of what it falls on.
@@ -141,6 +160,8 @@ LightSet build_lights(const Scene& scene, uint32_t threads, const LightSet* befo
         const bool feeds = seen && scene.environment.feeds_caustics;
         caustic_power.push_back(feeds ? world_excess_of_peaks(lights) * disc : 0.0);
     }
+    for (uint32_t i = 0; i < lights.links.size(); ++i)
+        if (lights.links[i].blockers != 0) lights.shadow_linked.push_back(i);
     lights.tree = LightTree(light_bounds);
     lights.caustic_selection = select_by_power(caustic_power);
     return lights;
@@ -148,6 +169,18 @@ LightSet build_lights(const Scene& scene, uint32_t threads, const LightSet* befo
 
 uint32_t light_visibility(const LightSet& lights, uint32_t light) {
     return lights.visibility[light];
+}
+
+bool shines_on(const LightSet& lights, uint32_t light, uint64_t receives) {
+    return is_linked(lights.links[light].receivers, receives);
+}
+
+uint64_t blockers_of(const LightSet& lights, uint32_t light) {
+    return lights.links[light].blockers;
+}
+
+bool sends_light_paths(const LightSet& lights, uint32_t light) {
+    return (lights.visibility[light] & kVisibleShadow) != 0 && lights.links[light].blockers == 0;
 }
 
 Spectrum radiance_of_lamp(const LightSet& lights, const Scene& scene, uint32_t light, const Vec3& q,
@@ -158,8 +191,9 @@ Spectrum radiance_of_lamp(const LightSet& lights, const Scene& scene, uint32_t l
     return radiance * lamp_factor(scene, lamp, lights.shadings[light], q, away, ray);
 }
 
-LitPoint lit_point(const Surface& surface) {
-    return {surface.p, has_smooth_transmission(surface.closures) ? Vec3(0.0f) : surface.ng};
+LitPoint lit_point(const Scene& scene, const Surface& surface) {
+    return {surface.p, has_smooth_transmission(surface.closures) ? Vec3(0.0f) : surface.ng,
+            scene.instances[surface.hit.instance].sets.receives};
 }
 
 namespace {
@@ -168,6 +202,7 @@ std::optional<DirectSample> sample_leaf(const LightSet& lights, const Scene& sce
                                         const LitPoint& at, const LightTree::Sample& chosen,
                                         const Vec2& u, const RayState& ray) {
     const LightSet::Leaf& leaf = lights.leaves[chosen.light];
+    if (!shines_on(lights, leaf.light, at.receives)) return std::nullopt;
     std::optional<DirectSample> sample;
     if (leaf.light < lights.lamps.size()) {
         const Lamp& lamp = lights.lamps[leaf.light];

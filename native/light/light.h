@@ -45,10 +45,12 @@ struct LightSet {
     // Chooses a light for casters, among those that feed them: by power, mixed with an even choice,
     // so that no light starves.
     DiscreteDistribution caustic_selection;
-    std::vector<Lamp> lamps;            // as Scene::lights
-    std::vector<LampShading> shadings;  // likewise
-    std::vector<uint32_t> disc_suns;    // lamps that are suns of some extent
-    std::vector<uint32_t> visibility;   // of every light
+    std::vector<Lamp> lamps;              // as Scene::lights
+    std::vector<LampShading> shadings;    // likewise
+    std::vector<uint32_t> disc_suns;      // lamps that are suns of some extent
+    std::vector<uint32_t> visibility;     // of every light
+    std::vector<LightLinks> links;        // likewise; without blockers if it casts no shadow
+    std::vector<uint32_t> shadow_linked;  // lights that have blockers
     std::vector<EmissiveInstance> emissive;
     std::vector<uint32_t> emissive_of_instance;  // index into `emissive`, or kNone
     bool has_world = false;
@@ -81,6 +83,13 @@ LightSet build_lights(const Scene& scene, uint32_t threads = 0, const LightSet* 
 // lamps can lack it.
 uint32_t light_visibility(const LightSet& lights, uint32_t light);
 
+// Whether a light shines on what lies in these sets (LinkSets::receives).
+bool shines_on(const LightSet& lights, uint32_t light, uint64_t receives);
+// LightLinks::blockers.
+uint64_t blockers_of(const LightSet& lights, uint32_t light);
+// Whether paths from the light know what stops them: not if it shines through things on others.
+bool sends_light_paths(const LightSet& lights, uint32_t light);
+
 // Radiance that a ray meets at the point q of a lamp, which shines along the unit direction `away`;
 // its nodes included. q is unset for a sun.
 Spectrum radiance_of_lamp(const LightSet& lights, const Scene& scene, uint32_t light, const Vec3& q,
@@ -90,7 +99,7 @@ Spectrum radiance_of_lamp(const LightSet& lights, const Scene& scene, uint32_t l
 
 // The point of a surface for the choice of a light. A surface that transmits light is lit from both
 // sides.
-LitPoint lit_point(const Surface& surface);
+LitPoint lit_point(const Scene& scene, const Surface& surface);
 
 struct DirectSample {
     Vec3 wi;         // unit, towards the light

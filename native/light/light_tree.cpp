@@ -69,6 +69,8 @@ LightBounds joined(const LightBounds& a, const LightBounds& b) {
     sum.radius = std::max(length(sum.center - a.center) + a.radius,
                           length(sum.center - b.center) + b.radius);
     sum.beam = joined(a.beam, b.beam);
+    const bool on_all = a.receivers == 0 || b.receivers == 0;
+    sum.receivers = on_all ? 0 : a.receivers | b.receivers;
     return sum;
 }
 
@@ -87,6 +89,7 @@ float remapped(float u, float begin, float end) {
 float LightTree::Node::importance(const LitPoint& at) const {
     constexpr float kLeast =
         1e-24f;  // m^2: smaller than any scene, so that every one has its choice
+    if (!is_linked(bounds.receivers, at.receives)) return 0.0f;
     const Vec3 to_p = at.p - bounds.center;
     const float d2 = length_squared(to_p);
     float result = bounds.strength / std::max({d2, sqr(bounds.radius), kLeast});
@@ -99,6 +102,7 @@ float LightTree::Node::importance(const LitPoint& at) const {
 }
 
 float LightTree::Distant::importance(const LitPoint& at) const {
+    if (!is_linked(bounds.receivers, at.receives)) return 0.0f;
     const bool from_one_side = at.n != Vec3(0.0f) && bounds.center != Vec3(0.0f);
     return from_one_side ? bounds.strength * std::max(dot(at.n, bounds.center), 0.0f)
                          : bounds.strength;

@@ -15,10 +15,13 @@
 namespace spc {
 
 // A point to be lit. `n`: unit normal on the side that receives light; zero if both sides do.
+// `receives`: LinkSets of its instance.
 struct LitPoint {
     Vec3 p, n;
+    uint64_t receives;
 
-    LitPoint(const Vec3& point, const Vec3& normal = Vec3(0.0f)) : p(point), n(normal) {}
+    LitPoint(const Vec3& point, const Vec3& normal = Vec3(0.0f), uint64_t receives_ = 0)
+        : p(point), n(normal), receives(receives_) {}
 };
 
 // Bounds of a light, of a part of it, or of several lights: where they stand and how they shine.
@@ -31,7 +34,8 @@ struct LightBounds {
     Vec3 center{0.0f};
     float radius = 0.0f;
     LampBeam beam{Vec3(0, 0, 1), 2.0f};
-    bool cosine = false;  // falls with the cosine of the angle to the beam's axis
+    bool cosine = false;     // falls with the cosine of the angle to the beam's axis
+    uint64_t receivers = 0;  // LightLinks: of several, the sets on which any of them shines
     float even =
         1.0f;  // relative probability in the even choice: 1 for a light, shared by its parts
 };

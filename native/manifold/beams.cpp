@@ -79,7 +79,8 @@ private:
             Media media{};
             return !is_black(transmittance(scene_, {geometry.p, geometry.ng, geometry.p_error},
                                            ray_end(scene_, y), kVisibleShadow, transparent_left,
-                                           media, rays_, Opaque::casters_too));
+                                           media, rays_, Opaque::casters_too,
+                                           blockers_of(world_.lights, y.light)));
         });
     }
 

@@ -71,7 +71,7 @@ bool rays_find_all(const Scene& scene, const LightSet& lights) {
             continue;
         const std::optional<LightPoint> y =
             sample_point_of_light(lights, scene, i, Vec2(0.5f, 0.5f));
-        if (!y || y->delta || (light_visibility(lights, i) & kVisibleShadow) == 0) return false;
+        if (!y || y->delta || !sends_light_paths(lights, i)) return false;
     }
     return true;
 }

@@ -291,7 +291,7 @@ private:
                 chain.count > 1 ? chain.vertices[chain.count - 2].geometry.p : receiver_.p;
             Surface at_last;
             evaluate_surface(scene_, chain.hits[chain.count - 1], normalize(before - last), at_last);
-            end.pdf_direct = pdf_direct(lights_, scene_, lit_point(at_last), y_);
+            end.pdf_direct = pdf_direct(lights_, scene_, lit_point(scene_, at_last), y_);
         }
         const std::optional<CausticDensities> densities = caustic_densities(techniques_, path, end);
         if (!densities || !(densities->geometry > 0.0) || !(densities->manifold > 0.0))
@@ -356,7 +356,10 @@ private:
                                                                             : kVisibleTransmission;
         };
         const uint32_t last = chain.count - 1;
-        if ((light_visibility(lights_, y_.light) & kind_at(last)) == 0) return Spectrum(0.0f);
+        const Instance& next_to_light = scene_.instances[chain.hits[last].instance];
+        if ((light_visibility(lights_, y_.light) & kind_at(last)) == 0 ||
+            !shines_on(lights_, y_.light, next_to_light.sets.receives))
+            return Spectrum(0.0f);
         uint32_t transparent_left = receiver_.transparent_left;
         Media media = *receiver_.media;
         const Vec3 first = chain.vertices[0].geometry.p - receiver_.p;
@@ -379,8 +382,12 @@ private:
         }
         if (scene_.material_of(chain.hits[last]).interface().is_rough() && !casts_shadow())
             return through;
-        return through * transmittance(scene_, from, end_of_light(from.p), kind, transparent_left,
-                                       media, stats_.rays);
+        // As the rays that look for such a light.
+        const uint64_t blockers = blockers_of(lights_, y_.light);
+        return through * transmittance(scene_, from, end_of_light(from.p),
+                                       blockers == 0 ? kind : uint32_t{kVisibleShadow},
+                                       transparent_left, media, stats_.rays, Opaque::by_material,
+                                       blockers);
     }
 
     // Where the lamp's light begins on its way to `last`.

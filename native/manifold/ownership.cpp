@@ -364,7 +364,7 @@ std::optional<CausticDensities> caustic_densities(const Techniques& techniques,
         p.manifold = 0.0;
         p.missed.reset();
     }
-    if (!seen_through && light_tracing_owns(techniques, path)) {
+    if (sends_light_paths(techniques.lights, end.light) && light_tracing_owns(techniques, path)) {
         float unused;
         const Vec3 wi = chain.empty() ? end.end.from(path.x, unused)
                                       : normalize(chain.front().geometry.p - path.x);

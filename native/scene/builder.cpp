@@ -324,9 +324,11 @@ std::unique_ptr<Scene> SceneBuilder::freeze(uint32_t threads) {
     bound_scene(*scene_);
     scene_->accel =
         std::make_unique<Accel>(*scene_, threads, before_ ? before_->accel.get() : nullptr);
-    for (uint32_t i = 0; i < scene_->instances.size(); ++i)
-        if (scene_->instances[i].turns_light() || scene_->instances[i].has_subsurface)
+    for (uint32_t i = 0; i < scene_->instances.size(); ++i) {
+        const Instance& instance = scene_->instances[i];
+        if (instance.turns_light() || instance.has_subsurface || instance.is_shadow_linked())
             scene_->accel->prepare_alone(*scene_, i);
+    }
     return std::move(scene_);
 }
 

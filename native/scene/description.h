@@ -4,6 +4,7 @@
 
 #include "core/shared.h"
 #include "math/bounds.h"
+#include "scene/linking.h"
 #include "shading/program.h"
 #include "shading/ray_state.h"
 
@@ -74,7 +75,9 @@ struct Instance {
     uint32_t pass_index = 0;                          // what its pass shows
     float crypto_object = 0.0f, crypto_asset = 0.0f;  // identifiers, 0: none
     std::string light_group;                          // of what it emits; "": none
-    std::vector<Attribute> attributes;                // of the object
+    LightLinks links;                                 // likewise
+    LinkSets sets;
+    std::vector<Attribute> attributes;  // of the object
     // Set when the scene is frozen.
     // [slot][attribute of the material] -> that of the mesh or, counted on from there, of the
     // object; or kNone.
@@ -87,6 +90,8 @@ struct Instance {
     bool has_subsurface = false;  // light may walk below its surface
     bool absorbs = false;         // a material has an absorbing medium behind it
     bool turns_light() const { return caster || rough_caster; }
+    // Whether not everything stands in the way of its own light.
+    bool is_shadow_linked() const { return emits && links.blockers != 0; }
     const Attribute* attribute(const Mesh& on, uint32_t index) const {
         if (index == kNone) return nullptr;
         const size_t of_mesh = on.attributes.size();
@@ -114,6 +119,8 @@ struct LightDesc {
     bool feeds_caustics = true;
     std::string light_group;    // "": none
     uint32_t material = kNone;  // whose emission is a factor of the light; kNone: 1
+    LightLinks links;
+    uint32_t max_bounces = 1024;  // of a path that next event estimation connects to it
 
     Vec3 position() const { return to_world.translation; }
     // Unit axis along which spot, sun and area lights shine.

@@ -22,14 +22,15 @@ RayEnd end_on(const Scene& scene, const SurfaceHit& hit, const DifferentialGeome
 }
 
 Spectrum transmittance(const Scene& scene, const RayStart& from, const RayEnd& end, uint32_t kind,
-                       uint32_t& transparent_left, Media& media, uint64_t& rays, Opaque opaque) {
+                       uint32_t& transparent_left, Media& media, uint64_t& rays, Opaque opaque,
+                       uint64_t blockers) {
     return transmittance(scene, from, end, kind, ray_seen_as(kind), transparent_left, media, rays,
-                         opaque);
+                         opaque, blockers);
 }
 
 Spectrum transmittance(const Scene& scene, const RayStart& from, const RayEnd& end, uint32_t kind,
                        RayState seen_by, uint32_t& transparent_left, Media& media, uint64_t& rays,
-                       Opaque opaque) {
+                       Opaque opaque, uint64_t blockers) {
     ChainEnd aim = end.at;
     if (!aim.distant) aim.p = end.beside(from.p);
     float distance;
@@ -39,7 +40,7 @@ Spectrum transmittance(const Scene& scene, const RayStart& from, const RayEnd& e
     direction = aim.from(origin, distance);
     const float t_far = distance - end.clip;
     Ray ray{origin, direction, 0.0f, t_far};
-    if (!scene.any_transparency) {
+    if (!scene.any_transparency && blockers == 0) {
         ++rays;
         return scene.accel->occluded(ray, kind) ? Spectrum(0.0f) : media.transmittance(t_far);
     }
@@ -48,7 +49,8 @@ Spectrum transmittance(const Scene& scene, const RayStart& from, const RayEnd& e
         ++rays;
         const std::optional<Hit> hit = scene.accel->intersect(ray, kind);
         if (!hit) return through * media.transmittance(t_far - passed);
-        if (hit->light == kNone) {
+        if (hit->light == kNone &&
+            is_linked(blockers, scene.instances[hit->surface.instance].sets.blocks)) {
             if (transparent_left == 0) return Spectrum(0.0f);
             if (opaque == Opaque::casters_too && scene.instances[hit->surface.instance].turns_light())
                 return Spectrum(0.0f);

@@ -46,13 +46,14 @@ enum class Opaque : uint8_t {
 // Fraction of light between the surface point `from` and `end` (both excluded) that transparent
 // surfaces visible to `kind`, and media, let pass. Each surface is subtracted from
 // `transparent_left`; one too many blocks. `media`: the media at `from`; on return, if any light
-// passes, those at `end`. Adds the number of rays cast to `rays`.
+// passes, those at `end`. Adds the number of rays cast to `rays`. `blockers`: LightLinks of the
+// light at `end`.
 Spectrum transmittance(const Scene& scene, const RayStart& from, const RayEnd& end, uint32_t kind,
                        uint32_t& transparent_left, Media& media, uint64_t& rays,
-                       Opaque opaque = Opaque::by_material);
+                       Opaque opaque = Opaque::by_material, uint64_t blockers = 0);
 // The same for a ray of which more is known than its kind; lengths are found.
 Spectrum transmittance(const Scene& scene, const RayStart& from, const RayEnd& end, uint32_t kind,
                        RayState ray, uint32_t& transparent_left, Media& media, uint64_t& rays,
-                       Opaque opaque = Opaque::by_material);
+                       Opaque opaque = Opaque::by_material, uint64_t blockers = 0);
 
 }  // namespace spc

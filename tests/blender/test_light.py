@@ -168,15 +168,6 @@ def test_negative_light_is_left_out():
     assert only_light()[0].power == (2, 2, 2)
 
 
-@pytest.mark.skipif(not hasattr(bpy.types.Object, "light_linking"), reason="no light linking yet")
-@pytest.mark.parametrize("collection", ["receiver_collection", "blocker_collection"])
-def test_light_linking_is_named(collection):
-    obj = add_light()
-    setattr(obj.light_linking, collection, bpy.data.collections.new("Some"))
-    (warning,) = only_light()[1]
-    assert warning.startswith("light Light: light linking is not supported")
-
-
 def test_a_portal_is_no_light():
     add_light("AREA").data.cycles.is_portal = True
     assert export()[0].lights == []

@@ -14,8 +14,8 @@ from specula.export.sky import HEIGHT, WIDTH, sky_image, sun_irradiance
 
 BLOCK = 4  # pixels of the sky's image along a side of one of Cycles'
 FIELD = math.radians(1.2)  # of view, around the sun
-TOLERANCE = 0.03  # root mean square; a sky of Cycles' is a table of 512 x 128
-MEAN_TOLERANCE = 0.015
+TOLERANCE = 0.015  # root mean square
+MEAN_TOLERANCE = 0.003
 SUN_TOLERANCE = 0.01
 
 

@@ -48,7 +48,7 @@ extern "C" {
 #endif
 
 /* This number is raised whenever a struct or the meaning of a call changes. */
-#define SPC_API_VERSION 16u
+#define SPC_API_VERSION 17u
 
 /* This value stands for "no index" where an index is optional. */
 #define SPC_NONE 0xffffffffu
@@ -377,6 +377,8 @@ typedef struct spc_instance_desc {
     const char* light_group;           /* of the light that it emits; NULL or "": none */
     const spc_attribute* attributes;
     uint32_t attribute_count;
+    uint64_t receives_in, blocks_in;      /* sets that it is in, a bit each: see spc_light_desc */
+    uint64_t receiver_sets, blocker_sets; /* of the light that it emits: see spc_light_desc */
 } spc_instance_desc;
 
 /* Places a mesh in the world and gives the instance's index. Errors: SPC_WRONG_STATE (after
@@ -445,6 +447,13 @@ typedef struct spc_light_desc {
      * is. Object space is the light's; a sun is seen at the unit vector along its light. */
     uint32_t material;
     const char* light_group; /* NULL or "": none */
+    /* Sets, a bit each, whose members alone it shines on, and whose members alone throw its shadow;
+     * 0: everything. It shines on where its light scatters first, and what shadows it stands before
+     * that. Light paths do not start at a light with blockers. */
+    uint64_t receiver_sets, blocker_sets;
+    /* Surfaces behind more bounces than this are not connected to it; their rays still find it, with
+     * the weight that they have beside connections. */
+    uint32_t max_bounces;
 } spc_light_desc;
 
 /* Adds a light and gives its index. Errors: SPC_WRONG_STATE (after commit). */

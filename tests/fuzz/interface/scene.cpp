@@ -125,6 +125,10 @@ private:
         desc.terminator_offset =
             spoiler_.number(dice_.chance(0.8) ? 0.0f : dice_.between(0.0f, 1.0f));
         desc.light_group = random_group();
+        desc.receives_in = random_sets();
+        desc.blocks_in = random_sets();
+        desc.receiver_sets = random_sets();
+        desc.blocker_sets = random_sets();
         spc_instance_desc right = desc;
         right.struct_size = sizeof(right);
         right.mesh = mesh;
@@ -139,6 +143,8 @@ private:
     const char* random_group() {
         return dice_.one_of<const char*>({nullptr, "", "key", "fill", "none"});
     }
+
+    uint64_t random_sets() { return dice_.chance(0.6) ? 0 : uint64_t{dice_.below(8)} << 30; }
 
     void add_light() {
         spc_light_desc desc = test::valid_light(dice_.below(4));
@@ -155,6 +161,9 @@ private:
         desc.visibility = dice_.chance(0.8) ? 31u : dice_.below(40);
         desc.feeds_caustics = spoiler_.count(dice_.below(2));
         desc.light_group = random_group();
+        desc.receiver_sets = random_sets();
+        desc.blocker_sets = random_sets();
+        desc.max_bounces = spoiler_.count(dice_.chance(0.7) ? 1024 : dice_.below(3));
         if (materials_ > 0 && dice_.chance(0.5))
             desc.material = spoiler_.count(dice_.below(materials_));
         add(spc_scene_add_light, desc, right);

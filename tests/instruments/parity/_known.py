@@ -44,7 +44,6 @@ BY_DESIGN: dict[str, str] = {
 FAILING: dict[str, str] = {
     "input/wireframe/pixels": "lines are wider: a pixel is not as wide in Cycles",
     "closure/principled/glass_tint": "Specular Tint colours what is transmitted, too",
-    "texture/sky/single_scattering": "2 % brighter towards the sun",
     "texture/environment/interpolation=closest": "at the pole",
     "wavelength": "dark violets, and blocks at edges",
     "normal_map/blender_object": "a card's back that Cycles lights faintly is black",

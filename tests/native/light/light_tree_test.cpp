@@ -78,6 +78,34 @@ TEST(LightTree, ChoosesByItsProbabilities) {
     }
 }
 
+// What shines on others has its part of the even choice, and no more.
+TEST(LightTree, LightsOnOthersAreNotImportant) {
+    constexpr uint32_t kCount = 64;
+    Uniforms uniforms(7);
+    std::vector<LightBounds> lights(kCount);
+    for (uint32_t i = 0; i < kCount; ++i) {
+        lights[i] = point(1.0f + static_cast<float>(i), uniforms.three() * 4.0f);
+        lights[i].distant = i % 7 == 0;
+        lights[i].receivers = uint64_t{i % 4};  // all, or 1, 2, or both
+    }
+    const LightTree tree(lights);
+    for (int i = 0; i < 200; ++i) {
+        const Vec3 p = (uniforms.three() - Vec3(0.5f)) * 6.0f;
+        for (const uint64_t receives : {0, 1, 2, 3, 4}) {
+            const LitPoint at(p, Vec3(0.0f), receives);
+            double sum = 0.0;
+            for (uint32_t light = 0; light < kCount; ++light) {
+                const float share = tree.probability(light, at);
+                if (!is_linked(lights[light].receivers, receives)) {
+                    EXPECT_NEAR(share, kEvenShare / kCount, 1e-6);
+                }
+                sum += static_cast<double>(share);
+            }
+            EXPECT_NEAR(sum, 1.0, 1e-5) << receives;
+        }
+    }
+}
+
 // As a sum over all lights of what each sample would add: 1 for each light, whichever finds it.
 TEST(LightTree, TwoSamplesHaveTheMeanOfOne) {
     constexpr int kSamples = 400000;

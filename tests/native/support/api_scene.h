@@ -166,6 +166,7 @@ inline spc_light_desc valid_light(uint32_t type) {
     desc.visibility = SPC_VISIBLE_ALL;
     desc.feeds_caustics = 1;
     desc.material = SPC_NONE;
+    desc.max_bounces = 1024;
     return desc;
 }
 

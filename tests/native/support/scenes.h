@@ -129,6 +129,8 @@ public:
                                   builder.add_material(graph));
         instance.role = role;
         instance.visibility = visibility;
+        instance.links = links;
+        instance.sets = sets;
         return builder.add_instance(instance);
     }
     // Square light of the given side at `center`, shining along -z of `transform`.
@@ -144,6 +146,8 @@ public:
     RenderScene finish() { return prepare(builder.freeze(1), 1); }
 
     SceneBuilder builder;
+    LightLinks links{};  // of what add() adds from now on
+    LinkSets sets{};
 };
 
 }  // namespace spc::test

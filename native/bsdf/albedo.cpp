@@ -355,8 +355,9 @@ Spectrum albedo_of(const MicrofacetDielectric& c, const Vec3& wo) {
     const DielectricTable::Entry entry = table(c.alpha, cos_o, c.eta);
     if (!c.fresnel_weighted)
         return reflection * white + transmission * std::max(entry.through, kLeastTransmission);
-    const float bare = clamp01(lerp(facet::dielectric_f0(c.eta), 1.0f, entry.rise));
-    const Spectrum facets = c.film.exists() ? facet::reflectance(c, cos_o) : Spectrum(bare);
+    const Spectrum f0 = facet::saturate(c.normal_tint * facet::dielectric_f0(c.eta));
+    const Spectrum bare = facet::saturate(schlick(f0, entry.rise));
+    const Spectrum facets = c.film.exists() ? facet::reflectance(c, cos_o) : bare;
     const auto least = [](const Spectrum& a, float b) {
         return Spectrum(std::min(a.x, b), std::min(a.y, b), std::min(a.z, b));
     };

@@ -100,7 +100,10 @@ struct MicrofacetDielectric {
     bool fresnel_weighted;
     Spectrum reflection_tint, transmission_tint;
     bool energy_compensated = false;
-    ThinFilm film{};  // read where it is fresnel_weighted
+    ThinFilm film{};  // read where it is fresnel_weighted, as is
+    // what colours the reflectance at normal incidence, but not total reflection; what it takes
+    // from the reflection is transmitted.
+    Spectrum normal_tint{1.0f};
 };
 struct Transparent {  // a delta
     static constexpr ClosureTraits kTraits{.reflected = BounceKind::transparent,

@@ -52,6 +52,10 @@ Spectrum with_film(const Fresnel& f, float cos_o) {
 }  // namespace
 
 Spectrum facet::reflectance(const MicrofacetDielectric& c, float cos_o) {
+    if (c.normal_tint != Spectrum(1.0f)) {
+        const Spectrum f0 = saturate(c.normal_tint * dielectric_f0(c.eta));
+        return fresnel(Fresnel{Fresnel::Kind::dielectric_f0, c.eta, f0, {}, c.film}, cos_o);
+    }
     if (c.film.exists()) return film_over_dielectric(c.film, cos_o, c.eta);
     return Spectrum(dielectric(cos_o, c.eta));
 }

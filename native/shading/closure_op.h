@@ -26,7 +26,7 @@ enum class ClosureOp : uint8_t {  // operands after weight and normal
     ashikhmin_shirley,            // alpha, colour
     metal,                        // alpha, colour at normal incidence, tint at 82 degrees
     conductor,                    // alpha, index, extinction
-    dielectric,  // alpha, index of a front face, reflection tint, transmission tint
+    dielectric,  // alpha, index of a front face, tints of reflection, transmission, normal incidence
     coated,  // alpha, index, reflectance at normal incidence, colour and roughness below: a dielectric's reflection over
              // rough_diffuse
     hair_fibre,         // tangent, absorption, roughness along and around, coat, index, tilt
@@ -82,7 +82,7 @@ inline constexpr std::array<ClosureOpTraits, static_cast<size_t>(ClosureOp::coun
     // Black at normal incidence it still reflects at grazing angles.
     {.op = ClosureOp::metal, .arity = 5, .alpha = 2, .reflection = kUncolored, .may_glint = true},
     {.op = ClosureOp::conductor, .arity = 5, .alpha = 2, .reflection = kUncolored, .may_glint = true},
-    {.op = ClosureOp::dielectric, .arity = 6, .alpha = 2, .ior = 3, .reflection = 4, .refraction = 5},
+    {.op = ClosureOp::dielectric, .arity = 7, .alpha = 2, .ior = 3, .reflection = 4, .refraction = 5},
     {.op = ClosureOp::coated,
      .arity = 7,
      .closures = 2,

@@ -415,6 +415,7 @@ private:
         d.fresnel_weighted = c.modes.fresnel_weighted;
         d.reflection_tint = color(c, 4);
         d.transmission_tint = color(c, 5);
+        d.normal_tint = color(c, 6);
         d.energy_compensated = c.modes.energy_compensated;
         const float index_of_wo = point_.backfacing ? ior(c) : 1.0f;
         d.film = film(c);

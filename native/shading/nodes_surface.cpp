@@ -228,11 +228,11 @@ void metallic(NodeContext& node, ExprId weight) {
 
 void glass(NodeContext& node, ExprId weight) {
     enum { kColor, kRoughness, kIor, kNormal, kFilmThickness, kFilmIor };
-    const ExprId color = node.input(kColor);
+    const ExprId color = node.input(kColor), white = node.e.constant(Vec3(1.0f));
     ClosureTerm interface =
         term(node, ClosureOp::dielectric, "",
              {weight, node.normal(kNormal), alpha_of(node, node.input(kRoughness)),
-              ior_of(node, node.input(kIor)), color, color},
+              ior_of(node, node.input(kIor)), color, color, white},
              modes_of(node.option(0)));
     interface.film = film_of(node, kFilmThickness, kFilmIor);
     node.c.add_term(interface);
@@ -242,10 +242,10 @@ void refraction(NodeContext& node, ExprId weight) {
     enum { kColor, kRoughness, kIor, kNormal };
     ClosureModes modes = modes_of(node.option(0));
     modes.reflects = modes.fresnel_weighted = false;
-    const ExprId black = node.e.constant(Vec3(0.0f));
+    const ExprId black = node.e.constant(Vec3(0.0f)), white = node.e.constant(Vec3(1.0f));
     node.c.add_term(term(node, ClosureOp::dielectric, "",
                          {weight, node.normal(kNormal), alpha_of(node, node.input(kRoughness)),
-                          ior_of(node, node.input(kIor)), black, node.input(kColor)},
+                          ior_of(node, node.input(kIor)), black, node.input(kColor), white},
                          modes));
 }
 
@@ -374,7 +374,7 @@ void principled(NodeContext& node, ExprId weight) {
     // Light crosses such an interface twice.
     ClosureTerm glass = term(node, ClosureOp::dielectric, " (transmission)",
                              {e.multiply(weight, transmission), normal, rough_alpha, ior,
-                              clamped_tint, e.square_root(clamped_base)},
+                              e.constant(Vec3(1.0f)), e.square_root(clamped_base), tint},
                              modes);
     glass.coat = over;
     glass.film = film;

@@ -43,7 +43,6 @@ BY_DESIGN: dict[str, str] = {
 # What is wrong, or missing without a warning, and not yet mended; docs/parity.md has the numbers.
 FAILING: dict[str, str] = {
     "input/wireframe/pixels": "lines are wider: a pixel is not as wide in Cycles",
-    "closure/principled/glass_tint": "Specular Tint colours what is transmitted, too",
     "texture/environment/interpolation=closest": "at the pole",
     "wavelength": "dark violets, and blocks at edges",
     "normal_map/blender_object": "a card's back that Cycles lights faintly is black",

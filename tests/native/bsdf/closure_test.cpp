@@ -477,6 +477,46 @@ TEST(Closure, DeltaLobeAgreesWithSample) {
     }
 }
 
+// As Blender says it: the reflectance at normal incidence is tinted, total reflection is white.
+TEST(Closure, WhatATintTakesFromTheReflectionPasses) {
+    const Spectrum tint(0.2f, 0.6f, 1.5f);
+    for (const double eta : {1.5, 1 / 1.5})
+        for (const double degrees : {5.0, 35.0, 60.0, 85.0}) {
+            const auto expected = [&](double cos_facet, double channel_tint) {
+                const double f0 = reference_fresnel(1, eta);
+                const double rise = (reference_fresnel(cos_facet, eta) - f0) / (1 - f0);
+                return f0 * channel_tint * (1 - rise) + rise;
+            };
+            const Vec3 wo = outgoing(kNormal, degrees);
+            const float cos_o = dot(wo, kNormal);
+            MicrofacetDielectric tinted = glass(kNormal, kGgx, 0.0f, float(eta));
+            tinted.normal_tint = tint;
+            ClosureList smooth, rough;
+            smooth.add(Spectrum(1.0f), tinted, wo, true);
+            tinted.alpha = 0.3f;
+            rough.add(Spectrum(1.0f), tinted, wo, true);
+            const Vec3 mirrored = facet::mirrored(wo, kNormal, cos_o);
+            const std::optional<Vec3> refracted = facet::refracted(wo, kNormal, cos_o, float(eta));
+            const Vec3 aside = outgoing(kNormal, 20.0);
+            const Vec3d o = to_double(wo), i = to_double(aside);
+            for (int k = 0; k < 3; ++k) {
+                const double reflects = expected(cos_o, tint[k]);
+                EXPECT_NEAR(delta_lobe(smooth, kNormal, wo, mirrored, false).throughput[k],
+                            reflects, 1e-5);
+                if (refracted) {
+                    EXPECT_NEAR(delta_lobe(smooth, kNormal, wo, *refracted, true).throughput[k],
+                                1 - reflects, 1e-5);
+                } else {
+                    EXPECT_NEAR(reflects, 1, 1e-12);
+                }
+                const double f = reference_reflection(
+                    kGgx, 0.3, to_double(kNormal), o, i,
+                    [&](double cos_facet) { return expected(cos_facet, tint[k]); });
+                EXPECT_NEAR(eval(rough, kNormal, wo, aside).f_cos[k], f, 1e-5 + 1e-4 * f);
+            }
+        }
+}
+
 TEST(Closure, DeltaLobeIsEmptyWhereSampleNeverGoes) {
     const Vec3 wo = outgoing(kNormal, 70);
     const Vec3 mirrored = facet::mirrored(wo, kNormal, dot(wo, kNormal));

@@ -267,12 +267,6 @@ private:
     void add() { state.things.push_back({whole(0, 2), whole(0, 3), place(), 3.0f * number()}); }
 };
 
-ScenePtr edited(const spc_scene* before) {
-    spc_scene* scene = nullptr;
-    EXPECT_EQ(spc_scene_edit(before, &scene), SPC_OK) << spc_last_error();
-    return ScenePtr(scene);
-}
-
 TEST(Edit, RendersAsASceneBuiltFromNothing) {
     constexpr int kEdits = 40, kEditsOfARender = repeats(1, 4);
     RandomEdits edits;

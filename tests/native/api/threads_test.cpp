@@ -66,6 +66,32 @@ TEST_P(Threads, RenderReadAndCancel) {
     EXPECT_EQ(wait_for(session.get()).state, uint32_t{SPC_RENDER_CANCELLED});
 }
 
+// Scenes of one series are built on threads of their own while the one before is rendered; some are
+// cancelled, some destroyed meanwhile.
+TEST(ScenesOnThreads, AreBuiltBesideRenders) {
+    const ScenePtr before = edited(nullptr);
+    add_resources(before.get());
+    add_objects(before.get());
+    ASSERT_EQ(spc_scene_commit(before.get(), 2), SPC_OK) << spc_last_error();
+    const std::vector<float> wanted = render_all(before.get(), quick_settings());
+    on_all_threads([&](uint32_t i) {
+        const ScenePtr scene = edited(before.get());
+        keep_resources(scene.get());
+        add_objects(scene.get());
+        ASSERT_EQ(spc_scene_commit_start(scene.get(), 2), SPC_OK) << spc_last_error();
+        const std::vector<float> meanwhile = render_all(before.get(), quick_settings());
+        EXPECT_TRUE(same_bits(meanwhile, wanted));
+        if (i % 4 == 0) return;
+        if (i % 4 == 1) {
+            EXPECT_EQ(spc_scene_commit_cancel(scene.get()), SPC_OK) << spc_last_error();
+        }
+        const spc_status status = end_of_commit(scene.get());
+        if (status == SPC_CANCELLED) return;
+        ASSERT_EQ(status, SPC_OK) << spc_last_error();
+        EXPECT_TRUE(same_bits(render_all(scene.get(), quick_settings()), wanted));
+    });
+}
+
 // Some renders come to their end, others are destroyed wherever they stand.
 TEST(ScenesOnThreads, AreRenderedSideBySide) {
     const ScenePtr scene = committed_scene();

@@ -50,6 +50,7 @@ INSTANTIATE_TEST_SUITE_P(Methods, Threads,
 
 TEST_P(Threads, RenderReadAndCancel) {
     constexpr uint32_t kLooks = 5;
+    constexpr uint32_t kPause = 50;  // ms: hosts that only look keep the preparation from its end
     const ScenePtr scene = committed_scene(valid_camera(kWidth, kHeight));
     spc_render_settings settings = quick_settings(1u << 24);  // more than the test waits for
     settings.method = GetParam().method;
@@ -57,7 +58,8 @@ TEST_P(Threads, RenderReadAndCancel) {
     const SessionPtr session = start(scene.get(), settings);
     on_all_threads([&](uint32_t host) {
         for (uint32_t i = 0; i < kLooks; ++i) look_at(session.get(), host, i);
-        while (wait_for(session.get(), 1).samples_done == 0) look_at(session.get(), host, kLooks);
+        while (wait_for(session.get(), kPause).samples_done == 0)
+            look_at(session.get(), host, kLooks);
         EXPECT_EQ(spc_render_cancel(session.get()), SPC_OK);
         look_at(session.get(), host, 0);
     });

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Casters over the origin of a floor, for each kind of chain that light may take from a lamp to
-// there.
+// there, and rows in which the manifold alone finds it.
 #pragma once
 
-#include "support/casters.h"
-#include "support/radiance.h"
+#include "agreement/parts.h"
 
 namespace spc::test {
 
@@ -21,7 +20,12 @@ struct ChainScene {
     std::function<void(SceneMaker&, Reliefs)> build;
     Vec3 lamp = {0.2f, -0.3f, 1.9f};
     bool has_relief = true;  // may have one
+    float lamp_radius = 0.3f;
 };
+
+inline const char* to_string(Relief relief) {
+    return relief == Relief::none ? "smooth" : relief == Relief::normals ? "mapped" : "bumped";
+}
 
 // Waves with slopes of a tenth.
 inline void add_relief_image(SceneMaker& maker, Reliefs reliefs) {
@@ -32,6 +36,27 @@ inline void add_relief_image(SceneMaker& maker, Reliefs reliefs) {
     maker.builder.add_image(heights ? plane_heights(kTexels, kTexels, kWavelength, kSlope, kSeed)
                                     : plane_normals(kTexels, kWavelength, kSlope, kSeed));
 }
+// Both reliefs are named where the others have one.
+inline Part casters_of(const ChainScene& scene, Reliefs reliefs) {
+    std::string name = scene.name + ", " + to_string(reliefs.one);
+    if (reliefs.others != Relief::none) name += std::string(" and ") + to_string(reliefs.others);
+    return {name, [scene, reliefs](SceneMaker& maker) {
+                add_relief_image(maker, reliefs);
+                scene.build(maker, reliefs);
+            }};
+}
+// By the manifold alone, which finds a quarter of the light at least.
+inline Claim alone(const Method& method, uint32_t rounds) {
+    return {method, rounds / power(2u, 1u), power(0.35, 0.25), 0.25};
+}
+inline Row chain_row(const ChainScene& scene, Reliefs reliefs, const std::vector<Claim>& claims) {
+    return {.casters = casters_of(scene, reliefs),
+            .light = bulb("", scene.lamp, scene.lamp_radius),
+            .camera = camera_above(0.3f),
+            .reference = {12500},
+            .claims = claims};
+}
+
 inline Mesh square_with_uvs(float half) {
     return with_uvs(grid(
                         1,
@@ -113,9 +138,6 @@ inline std::vector<ChainScene> chain_scenes() {
                  add_slab(m, 0.5f, r.others, r.others);
                  add_slab(m, 1.0f, r.one, r.others);
              }}};
-}
-inline const char* to_string(Relief relief) {
-    return relief == Relief::none ? "smooth" : relief == Relief::normals ? "mapped" : "bumped";
 }
 
 }  // namespace spc::test

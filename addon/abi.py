@@ -45,6 +45,7 @@ class Status(IntEnum):
     IO_ERROR = 4
     UNSUPPORTED = 5
     INTERNAL_ERROR = 6
+    CANCELLED = 7
 
 
 class PixelType(IntEnum):
@@ -604,6 +605,9 @@ PROTOTYPES = {
     "spc_scene_set_camera": (c_int, (c_void_p, POINTER(CameraDesc))),
     "spc_scene_set_environment": (c_int, (c_void_p, POINTER(EnvironmentDesc))),
     "spc_scene_commit": (c_int, (c_void_p, c_uint32)),
+    "spc_scene_commit_start": (c_int, (c_void_p, c_uint32)),
+    "spc_scene_commit_wait": (c_int, (c_void_p, c_uint32, POINTER(c_uint32))),
+    "spc_scene_commit_cancel": (c_int, (c_void_p,)),
     "spc_scene_get_stats": (c_int, (c_void_p, POINTER(SceneStats))),
     "spc_scene_report": (c_char_p, (c_void_p,)),
     "spc_render_settings_init": (None, (POINTER(RenderSettings),)),

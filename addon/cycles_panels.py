@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import bpy
 
-from .ui import ENGINE, SpeculaPanel
+from .ui.panel import ENGINE, SpeculaPanel
 
 # Cycles' own panels, all of whose settings count: copies show for Specula.
 LENT = (

@@ -289,6 +289,23 @@ class Scene:
         """Ends the changes and builds what rendering needs, with `threads` threads (0: all)."""
         _check(library().spc_scene_commit(self.handle, threads), "building the scene")
 
+    def begin_commit(self, threads: int = 0) -> None:
+        """As `commit`, but on a thread of the core. Until `ends_commit` has told the end, the scene
+        can only be closed, or cancelled."""
+        _check(library().spc_scene_commit_start(self.handle, threads), "building the scene")
+
+    def ends_commit(self, milliseconds: int) -> bool:
+        """Whether the commit that has begun ends within that time, which is told once. Raises what
+        has ended it."""
+        ended = c_uint32()
+        wait = library().spc_scene_commit_wait
+        _check(wait(self.handle, milliseconds, byref(ended)), "building the scene")
+        return bool(ended.value)
+
+    def cancel_commit(self) -> None:
+        """Asks a commit that has begun to stop; `close` waits until it has."""
+        _check(library().spc_scene_commit_cancel(self.handle))
+
     def stats(self) -> dict[str, int | float]:
         """spc_scene_stats of a committed scene."""
         stats = abi.SceneStats()

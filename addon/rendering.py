@@ -96,10 +96,15 @@ def _scene_of(engine, depsgraph, settings, log: ExportLog, stats: statistics.Sta
     scene, view_layer = depsgraph.scene_eval, depsgraph.view_layer_eval
     if scene.render.use_persistent_data and not (engine.is_preview or order):
         engine.series = engine.series or Series()
-        made = engine.series.next(depsgraph, log, threads=settings.threads)
-        stats.metadata = cryptomatte.metadata(view_layer.name, engine.series.crypto_names)
+        series = engine.series
+        camera = series.begin(depsgraph, log, threads=settings.threads)
+        stats.metadata = cryptomatte.metadata(view_layer.name, series.crypto_names)
         stats.export_seconds = time.perf_counter() - start
-        yield Prepared(*made)
+        if _builds(engine, series.built):
+            yield Prepared(series.built(), camera)
+        else:
+            series.cancel()
+            yield Prepared(None, camera)
         return
     scene_desc = export_scene(depsgraph, log, images_as_pixels=not native.reads_image_files())
     camera = scene_desc.camera
@@ -110,12 +115,19 @@ def _scene_of(engine, depsgraph, settings, log: ExportLog, stats: statistics.Sta
         return
     with upload(scene_desc, log) as native_scene:
         stats.export_seconds = time.perf_counter() - start
-        if engine.test_break():
-            yield Prepared(None, camera)
-            return
-        engine.update_stats("", "Specula: building the scene")
-        native_scene.commit(settings.threads)
-        yield Prepared(native_scene, camera, part)
+        native_scene.begin_commit(settings.threads)
+        is_built = _builds(engine, native_scene.ends_commit)
+        yield Prepared(native_scene if is_built else None, camera, part)
+
+
+def _builds(engine, ended) -> bool:
+    """Whether the scene is built, of which `ended` tells whether it is within some milliseconds;
+    False if the user cancelled."""
+    engine.update_stats("", "Specula: building the scene")
+    while not engine.test_break():
+        if ended(POLL_MILLISECONDS):
+            return True
+    return False
 
 
 def _begin_part(order, scene, view_layer, scene_desc, settings, log) -> divided.DividedRender:

@@ -12,42 +12,73 @@ from .upload import Snapshot, camera_struct, snapshot
 
 
 class Series:
-    """Exports and builds of each state what the one before did not have; free it with `close`."""
+    """Exports and builds of each state what the last one that was built did not have; free it with
+    `close`."""
 
     def __init__(self):
         self._cache = ExportCache()
-        self._last: Snapshot | None = None
+        self._last: Snapshot | None = None  # that was built
+        self._next: Snapshot | None = None  # that is being built
         self.crypto_names: dict = {}  # of the last state, as SceneDesc has them
 
-    def next(
-        self, depsgraph, log: ExportLog, view=None, threads: int = 0
-    ) -> tuple[native.Scene, CameraDesc]:
-        """The core's scene of the state that `depsgraph` is in, and the camera that it has; `view`
-        as for `export_scene`.
+    def begin(self, depsgraph, log: ExportLog, view=None, threads: int = 0) -> CameraDesc:
+        """Exports the state that `depsgraph` is in and begins to build it, in place of one that is
+        being built; returns the camera that it has. `view` as for `export_scene`.
 
-        It lasts until the next call, before which its sessions must be closed. To be called after
-        each of the depsgraph's updates that says more than that the camera has moved. Raises
-        ExportError or NativeError; the next call then begins anew.
+        To be called, without sessions, after each of the depsgraph's updates that says more than
+        that the camera has moved. Raises ExportError or NativeError; the next call then begins
+        anew.
         """
-        before = self._last
         try:
+            if self._next is not None:
+                self._next.cancel()
             scene_desc = export_scene(
                 depsgraph, log, not native.reads_image_files(), view, self._cache
             )
             camera = scene_desc.camera
             self.crypto_names = scene_desc.crypto_names
-            self._last = snapshot(scene_desc, log, before, threads)
-            if self._last is before:
-                before.scene.set("camera", camera_struct(camera))
-            elif before is not None:
-                before.close()
+            self.cancel()
+            made = snapshot(scene_desc, log, self._last, threads)
+            if made is self._last:
+                made.scene.set("camera", camera_struct(camera))
+            else:
+                self._next = made
         except BaseException:
             self.close()
             raise
-        return self._last.scene, camera
+        return camera
+
+    def built(self, milliseconds: int = 0) -> native.Scene | None:
+        """The core's scene of the last state; None if it is not built within that time.
+
+        It lasts until that of a later state is built, or until `close`: before these its sessions
+        must be closed. Raises NativeError; the next state is then begun anew.
+        """
+        if self._next is not None:
+            try:
+                if not self._next.builds(milliseconds):
+                    return None
+            except BaseException:
+                self.close()
+                raise
+            if self._last is not None:
+                self._last.close()
+            self._last, self._next = self._next, None
+        return self._last.scene if self._last is not None else None
+
+    @property
+    def is_building(self) -> bool:
+        return self._next is not None
+
+    def cancel(self) -> None:
+        """Gives up what is being built; the next state is begun from the last that was."""
+        if self._next is not None:
+            self._next.close()
+            self._next = None
 
     def close(self) -> None:
         """Frees what is kept; a later state is built anew."""
+        self.cancel()
         self._cache = ExportCache()
         if self._last is not None:
             self._last.close()

@@ -63,14 +63,29 @@ def _set_the_rest(scene: native.Scene, scene_desc: desc.SceneDesc) -> None:
 
 @dataclass
 class Snapshot:
-    """A committed scene of the core and which of its parts came of which description; free it with
-    `close`."""
+    """A scene of the core, which a thread of the core commits, and which of its parts came of which
+    description; free it with `close`."""
 
     scene: native.Scene
     content: tuple  # tells it, but for the camera, from others; see `_content`
     # By the identity of the description, which stays alive with it; no index where another part
     # stands for it.
     parts: dict[int, tuple[object, int | None]] = dataclasses.field(default_factory=dict)
+    is_built: bool = False
+
+    def builds(self, milliseconds: int) -> bool:
+        """Whether the scene is committed within that time. Its images and meshes then give up their
+        arrays: only the core has them from here on. Raises native.NativeError."""
+        if not self.is_built and self.scene.ends_commit(milliseconds):
+            self.is_built = True
+            for part, index in self.parts.values():
+                if index is not None:
+                    _give_up_arrays(part)
+        return self.is_built
+
+    def cancel(self) -> None:
+        """Asks the core to stop building it. Of its descriptions others can be made."""
+        self.scene.cancel_commit()
 
     def close(self) -> None:
         self.scene.close()
@@ -79,10 +94,9 @@ class Snapshot:
 def snapshot(
     scene_desc: desc.SceneDesc, log: ExportLog | None, before: Snapshot | None, threads: int = 0
 ) -> Snapshot:
-    """A committed scene with everything in `scene_desc`; `before` itself if only the camera may
-    differ, and then nothing of it is set.
+    """Begins to build a scene with everything in `scene_desc`; gives `before`, which is built, if
+    only the camera may differ, and then nothing of it is set.
 
-    Images and meshes give up their arrays as they are copied: only this scene has them then.
     Raises native.NativeError; later snapshots must then be made of new descriptions.
     """
     content = _content(scene_desc)
@@ -93,7 +107,7 @@ def snapshot(
     try:
         _add_parts(made, scene_desc, log, before)
         _set_the_rest(made.scene, scene_desc)
-        made.scene.commit(threads)
+        made.scene.begin_commit(threads)
     except BaseException:
         made.close()
         raise
@@ -124,30 +138,24 @@ def _add_parts(
 
     for image in scene_desc.images:
         index = kept("image", image)
-        note(image, _take_image(scene, image, log) if index is None else index)
+        note(image, _add_image(scene, image, log) if index is None else index)
     for material in scene_desc.materials:
         images = {node.image for node in material.nodes if node.image != desc.NONE}
         index = kept("material", material) if images <= same_images else None
         note(material, scene.add("material", material_struct(material)) if index is None else index)
     for mesh in scene_desc.meshes:
         index = kept("mesh", mesh)
-        note(mesh, _take_mesh(scene, mesh) if index is None else index)
+        note(mesh, scene.add("mesh", _mesh(mesh)) if index is None else index)
 
 
-def _take_image(scene: native.Scene, image: desc.ImageDesc, log: ExportLog | None) -> int | None:
-    """Index of an image, which gives up its arrays; None if another one stands for it."""
-    index = _add_image(scene, image, log)
-    if index is not None:
-        image.pixels = image.encoded = None
-    return index
-
-
-def _take_mesh(scene: native.Scene, mesh: desc.MeshDesc) -> int:
-    index = scene.add("mesh", _mesh(mesh))
-    for array in fields(mesh):
-        if isinstance(getattr(mesh, array.name), (np.ndarray, list)):
-            setattr(mesh, array.name, None)
-    return index
+def _give_up_arrays(part) -> None:
+    """Of an image or a mesh; a material has none of size."""
+    if isinstance(part, desc.ImageDesc):
+        part.pixels = part.encoded = None
+    elif isinstance(part, desc.MeshDesc):
+        for array in fields(part):
+            if isinstance(getattr(part, array.name), (np.ndarray, list)):
+                setattr(part, array.name, None)
 
 
 def camera_struct(camera: desc.CameraDesc) -> abi.CameraDesc:

@@ -54,12 +54,16 @@ def live_report(scene, name: str) -> list[str]:
 
 
 class Viewport:
-    """What one 3D view in rendered mode shows; its engine keeps it until the mode is left."""
+    """What one 3D view in rendered mode shows; its engine keeps it until the mode is left.
+
+    Scenes are exported here, and built by a thread of the core meanwhile.
+    """
 
     def __init__(self, engine):
         self._engine = weakref.ref(engine)
         self._series = Series()
         self._refinement: Refinement | None = None
+        self._awaits_scene = False  # that is being built; until then the picture before it stays
         self._problem: str | None = None
         self._warnings: list[str] = []  # of the scene as it is
         self._not_denoised = ""  # why, if it should be
@@ -91,8 +95,8 @@ class Viewport:
             refinement = self._refinement or Refinement()
             refinement.stop()
             log = ExportLog()
-            scene, _ = self._series.next(depsgraph, log, view=context)
-            refinement.show(scene)
+            self._series.begin(depsgraph, log, view=context)
+            self._awaits_scene = True
             self._refinement = refinement
             self._tell(log.warnings)
         self._shown, self._seen = shown_now, None
@@ -128,6 +132,12 @@ class Viewport:
             self._tick_soon()
         if self._is_paused:  # what changes meanwhile is taken over afterwards
             return
+        if self._awaits_scene:
+            built = self._series.built()
+            if built is None:
+                return
+            self._awaits_scene = False
+            refinement.show(built)
         settings = viewport_settings(scene, context.view_layer)
         shown_pass = Pass[context.space_data.shading.specula.render_pass]
         wanted = (
@@ -165,7 +175,7 @@ class Viewport:
         count = len(self._warnings)
         parts = (
             "paused" if self._is_paused else "",
-            self._refinement.progress(),
+            "building the scene" if self._series.is_building else self._refinement.progress(),
             self._not_denoised,
             f"{count} warning{'s' if count > 1 else ''}, see the console" if count else "",
         )

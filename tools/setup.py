@@ -30,8 +30,8 @@ PACKAGES = {
     # python3-openimageio: reading EXR files in tests that run outside Blender.
     "python tests": [
         *("python3-pytest", "python3-numpy", "python3-openimageio", "openimageio-tools"),
-        *("xvfb", "xauth"),
     ],
+    "display": ["xvfb", "xauth"],
     "quality": ["python3-venv", "clang-tidy"],
     "header": ["gcc", "python3-pycparser"],  # what reads specula.h
 }
@@ -48,17 +48,19 @@ COMMAND_NEEDS = {
     "test fuzz": ["build", "native tests"],
     "test parity": ["build", "blender", "bpy", "python tests"],
     "test addon": ["header", "python tests"],
-    "test blender": ["build", "blender", "python tests"],
+    "test blender": ["build", "blender", "python tests", "display"],
     "test bpy": ["build", "bpy"],
     "test images": ["build", "blender", "bpy", "python tests"],
-    "test instruments": ["build", "blender", "bpy", "python tests"],
-    "bench": ["build", "blender", "bpy"],
-    "pictures": ["build", "blender", "bpy", "python tests"],
+    "test instruments": ["build", "blender", "bpy", "python tests", "display"],
+    "bench": ["build", "blender", "bpy", "display"],
+    "pictures": ["build", "blender", "bpy", "python tests", "display"],
     "stability": ["build", "python tests"],
     "field": ["build", "blender", "bpy", "python tests"],
     "parity": ["build", "blender", "bpy", "python tests"],
     "bench kernels": ["build", "kernels"],
-    "coverage": ["build", "header", "native tests", "blender", "python tests", "quality"],
+    "coverage": [
+        *("build", "header", "native tests", "blender", "python tests", "display", "quality"),
+    ],
     "format": ["header", "quality"],
     "lint": ["build", "native tests", "kernels", "quality"],
 }

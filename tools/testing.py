@@ -311,7 +311,9 @@ def main(argv: list[str]) -> int:
     )
     parser.add_argument("suites", nargs="*", metavar="SUITE", help=" ".join(SUITES))
     parser.add_argument(
-        "-k", metavar="EXPRESSION", help="only tests that match (pytest -k, ctest -R)"
+        "-k",
+        metavar="EXPRESSION",
+        help="only tests that match (pytest -k, ctest -R; of quick native tests whole suites)",
     )
     tier = parser.add_mutually_exclusive_group()
     tier.add_argument(

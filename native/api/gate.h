@@ -2,6 +2,7 @@
 // The one place where exceptions become statuses, and the checks that all entry points share.
 #pragma once
 
+#include "core/cancellation.h"
 #include "core/error.h"
 #include "specula/specula.h"
 
@@ -38,6 +39,8 @@ spc_status gate(const char* function, Body&& body) noexcept {
             case ErrorKind::out_of_memory: return fail(SPC_OUT_OF_MEMORY, {error.what()});
         }
         return fail(SPC_INTERNAL_ERROR, {error.what()});
+    } catch (const Cancelled&) {
+        return fail(SPC_CANCELLED, {"building the scene was cancelled"});
     } catch (const std::bad_alloc&) {
         return fail(SPC_OUT_OF_MEMORY, {function, ": ", "out of memory"});
     } catch (const std::length_error&) {

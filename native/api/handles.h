@@ -7,12 +7,26 @@
 #include "shading/attribute_needs.h"
 #include "specula/specula.h"
 
+#include <atomic>
+#include <future>
 #include <map>
 #include <mutex>
 #include <thread>
 
+// What a commit makes of a scene.
+struct Commit {
+    std::shared_ptr<spc::RenderScene> world;
+    std::string report;
+    double seconds;
+};
+
 // A scene under construction, or frozen: `builder` until commit, `world` after it.
 struct spc_scene {
+    spc_scene() = default;
+    ~spc_scene() { cancelled = true; }  // `commit` ends before anything that it uses goes
+    spc_scene(const spc_scene&) = delete;
+    spc_scene& operator=(const spc_scene&) = delete;
+
     std::unique_ptr<spc::SceneBuilder> builder = std::make_unique<spc::SceneBuilder>();
     std::shared_ptr<const spc::RenderScene> before{};  // the snapshot before, until commit
     std::shared_ptr<spc::RenderScene> world{};
@@ -28,7 +42,17 @@ struct spc_scene {
     // Sessions that render it; a render may start and end in any thread.
     mutable std::mutex renders_mutex;
     mutable uint32_t renders = 0;
+    // One on a thread of its own, which has `builder` and `before` to itself; valid until its end
+    // is told.
+    std::atomic<bool> cancelled{false};
+    std::future<Commit> commit;
 };
+
+namespace spc::api {
+// Throw Error unless the scene is in that state.
+SceneBuilder& builder_of(spc_scene* scene);
+const RenderScene& world_of(const spc_scene* scene);
+}  // namespace spc::api
 
 // Counts as one of the scene's renders for as long as it lives.
 class RendersScene {

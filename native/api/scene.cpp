@@ -3,15 +3,13 @@
 #include "api/handles.h"
 #include "core/limits.h"
 
-#include <chrono>
-
 #include <fmt/format.h>
 
 namespace spc::api {
-namespace {
 
 SceneBuilder& builder_of(spc_scene* scene) {
     require(scene != nullptr, "scene is null");
+    if (scene->commit.valid()) throw Error(ErrorKind::wrong_state, "the scene is being built");
     if (!scene->builder)
         throw Error(ErrorKind::wrong_state, "the scene is committed already, or its commit failed");
     return *scene->builder;
@@ -22,6 +20,8 @@ const RenderScene& world_of(const spc_scene* scene) {
     if (!scene->world) throw Error(ErrorKind::wrong_state, "the scene is not committed");
     return *scene->world;
 }
+
+namespace {
 
 // Copies `count` elements; a null pointer is only right for none.
 template <class T, class Raw>
@@ -302,34 +302,6 @@ void fill_forecast(spc_scene& scene, std::span<const Material* const> materials,
                 reason.c_str(),   scene.glints.c_str(),    scene.no_glints.c_str()};
 }
 
-void fill_stats(const spc_scene& handle, spc_scene_stats& stats) {
-    const RenderScene& world = *handle.world;
-    const Scene& scene = *world.scene;
-    stats = {};
-    stats.struct_size = sizeof(stats);
-    for (const Mesh& mesh : scene.meshes) {
-        stats.triangles += mesh.triangles.size();
-        stats.dropped_triangles += mesh.dropped_triangles;
-        stats.memory_bytes += mesh.positions.size() * sizeof(Vec3) +
-                              mesh.triangles.size() * sizeof(mesh.triangles[0]) +
-                              mesh.normals.size() * sizeof(Vec3) +
-                              mesh.slots.size() * sizeof(uint32_t);
-        for (const Attribute& attribute : mesh.attributes)
-            stats.memory_bytes += attribute.values.size() * sizeof(float) +
-                                  attribute.tangents.size() * (sizeof(Vec3) + sizeof(float));
-    }
-    for (const Image& image : scene.images) stats.memory_bytes += image.memory_bytes();
-    stats.memory_bytes += world.glints.memory_bytes();
-    stats.instances = scene.instances.size();
-    for (const Instance& instance : scene.instances) {
-        stats.casters += instance.turns_light() ? 1 : 0;
-        stats.receivers += instance.receiver ? 1 : 0;
-        stats.memory_bytes += instance.world_positions.size() * sizeof(Vec3);
-    }
-    stats.lights = world.lights.count();
-    stats.commit_seconds = handle.commit_seconds;
-}
-
 }  // namespace
 }  // namespace spc::api
 
@@ -510,39 +482,4 @@ spc_status spc_scene_set_environment(spc_scene* scene, const spc_environment_des
         builder.set_environment(
             {d.material, d.visibility, d.feeds_caustics != 0, name_or(d.light_group, "")});
     });
-}
-
-spc_status spc_scene_commit(spc_scene* scene, uint32_t threads) {
-    return gate("spc_scene_commit", [&] {
-        spc::SceneBuilder& builder = builder_of(scene);
-        require(threads <= kMostThreads, fmt::format("threads must be at most {}", kMostThreads));
-        const auto start = std::chrono::steady_clock::now();
-        builder.require_complete();
-        // From here on only a lack of memory can stop it; then the scene is lost, and says so to
-        // every later call.
-        const std::unique_ptr<spc::SceneBuilder> taken = std::move(scene->builder);
-        const std::shared_ptr<const spc::RenderScene> before = std::move(scene->before);
-        std::unique_ptr<spc::Scene> frozen = spc::with_memory_for(
-            "the trees over the scene's geometry", [&] { return taken->freeze(threads); });
-        spc::RenderScene world = spc::with_memory_for(
-            "the tables of the scene's lights and casters",
-            [&] { return spc::prepare(std::move(frozen), threads, before.get()); });
-        for (const std::string& line : world.scene->report) scene->report += line + "\n";
-        scene->world = std::make_shared<spc::RenderScene>(std::move(world));
-        scene->commit_seconds =
-            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    });
-}
-
-spc_status spc_scene_get_stats(const spc_scene* scene, spc_scene_stats* stats) {
-    return gate("spc_scene_get_stats", [&] {
-        world_of(scene);
-        checked(stats, "stats");
-        fill_stats(*scene, *stats);
-    });
-}
-
-const char* spc_scene_report(const spc_scene* scene) {
-    const spc_status status = gate("spc_scene_report", [&] { world_of(scene); });
-    return status == SPC_OK ? scene->report.c_str() : nullptr;
 }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/cancellation.h"
 #include "integrator/path_tracer.h"
 #include "integrator/subsurface.h"
 
@@ -170,9 +171,12 @@ RoughVisit PathTracer::rough_visit(const Surface& surface) const {
 
 RenderScene prepare(std::unique_ptr<Scene> scene, uint32_t threads, const RenderScene* before) {
     RenderScene world;
+    Cancellable::check();
     world.lights = build_lights(*scene, threads, before != nullptr ? &before->lights : nullptr);
+    Cancellable::check();
     world.casters = build_casters(*scene);
     world.rough_chain_casters = build_rough_chain_casters(*scene, scene->report);
+    Cancellable::check();
     world.glints =
         build_glints(*scene, threads, before != nullptr ? &before->glints : nullptr, scene->report);
     world.scene = std::move(scene);

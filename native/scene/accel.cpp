@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/accel.h"
 
+#include "core/cancellation.h"
 #include "core/error.h"
 #include "core/limits.h"
 #include "scene/scene.h"
@@ -123,6 +124,20 @@ struct Device {
     Device(const Device&) = delete;
     Device& operator=(const Device&) = delete;
 
+    // Builds the scene's tree. Throws Cancelled.
+    static void commit(RTCScene s) {
+        const std::atomic<bool>* const wish = Cancellable::wish();
+        if (wish != nullptr) {
+            const auto goes_on = [](void* cancelled, double) {
+                return !static_cast<const std::atomic<bool>*>(cancelled)->load();
+            };
+            rtcSetSceneProgressMonitorFunction(s, goes_on, const_cast<std::atomic<bool>*>(wish));
+        }
+        rtcCommitScene(s);
+        rtcSetSceneProgressMonitorFunction(s, nullptr, nullptr);
+        Cancellable::check();
+    }
+
     RTCScene new_scene() const {
         RTCScene s = rtcNewScene(handle);
         rtcSetSceneFlags(s, RTC_SCENE_FLAG_ROBUST);
@@ -162,7 +177,6 @@ struct MeshTree {
         RTCGeometry geometry = device->triangles(vertices(), mesh, kVisibleAll);
         rtcAttachGeometryByID(scene, geometry, 0);
         rtcReleaseGeometry(geometry);
-        rtcCommitScene(scene);
     }
     ~MeshTree() { rtcReleaseScene(scene); }
     MeshTree(const MeshTree&) = delete;
@@ -219,7 +233,10 @@ struct Accel::Impl {
             const auto known = before->trees.find(vertices);
             if (known != before->trees.end()) tree = known->second;
         }
-        if (!tree) tree = std::make_shared<const MeshTree>(device, mesh, instance.world_positions);
+        if (!tree) {
+            tree = std::make_shared<const MeshTree>(device, mesh, instance.world_positions);
+            Device::commit(tree->scene);
+        }
         return *tree;
     }
 
@@ -275,7 +292,7 @@ Accel::Accel(const Scene& scene, uint32_t threads, const Accel* before)
     for (uint32_t i = 0; i < scene.lights.size(); ++i)
         if (scene.lights[i].has_surface())
             impl_->add_light(scene.lights[i], impl_->instance_count + i);
-    rtcCommitScene(impl_->scene);
+    Device::commit(impl_->scene);
     impl_->check("building the scene's tree");
 }
 
@@ -304,9 +321,9 @@ bool Accel::occluded(const Ray& ray, uint32_t kind) const {
 void Accel::prepare_alone(const Scene& scene, uint32_t index) {
     if (impl_->baked[index] == nullptr) return;  // its own tree serves
     RTCScene alone = impl_->device->new_scene();
-    rtcAttachGeometryByID(alone, impl_->baked[index], 0);
-    rtcCommitScene(alone);
     impl_->caster_scenes[index] = alone;
+    rtcAttachGeometryByID(alone, impl_->baked[index], 0);
+    Device::commit(alone);
     impl_->check(scene.instances[index].name.c_str());
 }
 

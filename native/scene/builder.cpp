@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/builder.h"
 
+#include "core/cancellation.h"
 #include "core/error.h"
 #include "core/limits.h"
 #include "scene/clean_mesh.h"
@@ -321,6 +322,7 @@ std::unique_ptr<Scene> SceneBuilder::freeze(uint32_t threads) {
     center_on_casters(*scene_);
     scene_->view = view_space(scene_->camera, scene_->origin);
     bake_positions(*scene_, before_.get());
+    Cancellable::check();
     bound_scene(*scene_);
     scene_->accel =
         std::make_unique<Accel>(*scene_, threads, before_ ? before_->accel.get() : nullptr);

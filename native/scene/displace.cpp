@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene/displace.h"
 
+#include "core/cancellation.h"
 #include "core/limits.h"
 #include "core/parallel.h"
 #include "math/triangle.h"
@@ -153,6 +154,7 @@ Mesh displaced(Scene& scene, uint32_t index, uint32_t threads) {
 void displace(Scene& scene, uint32_t threads) {
     std::map<std::pair<uint32_t, std::vector<uint32_t>>, uint32_t> known;
     for (uint32_t i = 0; i < scene.instances.size(); ++i) {
+        Cancellable::check();
         Instance& instance = scene.instances[i];
         const auto moves = [&](uint32_t material) {
             return scene.materials[material]->moves_vertices;

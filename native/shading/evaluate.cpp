@@ -83,14 +83,6 @@ Vector3<T> constant(const Vec3& a) {
     return {T(a.x), T(a.y), T(a.z)};
 }
 
-// Around the object's Z axis, world; not normalised. It turns like normals, as in Cycles.
-template <class T>
-Vector3<T> radial_tangent(const ShadingPoint<T>& point) {
-    const Vector3<T>& p = point.position_object;
-    const Vector3<T> around{T(0.0f) - p.y, p.x, T(0.0f)};
-    return apply_transposed(point.world_to_object->row, around);
-}
-
 Spectrum spectrum(const Vector3<float>& a) { return {a.x, a.y, a.z}; }
 
 Coat coat_of(const Registers<float>& r, Operand layer, Operand tint) {
@@ -138,7 +130,6 @@ void run(const Program& program, const Section& section, std::span<const Image> 
             case Op::direction_to_world:
                 r.store(i.out, apply_rows(point.object_to_world->row, r.vector(i, 0)));
                 break;
-            case Op::radial_tangent: r.store(i.out, radial_tangent(point)); break;
             case Op::true_normal: r.store(i.out, constant<T>(point.ng)); break;
             case Op::incoming: r.store(i.out, constant<T>(point.wo)); break;
             case Op::facing: {

@@ -26,14 +26,14 @@ ExprId alpha_of(NodeContext& node, ExprId roughness) {
 // Indices at and below zero mean nothing; Cycles' bound.
 ExprId ior_of(NodeContext& node, ExprId ior) { return node.e.maximum(ior, node.e.constant(1e-5f)); }
 
-// Along a socket's tangent, or around the object's axis, turned about the normal by a share of a
+// Along a socket's tangent, or around the mesh's Z axis, turned about the normal by a share of a
 // whole turn.
 Grain grain_of(NodeContext& node, ExprId stretch, ExprId normal, int tangent_socket,
                int turn_socket) {
     ExprBuilder& e = node.e;
     if (e.is_constant(stretch, 1.0f)) return {};
     ExprId tangent = node.input(tangent_socket);
-    if (tangent == kNoExpr) tangent = e.make(Op::radial_tangent, {});
+    if (tangent == kNoExpr) tangent = radial_tangent(node, 2);
     const ExprId turn = node.input(turn_socket);
     if (!e.is_constant(turn, 0.0f)) {
         const ExprId axis = normal == kNoExpr ? e.make(Op::normal, {}) : normal;

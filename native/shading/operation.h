@@ -114,7 +114,6 @@ enum class Op : uint8_t {
     normal,         // the interpolated one, unit, world, on the side of wo
     tangent_object,  // of a layer, object space as interpolated; the bitangent's sign in a fourth lane
     direction_to_world,  // a direction of object space, with its length
-    radial_tangent,      // around the Z axis of the object
     true_normal,         // that of the geometry, likewise
     incoming,            // wo
     facing,              // cosine between wo and a normal, or the interpolated one
@@ -294,12 +293,6 @@ inline constexpr std::array<OpTraits, static_cast<size_t>(Op::count)> kOpTraits{
      .index = IndexOf::attribute,
      .has_fourth = true},
     {.op = Op::direction_to_world, .arity = 1, .lanes = 3, .varies = true, .mean = MeanOf::zero},
-    {.op = Op::radial_tangent,
-     .arity = 0,
-     .lanes = 3,
-     .varies = true,
-     .reads = kReadsObjectPosition,
-     .mean = MeanOf::zero},
     {.op = Op::true_normal, .arity = 0, .lanes = 3, .varies = true, .mean = MeanOf::zero},
     {.op = Op::incoming, .arity = 0, .lanes = 3, .varies = true, .mean = MeanOf::zero, .derivatives = 0},
     {.op = Op::facing, .arity = 1, .lanes = 1, .varies = true, .mean = MeanOf::one, .derivatives = 0},

@@ -10,7 +10,7 @@ from scenes import IDENTITY, camera, emission, glowing_triangle, triangle
 from specula import abi, native
 from specula.export import desc
 from specula.export.log import ExportLog
-from specula.upload import snapshot, upload
+from specula.upload import Snapshot, snapshot, upload
 
 COLOR = np.array([[[200, 100, 50]]], np.uint8)
 
@@ -27,6 +27,11 @@ def added(monkeypatch):
 
     monkeypatch.setattr(native.Scene, "add", recorded)
     return kinds
+
+
+def built(made: Snapshot) -> Snapshot:
+    assert made.builds(60_000)
+    return made
 
 
 def picture(scene: native.Scene) -> np.ndarray:
@@ -57,9 +62,9 @@ def moved(scene_desc: desc.SceneDesc, z: float) -> desc.SceneDesc:
 
 def test_only_the_camera_needs_no_other_snapshot():
     scene_desc = glowing_triangle()
-    first = snapshot(scene_desc, None, None)
+    first = built(snapshot(scene_desc, None, None))
     assert snapshot(dataclasses.replace(scene_desc, camera=camera(z=7.0)), None, first) is first
-    second = snapshot(moved(scene_desc, 1.0), None, first)
+    second = built(snapshot(moved(scene_desc, 1.0), None, first))
     assert second is not first
     first.close()
     second.close()
@@ -67,11 +72,11 @@ def test_only_the_camera_needs_no_other_snapshot():
 
 def test_parts_are_given_once_and_give_up_their_arrays(added):
     scene_desc = glowing_triangle()
-    first = snapshot(scene_desc, None, None)
+    first = built(snapshot(scene_desc, None, None))
     assert sorted(added) == ["instance", "material", "mesh"]
     assert scene_desc.meshes[0].positions is None
     added.clear()
-    second = snapshot(moved(scene_desc, 1.0), None, first)
+    second = built(snapshot(moved(scene_desc, 1.0), None, first))
     first.close()
     assert added == ["instance"]
     with upload(moved(glowing_triangle(), 1.0)) as anew:
@@ -85,11 +90,11 @@ def test_an_image_that_moves_takes_its_materials_along(added):
     scene_desc = glowing_triangle()
     scene_desc.images = [red, green]
     scene_desc.materials = [glowing_image(1)]
-    first = snapshot(scene_desc, None, None)
+    first = built(snapshot(scene_desc, None, None))
     before = picture(first.scene)
     added.clear()
     scene_desc = dataclasses.replace(scene_desc, images=[green], materials=[glowing_image(0)])
-    second = snapshot(scene_desc, None, first)
+    second = built(snapshot(scene_desc, None, first))
     assert sorted(added) == ["instance", "material"]
     assert np.array_equal(picture(second.scene), before)
     first.close()
@@ -105,7 +110,7 @@ def test_a_file_that_cannot_be_read_is_told_each_time(tmp_path):
     before = None
     for _ in range(3):
         log = ExportLog()
-        made = snapshot(scene_desc, log, before)
+        made = built(snapshot(scene_desc, log, before))
         assert len(log.warnings) == 1 and "magenta" in log.warnings[0]
         assert made is not before
         assert picture(made.scene)[20, :3] == pytest.approx((1.0, 0.0, 1.0))
@@ -117,7 +122,7 @@ def test_a_file_that_cannot_be_read_is_told_each_time(tmp_path):
 
 def test_a_scene_that_is_refused_leaves_the_one_before(added):
     scene_desc = glowing_triangle()
-    first = snapshot(scene_desc, None, None)
+    first = built(snapshot(scene_desc, None, None))
     shown = picture(first.scene)
     broken = triangle("broken")
     broken.triangles[0, 0] = 7
@@ -125,4 +130,17 @@ def test_a_scene_that_is_refused_leaves_the_one_before(added):
     with pytest.raises(native.NativeError, match="broken"):
         snapshot(wrong, None, first)
     assert np.array_equal(picture(first.scene), shown)
+    first.close()
+
+
+def test_one_that_is_cancelled_keeps_the_arrays_for_the_next():
+    scene_desc = glowing_triangle()
+    given_up = snapshot(scene_desc, None, None)
+    given_up.cancel()
+    given_up.close()
+    assert scene_desc.meshes[0].positions is not None
+    first = built(snapshot(scene_desc, None, None))
+    with upload(glowing_triangle()) as anew:
+        anew.commit()
+        assert np.array_equal(picture(first.scene), picture(anew))
     first.close()

@@ -9,6 +9,8 @@ import pytest
 import tiles
 from scenes import add_mesh, add_node, new_material
 
+from specula.export.nodes_input import INPUT_NODES
+
 COLUMNS = 14
 # Faces of 4 x 4 on either side of a gap, bent, so that there are two islands and no vertex is flat.
 SIDES = ((-0.95, -0.05), (0.05, 0.95))
@@ -76,28 +78,16 @@ def furnished(name, material):
     return obj
 
 
-LIGHT_PATH = (
-    "Is Camera Ray",
-    "Is Shadow Ray",
-    "Is Diffuse Ray",
-    "Is Glossy Ray",
-    "Is Singular Ray",
-    "Is Reflection Ray",
-    "Is Transmission Ray",
-    "Is Volume Scatter Ray",
-    "Ray Length",
-    "Ray Depth",
-    "Diffuse Depth",
-    "Glossy Depth",
-    "Transparent Depth",
-    "Transmission Depth",
-    "Portal Depth",
-)
+def outputs_of(kind: str) -> tuple[str, ...]:
+    """All that Specula has of an input node."""
+    return INPUT_NODES[f"ShaderNode{kind}"].outputs
+
+
 # What a mesh has nothing of.
 ABSENT = {
     "HairInfo": ("Is Strand", "Intercept", "Length", "Thickness", "Random"),
     "PointInfo": ("Radius", "Random"),
-    "VolumeInfo": ("Color", "Density", "Flame", "Temperature"),
+    "VolumeInfo": outputs_of("VolumeInfo"),
 }
 
 
@@ -140,12 +130,12 @@ def cases():
             add(f"{output} {instancer}", "TexCoord", output, from_instancer=instancer)
     for output in ("Pointiness", "Random Per Island"):
         add(output, "NewGeometry", output)
-    for output in ("Location", "Color", "Alpha", "Object Index", "Material Index", "Random"):
+    for output in outputs_of("ObjectInfo"):
         add(f"object {output}", "ObjectInfo", output)
     for output in ("Object", "Camera", "Window", "Reflection", "Normal"):
         add(f"coordinate {output}", "TexCoord", output)
     add("coordinate of another", "TexCoord", "Object", object="Other")
-    for output in ("View Vector", "View Z Depth", "View Distance"):
+    for output in outputs_of("CameraData"):
         add(f"camera {output}", "CameraData", output)
     for output in ("Tangent", "Parametric", "Position", "Normal", "True Normal", "Incoming"):
         add(f"geometry {output}", "NewGeometry", output)
@@ -165,9 +155,9 @@ def cases():
         add(f"{temperature} K", "Blackbody", "Color", inputs={"Temperature": temperature})
     for wavelength in (370, 380, 433, 501, 550, 580, 612, 650, 700, 790):
         add(f"{wavelength} nm", "Wavelength", "Color", inputs={"Wavelength": wavelength})
-    for output in LIGHT_PATH:
+    for output in outputs_of("LightPath"):
         add(f"ray {output}", "LightPath", output)
-    for output in ("Quadratic", "Linear", "Constant"):
+    for output in outputs_of("LightFalloff"):
         for smooth in (0.0, 2.0):
             strength = {"Strength": 0.3, "Smooth": smooth}
             add(f"falloff {output} {smooth}", "LightFalloff", output, inputs=strength)

@@ -168,6 +168,14 @@ def test_negative_light_is_left_out():
     assert only_light()[0].power == (2, 2, 2)
 
 
+def test_limit_of_bounces():
+    obj = add_light()
+    assert only_light()[0].max_bounces == 1024
+    obj.data.cycles.max_bounces = 3
+    light, warnings = only_light()
+    assert (light.max_bounces, warnings) == (3, [])
+
+
 def test_a_portal_is_no_light():
     add_light("AREA").data.cycles.is_portal = True
     assert export()[0].lights == []

@@ -112,7 +112,7 @@ def draw(panel, context):
 
     class Drawn:
         layout = Recorder()
-        column = ui.SpeculaPanel.column
+        column = ui.panel.SpeculaPanel.column
 
     for name in ("COMMON", "PROPERTIES", "LABELS", "SWITCHES", "SWITCH", "SETTINGS"):
         setattr(Drawn, name, getattr(panel, name, None))
@@ -148,23 +148,23 @@ def test_every_panel_draws(light):
 def test_settings_that_are_left_to_cycles_say_what_holds():
     scene = bpy.context.scene
     scene.specula.samples, scene.cycles.samples = 0, 77
-    layout = draw(ui.SPECULA_PT_sampling, Context())
+    layout = draw(bpy.types.SPECULA_PT_sampling, Context())
     assert "0: as Cycles, 77" in layout.texts
     assert layout.shown.index("samples") < layout.shown.index("method")
     scene.specula.samples = 5
-    assert "0: as Cycles, 77" not in draw(ui.SPECULA_PT_sampling, Context()).texts
+    assert "0: as Cycles, 77" not in draw(bpy.types.SPECULA_PT_sampling, Context()).texts
 
 
 def test_settings_of_cycles_that_do_nothing_say_so():
     cycles = bpy.context.scene.cycles
     cycles.sample_clamp_indirect, cycles.sample_clamp_direct = 10.0, 0.0
-    texts = draw(ui.SPECULA_PT_light_paths, Context()).texts
+    texts = draw(bpy.types.SPECULA_PT_light_paths, Context()).texts
     assert "Clamp Indirect: no effect" in texts
     assert "Clamp Direct: no effect" not in texts
 
 
 def test_advanced_settings_are_closed_and_only_there_where_they_matter():
-    panel = ui.SPECULA_PT_advanced
+    panel = bpy.types.SPECULA_PT_advanced
     assert panel.bl_parent_id == "SPECULA_PT_sampling"
     assert panel.bl_options == {"DEFAULT_CLOSED"}
     bpy.context.scene.specula.method = "SMS_BIASED"
@@ -175,7 +175,7 @@ def test_advanced_settings_are_closed_and_only_there_where_they_matter():
 
 
 def test_the_method_of_glints_is_in_a_closed_panel_of_its_own():
-    panel = ui.SPECULA_PT_glints
+    panel = bpy.types.SPECULA_PT_glints
     assert panel.bl_parent_id == "SPECULA_PT_sampling"
     assert panel.bl_options == {"DEFAULT_CLOSED"}
     for method, shown in (
@@ -198,7 +198,7 @@ def test_light_tracing_is_offered_beside_the_manifold():
         ("LT", False),
     ):
         bpy.context.scene.specula.method = method
-        shown = draw(ui.SPECULA_PT_sampling, Context()).shown
+        shown = draw(bpy.types.SPECULA_PT_sampling, Context()).shown
         assert ("light_tracing" in shown) == offered, method
 
 
@@ -209,29 +209,29 @@ def test_statistics_show_every_line():
     stats.report = ["Glass: caster, manifold (Glass BSDF, roughness 0)"]
     stats.warnings = ["light Lamp: textures in a light are not supported, white is used"]
     statistics.last["Scene", "ViewLayer"] = stats
-    texts = draw(ui.SPECULA_PT_statistics, Context()).texts
+    texts = draw(bpy.types.SPECULA_PT_statistics, Context()).texts
     assert {label for label, _ in stats.rows()} <= set(texts)
     assert {"Path Tracing", "Glass", "manifold (Glass BSDF"} <= set(texts)
     assert {"light Lamp", "white is used"} <= set(texts)
 
 
 def test_statistics_are_open():
-    assert "DEFAULT_CLOSED" not in getattr(ui.SPECULA_PT_statistics, "bl_options", ())
+    assert "DEFAULT_CLOSED" not in getattr(bpy.types.SPECULA_PT_statistics, "bl_options", ())
 
 
 def test_an_object_tells_its_part_in_caustics():
     obj = add_mesh(material=glass())
-    texts = draw(ui.SPECULA_PT_object_caustics, Context(object=obj)).texts
+    texts = draw(bpy.types.SPECULA_PT_object_caustics, Context(object=obj)).texts
     assert "Casts caustics, shows none" in texts
     assert "roughness 0" in texts
     obj.specula.caustics = "OFF"
-    texts = draw(ui.SPECULA_PT_object_caustics, Context(object=obj)).texts
+    texts = draw(bpy.types.SPECULA_PT_object_caustics, Context(object=obj)).texts
     assert texts == ["No part in caustics"]
 
 
 def test_a_material_tells_why_it_casts_no_caustics():
     rough = Context(material=glass(roughness=0.5))
-    texts = draw(ui.SPECULA_PT_material_caustics, rough).texts
+    texts = draw(bpy.types.SPECULA_PT_material_caustics, rough).texts
     assert "Shows caustics, casts none" in texts
     assert any("roughness 0.5" in text for text in texts)
 
@@ -240,14 +240,14 @@ def test_a_material_tells_where_it_glints():
     material = new_material()
     glossy = add_node(material, "ShaderNodeBsdfGlossy", surface(material))
     glossy.inputs["Roughness"].default_value = 0.2
-    assert "None" in draw(ui.SPECULA_PT_material_glints, Context(material=material)).texts
+    assert "None" in draw(bpy.types.SPECULA_PT_material_glints, Context(material=material)).texts
     material.specula.glints = "ON"
-    texts = draw(ui.SPECULA_PT_material_glints, Context(material=material)).texts
+    texts = draw(bpy.types.SPECULA_PT_material_glints, Context(material=material)).texts
     assert any(text.startswith("None: Glossy BSDF: no normal map") for text in texts)
     normal = add_node(material, "ShaderNodeNormalMap", glossy.inputs["Normal"])
     texture = add_node(material, "ShaderNodeTexImage", normal.inputs["Color"], image=new_image())
     texture.image.colorspace_settings.name = "Non-Color"
-    texts = draw(ui.SPECULA_PT_material_glints, Context(material=material)).texts
+    texts = draw(bpy.types.SPECULA_PT_material_glints, Context(material=material)).texts
     assert "Glossy BSDF, roughness 0.2" in texts
 
 
@@ -259,10 +259,10 @@ def test_without_the_core_the_panels_say_so(monkeypatch):
     forecast.forget()
     context = Context(object=add_mesh(), material=new_material())
     for panel in (
-        ui.SPECULA_PT_sampling,
-        ui.SPECULA_PT_object_caustics,
-        ui.SPECULA_PT_material_caustics,
-        ui.SPECULA_PT_material_glints,
+        bpy.types.SPECULA_PT_sampling,
+        bpy.types.SPECULA_PT_object_caustics,
+        bpy.types.SPECULA_PT_material_caustics,
+        bpy.types.SPECULA_PT_material_glints,
     ):
         assert "the core library is missing" in draw(panel, context).texts
 

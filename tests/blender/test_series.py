@@ -19,6 +19,7 @@ from specula.upload import upload
 
 EDITS = 1000 if "SPECULA_TEST_NIGHTLY" in os.environ else 320
 SIZE = (24, 18)
+MILLISECONDS = 60_000  # that a scene may take to be built
 FLAT = 24 << 20  # bytes that the last two thirds of all edits may add
 
 
@@ -27,7 +28,6 @@ class Follower:
 
     def __init__(self):
         self.series = Series()
-        self.native_scene = None
         self.log = ExportLog()
         self._handlers = bpy.app.handlers.depsgraph_update_post, bpy.app.handlers.frame_change_post
 
@@ -43,10 +43,20 @@ class Follower:
 
     def hear(self, scene, depsgraph):
         self.log = ExportLog()
-        self.native_scene, _ = self.series.next(depsgraph, self.log)
+        self.series.begin(depsgraph, self.log)  # while the state before may still be built
+
+    @property
+    def native_scene(self) -> native.Scene:
+        return built(self.series)
 
     def picture(self, settings) -> np.ndarray:
         return rendered(self.native_scene, settings)
+
+
+def built(series: Series) -> native.Scene:
+    scene = series.built(MILLISECONDS)
+    assert scene is not None
+    return scene
 
 
 def rendered(scene: native.Scene, settings) -> np.ndarray:
@@ -168,26 +178,31 @@ def test_only_what_has_changed_is_given_to_the_core(edited_scene, calls):
     obj = add_mesh("Quad", material=material)
     bpy.context.view_layer.update()
     with Follower() as follower:
+
+        def update():
+            bpy.context.view_layer.update()
+            assert follower.native_scene  # built before the next edit
+
         obj.location.x = 0.2
-        bpy.context.view_layer.update()
+        update()
         assert "mesh Quad" in calls
         calls.clear()
         obj.location.x = 0.3
-        bpy.context.view_layer.update()
+        update()
         assert parts(calls) == set()
         calls.clear()
         shader.inputs[0].default_value = (1, 0, 0, 1)
-        bpy.context.view_layer.update()
+        update()
         assert parts(calls) == {"material Own"}
         calls.clear()
         obj.data.vertices[0].co.x += 0.1
         obj.data.update()
-        bpy.context.view_layer.update()
+        update()
         assert parts(calls) == {"mesh Quad"}
         calls.clear()
         before = follower.native_scene
         bpy.context.scene.camera.location.x += 0.1
-        bpy.context.view_layer.update()
+        update()
         assert follower.native_scene is before
         assert calls == []
 
@@ -196,20 +211,41 @@ def test_a_failure_does_not_outlive_its_cause(edited_scene, monkeypatch):
     settings = export_settings(edited_scene, False, bpy.context.view_layer)
     series = Series()
     depsgraph = bpy.context.evaluated_depsgraph_get()
-    series.next(depsgraph, ExportLog())
-    commit = native.Scene.commit
+    series.begin(depsgraph, ExportLog())
+    built(series)
+    ends_commit = native.Scene.ends_commit
 
-    def fails(self, threads=0):
+    def fails(self, milliseconds):
         raise native.NativeError("no memory left")
 
-    monkeypatch.setattr(native.Scene, "commit", fails)
+    monkeypatch.setattr(native.Scene, "ends_commit", fails)
     bpy.context.scene.objects["Floor"].location.x += 1.0
     bpy.context.view_layer.update()
+    series.begin(depsgraph, ExportLog())
     with pytest.raises(native.NativeError):
-        series.next(depsgraph, ExportLog())
-    monkeypatch.setattr(native.Scene, "commit", commit)
-    scene, _ = series.next(depsgraph, ExportLog())
-    assert np.array_equal(rendered(scene, settings), from_nothing(settings)[0])
+        series.built()
+    assert series.built() is None
+    monkeypatch.setattr(native.Scene, "ends_commit", ends_commit)
+    series.begin(depsgraph, ExportLog())
+    assert np.array_equal(rendered(built(series), settings), from_nothing(settings)[0])
+    series.close()
+
+
+def test_a_state_that_is_given_up_leaves_nothing_out(edited_scene):
+    settings = export_settings(edited_scene, False, bpy.context.view_layer)
+    series = Series()
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    series.begin(depsgraph, ExportLog())
+    shown = built(series)
+    add_mesh("New", material=new_material("New"))
+    bpy.context.view_layer.update()
+    series.begin(depsgraph, ExportLog())
+    series.cancel()
+    assert series.built() is shown
+    bpy.data.objects["New"].location.x = 0.4
+    bpy.context.view_layer.update()
+    series.begin(depsgraph, ExportLog())  # its mesh is none that Blender tells of again
+    assert np.array_equal(rendered(built(series), settings), from_nothing(settings)[0])
     series.close()
 
 
@@ -242,11 +278,11 @@ def test_a_file_that_is_loaded_again_is_what_it_was(edited_scene, tmp_path):
     mesh = bpy.data.objects["Floor"].data
     mesh.vertices[0].co.z += 3.0
     mesh.update()
-    scene, _ = series.next(bpy.context.evaluated_depsgraph_get(), ExportLog())
-    assert not np.array_equal(rendered(scene, settings), saved)
+    series.begin(bpy.context.evaluated_depsgraph_get(), ExportLog())
+    assert not np.array_equal(rendered(built(series), settings), saved)
     bpy.ops.wm.open_mainfile(filepath=path)
-    scene, _ = series.next(bpy.context.evaluated_depsgraph_get(), ExportLog())
-    assert np.array_equal(rendered(scene, settings), saved)
+    series.begin(bpy.context.evaluated_depsgraph_get(), ExportLog())
+    assert np.array_equal(rendered(built(series), settings), saved)
     series.close()
 
 

@@ -28,7 +28,7 @@ area = max(window.screen.areas, key=lambda area: area.width * area.height)
 properties = next(area for area in window.screen.areas if area.type == "PROPERTIES")
 drawn = set()
 steps = iter(("before", "render", "after", "properties", *TABS, "end"))
-column, draw_statistics = ui.SpeculaPanel.column, ui.SPECULA_PT_statistics.draw
+column, draw_statistics = ui.panel.SpeculaPanel.column, bpy.types.SPECULA_PT_statistics.draw
 
 
 def recorded(panel):
@@ -62,8 +62,8 @@ def advance():
     return 0.5
 
 
-ui.SpeculaPanel.column = recorded
-ui.SPECULA_PT_statistics.draw = recorded_statistics
+ui.panel.SpeculaPanel.column = recorded
+bpy.types.SPECULA_PT_statistics.draw = recorded_statistics
 bpy.app.timers.register(advance, first_interval=1.0, persistent=True)
 """
 

@@ -23,9 +23,10 @@
  *              SPC_INTERNAL_ERROR; the comments name what else it may return. No exception crosses
  *              this boundary. A call that runs out of memory says for what; everything but a scene
  *              whose commit failed so is as usable as before.
- *   Threads    a scene may be used by one thread at a time until it is committed; afterwards all
- *              but its camera is immutable, and it may feed any number of sessions. A session may
- *              be polled, read and cancelled from any thread.
+ *   Threads    a scene may be used by one thread at a time until it is committed, also while a
+ *              thread of the library commits it; afterwards all but its camera is immutable, and it
+ *              may feed any number of sessions. A session may be polled, read and cancelled from
+ *              any thread.
  *
  * Order of calls: create, add images, then materials, meshes, lights and instances (an index can
  * only refer to what was added before), set camera and environment, commit, start renders.
@@ -62,9 +63,10 @@ typedef enum spc_status {
     SPC_INVALID_ARGUMENT = 1,
     SPC_WRONG_STATE = 2, /* a call out of order: adding after commit, rendering before it */
     SPC_OUT_OF_MEMORY = 3,
-    SPC_IO_ERROR = 4,      /* a file could not be read */
-    SPC_UNSUPPORTED = 5,   /* reserved: no call returns it */
-    SPC_INTERNAL_ERROR = 6 /* a bug in Specula */
+    SPC_IO_ERROR = 4,       /* a file could not be read */
+    SPC_UNSUPPORTED = 5,    /* reserved: no call returns it */
+    SPC_INTERNAL_ERROR = 6, /* a bug in Specula */
+    SPC_CANCELLED = 7       /* spc_scene_commit_cancel() has ended what was waited for */
 } spc_status;
 
 /* Returns SPC_API_VERSION of the library that was loaded. Callers compare it with the version that
@@ -522,6 +524,19 @@ SPC_API spc_status spc_scene_set_environment(spc_scene* scene, const spc_environ
  * for each processor. Errors: SPC_WRONG_STATE (no camera, or committed before). */
 SPC_API spc_status spc_scene_commit(spc_scene* scene, uint32_t threads);
 
+/* Begins that on a thread of the library and returns at once. Until the call below tells the end,
+ * the scene can only be waited for, cancelled, and destroyed, which cancels it and waits: all else
+ * fails with SPC_WRONG_STATE. Errors: SPC_WRONG_STATE, as above. */
+SPC_API spc_status spc_scene_commit_start(spc_scene* scene, uint32_t threads);
+/* Waits until that ends or `milliseconds` have passed, and tells in `ended` whether it has, once:
+ * then the scene is committed, or the error that has ended it is returned, SPC_CANCELLED among
+ * them, and the scene is lost. Errors: SPC_WRONG_STATE (it was not started, or its end was told).
+ */
+SPC_API spc_status spc_scene_commit_wait(spc_scene* scene, uint32_t milliseconds, uint32_t* ended);
+/* Asks it to stop, and returns at once. It stops soon, but for tables of lights and of glints,
+ * which are made to the end. Errors: SPC_WRONG_STATE, as for the wait. */
+SPC_API spc_status spc_scene_commit_cancel(spc_scene* scene);
+
 typedef struct spc_scene_stats {
     size_t struct_size;
     uint64_t triangles; /* of meshes, however many instances each has */
@@ -532,7 +547,7 @@ typedef struct spc_scene_stats {
     uint64_t dropped_triangles; /* of zero area */
     /* of geometry, images and what is known of their slopes; without Embree's trees */
     uint64_t memory_bytes;
-    double commit_seconds; /* that spc_scene_commit took */
+    double commit_seconds; /* that its commit took */
 } spc_scene_stats;
 /* Errors: SPC_WRONG_STATE (not committed). */
 SPC_API spc_status spc_scene_get_stats(const spc_scene* scene, spc_scene_stats* stats);

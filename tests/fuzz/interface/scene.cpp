@@ -235,6 +235,10 @@ private:
         refused([&] { return spc_scene_get_stats(scene_, &stats); });
         refused([&] { return spc_scene_commit(nullptr, 1); });
         refused([&] { return spc_scene_commit(scene_, 1); });  // no camera yet
+        refused([&] { return spc_scene_commit_start(scene_, 1); });
+        refused([&] { return spc_scene_commit_cancel(scene_); });
+        uint32_t ended = 0;
+        refused([&] { return spc_scene_commit_wait(scene_, 0, &ended); });
         refused([&] { return spc_render_cancel(nullptr); });
         promises_.took([&] { return spc_scene_material_needs(scene_, dice_.below(6), &needs); }, "");
         auto forecast = test::sized<spc_forecast>();
@@ -249,15 +253,35 @@ private:
 
     void commit() {
         const uint32_t threads = spoiler_.strikes() ? spoiler_.count(1) % 1100 : dice_.from(1, 2);
-        committed_ = promises_.took([&] { return spc_scene_commit(scene_, threads); }, "");
+        const bool at_once = dice_.chance(0.6);
+        const auto call = at_once ? spc_scene_commit : spc_scene_commit_start;
+        committed_ = promises_.took([&] { return call(scene_, threads); }, "");
         if (!committed_ && !promises_.starved)
-            committed_ = promises_.took([&] { return spc_scene_commit(scene_, 1); }, "");
+            committed_ = promises_.took([&] { return call(scene_, 1); }, "");
         if (!committed_ && !promises_.starved) promises_.broken(spc_last_error());
+        if (committed_ && !at_once) committed_ = wait_for_commit();
         if (committed_ && promises_.took([&] { return spc_scene_commit(scene_, threads); }, ""))
             promises_.broken("a scene was committed twice");
         InsideLibrary inside;
         if ((spc_scene_report(scene_) != nullptr) != committed_)
             promises_.broken("a report without a commit, or the other way round");
+    }
+
+    // Whether the scene is committed. Some are cancelled, some left to be destroyed as they are.
+    bool wait_for_commit() {
+        if (dice_.chance(0.1)) return false;
+        if (promises_.took([&] { return spc_scene_commit(scene_, 1); }, ""))
+            promises_.broken("a scene was committed twice at once");
+        const bool cancelled = dice_.chance(0.2);
+        if (cancelled && !promises_.took([&] { return spc_scene_commit_cancel(scene_); }, ""))
+            promises_.broken(spc_last_error());
+        uint32_t ended = 0;
+        spc_status status = SPC_OK;
+        while (status == SPC_OK && ended == 0)
+            promises_.took([&] { return status = spc_scene_commit_wait(scene_, 100, &ended); }, "");
+        const bool may_fail = promises_.starved || (cancelled && status == SPC_CANCELLED);
+        if (status != SPC_OK && !may_fail) promises_.broken(spc_last_error());
+        return status == SPC_OK;
     }
 
     void render_all() {

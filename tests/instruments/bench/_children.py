@@ -25,6 +25,8 @@ CHILD_SECONDS = 20 * 60  # a child that hangs must not hold up a machine for eve
 SHOWN_LINES = 2  # of the log of a child that failed
 EXCEPTION = re.compile(r"(\w+\.)*\w+(Error|Exception)\b: ")
 BAR_COLUMNS = 20
+WINDOW = (1280, 720)  # pixels
+DISPLAY = ("xvfb-run", "-a", "-s", "-screen 0 1280x1024x24")
 
 
 @dataclass(frozen=True)
@@ -69,6 +71,15 @@ def debian_blender(script: str, job: Path) -> tuple[list[str], dict]:
     return host.blender_command([*arguments, "--", str(job)]), environment
 
 
+def debian_window(script: str, job: Path) -> tuple[list[str], dict]:
+    """The same with a window, on a display of its own; opens the job's scene if it has one."""
+    scene = json.loads(job.read_text())["scene"]
+    arguments = ["--window-geometry", *map(str, (0, 0, *WINDOW)), *([scene] if scene else [])]
+    command = host.blender_command([*arguments, "--python", str(HERE / script), "--", str(job)])
+    environment = host.blender_environment(host.library_folder())
+    return [*DISPLAY, *command], environment
+
+
 def luxcore(script: str, job: Path) -> tuple[list[str], dict]:
     """LuxCore's Python, which knows nothing of Blender."""
     return [str(venvs.luxcore_python()), str(HERE / script), str(job)], dict(os.environ)
@@ -79,6 +90,7 @@ HOSTS = {
     "specula in bpy 4.5": partial(bpy_with_specula, version=venvs.BPY_LTS_VERSION),
     "bpy": bpy_alone,
     "debian": debian_blender,
+    "debian window": debian_window,
     "luxcore": luxcore,
 }
 

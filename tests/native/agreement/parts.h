@@ -60,6 +60,11 @@ inline LightDesc rectangle_lamp() {
 inline Part camera_from(const std::string& name, const Vec3& from, float half) {
     return {name, [=](SceneMaker& m) { set_camera(m, from, half); }};
 }
+// Straight above the origin; of the floor it sees so many metres to each side.
+inline Part camera_above(float half_view) {
+    constexpr float kHeight = 3.0f;
+    return camera_from("", {0.0f, 0.0f, kHeight}, half_view / kHeight);
+}
 // Below what casters are over the floor.
 inline const Vec3 kLowEye(0.0f, -1.0f, 0.7f);
 

@@ -1,24 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Lights so small that path tracing is blind: the manifold alone against light paths alone, for
 // each kind of chain.
+#include "agreement/chain_scenes.h"
 #include "agreement/parts.h"
-#include "integrator/chain_cases.h"
 
 #include <set>
 
 namespace spc::test {
 namespace {
 
-constexpr Method kSheetsAlone{"sheets", true, false, ChainFinder::sheets};
-
 // Half of the floor's side that the camera sees, m: the mirror lights a narrow part. Where casters
 // are much larger than what the camera sees of their light, light paths have rare bright splats
 // that their sample variance does not know of.
 constexpr float kNarrow = 0.3f, kWide = 0.9f;
-Part camera_above(float half_view) {
-    constexpr float kHeight = 3.0f;
-    return camera_from("", {0.0f, 0.0f, kHeight}, half_view / kHeight);
-}
 
 enum class SmallLight : uint8_t { point, tiny_sphere, sun };
 Part under(SmallLight small, const Vec3& p) {
@@ -40,11 +34,7 @@ std::vector<Row> rows(const std::set<std::string>& kinds, Reliefs reliefs, Small
     std::vector<Row> rows;
     for (const ChainScene& scene : chain_scenes()) {
         if (!kinds.contains(scene.name)) continue;
-        Row row{.casters = {scene.name + ", " + to_string(reliefs.one),
-                            [scene, reliefs](SceneMaker& m) {
-                                add_relief_image(m, reliefs);
-                                scene.build(m, reliefs);
-                            }},
+        Row row{.casters = casters_of(scene, reliefs),
                 .light = under(small, scene.lamp),
                 .camera = camera_above(half_view),
                 .reference = {kLightRounds, kLightPaths},

@@ -77,35 +77,32 @@ TEST(OutOfMemory, OfImagesMeshesAndFilms) {
     });
 }
 
-TEST(OutOfMemory, OfACommit) {
-    in_own_process([] {
+void check_commit(spc_status (*commit)(spc_scene*)) {
+    in_own_process([&] {
         const ScenePtr kept = committed_scene(), lost = new_scene();
         add_resources(lost.get());
-        constexpr uint32_t kSide = 700;
-        std::vector<float> positions;
-        std::vector<uint32_t> triangles;
-        for (uint32_t i = 0; i < kSide * kSide; ++i)
-            for (const float x : {float(i % kSide), float(i / kSide), 0.0f}) positions.push_back(x);
-        for (uint32_t i = 0; i + kSide + 1 < kSide * kSide; ++i)
-            for (const uint32_t corner : {i, i + 1, i + kSide}) triangles.push_back(corner);
-        spc_mesh_desc mesh = valid_mesh();
-        mesh.positions = positions.data();
-        mesh.vertex_count = kSide * kSide;
-        mesh.triangles = triangles.data();
-        mesh.triangle_count = static_cast<uint32_t>(triangles.size() / 3);
-        mesh.attribute_count = 0;
-        uint32_t index;
-        ASSERT_EQ(spc_scene_add_mesh(lost.get(), &mesh, &index), SPC_OK) << spc_last_error();
+        const uint32_t mesh = add_large_mesh(lost.get());
         add_objects(lost.get());
         const uint32_t plaster = 0;
-        const spc_instance_desc instance = valid_instance(index, plaster);
+        const spc_instance_desc instance = valid_instance(mesh, plaster);
+        uint32_t index;
         ASSERT_EQ(spc_scene_add_instance(lost.get(), &instance, &index), SPC_OK);
         limit_memory(32 * kMegabyte);
 
-        expect_refused(spc_scene_commit(lost.get(), 1), SPC_OUT_OF_MEMORY,
-                       {"trees", "out of memory"});
+        expect_refused(commit(lost.get()), SPC_OUT_OF_MEMORY, {"trees", "out of memory"});
         expect_refused(spc_scene_commit(lost.get(), 1), SPC_WRONG_STATE, {"commit failed"});
         EXPECT_FALSE(render_all(kept.get(), quick_settings()).empty());
+    });
+}
+
+TEST(OutOfMemory, OfACommit) {
+    check_commit([](spc_scene* scene) { return spc_scene_commit(scene, 1); });
+}
+
+TEST(OutOfMemory, OfACommitOnAnotherThread) {
+    check_commit([](spc_scene* scene) {
+        const spc_status started = spc_scene_commit_start(scene, 1);
+        return started == SPC_OK ? end_of_commit(scene) : started;
     });
 }
 

@@ -50,6 +50,7 @@ INSTANTIATE_TEST_SUITE_P(Methods, Threads,
 
 TEST_P(Threads, RenderReadAndCancel) {
     constexpr uint32_t kLooks = 5;
+    constexpr uint32_t kPause = 50;  // ms: hosts that only look keep the preparation from its end
     const ScenePtr scene = committed_scene(valid_camera(kWidth, kHeight));
     spc_render_settings settings = quick_settings(1u << 24);  // more than the test waits for
     settings.method = GetParam().method;
@@ -57,11 +58,38 @@ TEST_P(Threads, RenderReadAndCancel) {
     const SessionPtr session = start(scene.get(), settings);
     on_all_threads([&](uint32_t host) {
         for (uint32_t i = 0; i < kLooks; ++i) look_at(session.get(), host, i);
-        while (wait_for(session.get(), 1).samples_done == 0) look_at(session.get(), host, kLooks);
+        while (wait_for(session.get(), kPause).samples_done == 0)
+            look_at(session.get(), host, kLooks);
         EXPECT_EQ(spc_render_cancel(session.get()), SPC_OK);
         look_at(session.get(), host, 0);
     });
     EXPECT_EQ(wait_for(session.get()).state, uint32_t{SPC_RENDER_CANCELLED});
+}
+
+// Scenes of one series are built on threads of their own while the one before is rendered; some are
+// cancelled, some destroyed meanwhile.
+TEST(ScenesOnThreads, AreBuiltBesideRenders) {
+    const ScenePtr before = edited(nullptr);
+    add_resources(before.get());
+    add_objects(before.get());
+    ASSERT_EQ(spc_scene_commit(before.get(), 2), SPC_OK) << spc_last_error();
+    const std::vector<float> wanted = render_all(before.get(), quick_settings());
+    on_all_threads([&](uint32_t i) {
+        const ScenePtr scene = edited(before.get());
+        keep_resources(scene.get());
+        add_objects(scene.get());
+        ASSERT_EQ(spc_scene_commit_start(scene.get(), 2), SPC_OK) << spc_last_error();
+        const std::vector<float> meanwhile = render_all(before.get(), quick_settings());
+        EXPECT_TRUE(same_bits(meanwhile, wanted));
+        if (i % 4 == 0) return;
+        if (i % 4 == 1) {
+            EXPECT_EQ(spc_scene_commit_cancel(scene.get()), SPC_OK) << spc_last_error();
+        }
+        const spc_status status = end_of_commit(scene.get());
+        if (status == SPC_CANCELLED) return;
+        ASSERT_EQ(status, SPC_OK) << spc_last_error();
+        EXPECT_TRUE(same_bits(render_all(scene.get(), quick_settings()), wanted));
+    });
 }
 
 // Some renders come to their end, others are destroyed wherever they stand.

@@ -35,9 +35,7 @@ std::unique_ptr<Film> film_of(uint32_t first, uint32_t end) {
         std::vector<Splat> splats;
         for (int i = 0; i < 50; ++i) {
             const Vec2 u = uniforms.two();
-            // The film squares them, and what it keeps of squares spans but 2^82 (exact_sum.h).
-            const float value = std::sqrt(large_or_small());
-            splats.push_back({{u.x * kWidth, u.y * kHeight}, Spectrum(value)});
+            splats.push_back({{u.x * kWidth, u.y * kHeight}, Spectrum(large_or_small())});
             splats.back().shares = {Spectrum(0.5f), Spectrum(0.25f), Spectrum(0.25f)};
             splats.back().light_group = i % 3 == 2 ? kNoGroup : uint32_t(i) % 3;
         }

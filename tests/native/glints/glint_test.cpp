@@ -247,7 +247,7 @@ TEST(GlintsSlow, AgreeWithPathTracingOnBumps) { expect_agreement(bump_cases()); 
 TEST(GlintsSlow, AgreeWithPathTracingUnderCoats) { expect_agreement(coat_cases()); }
 
 // Its twin: the comparison notices a sun that is 8 % brighter, on a normal map and on a bump.
-TEST(Glints, ComparisonNoticesALittleLight) {
+TEST(GlintsSlow, ComparisonNoticesALittleLight) {
     const double significance = test::sidak(kFamily, 2 * 3 * int(cases().size()));
     for (const Case& c : {cases()[0], bump_cases()[0]}) {
         GlintFloor floor = c.floor;
@@ -262,7 +262,7 @@ TEST(Glints, ComparisonNoticesALittleLight) {
 
 // Another twin: a tint whose red and green are swapped, of which the mean of the channels knows
 // nothing.
-TEST(Glints, ComparisonNoticesASwappedTint) {
+TEST(GlintsSlow, ComparisonNoticesASwappedTint) {
     const auto floor = [](const Vec3& color) {
         return GlintFloor{metal(color), bumps(), 12.0, 0.6f, sun(0.1f)};
     };
@@ -286,7 +286,7 @@ TEST(Glints, HaveLittleNoise) {
 
 // However closely a sample looks, it has the same mean: of several lamps, among which it chooses.
 // Four estimates take most of the noise of one away, and what may be left to chance costs less.
-TEST(Glints, SamplingChangesNoiseAlone) {
+TEST(GlintsSlow, SamplingChangesNoiseAlone) {
     constexpr uint32_t kSamples = 12000;
     GlintFloor floor = cases()[0].floor;
     floor.light = [](SceneMaker& maker) {

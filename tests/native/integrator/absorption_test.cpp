@@ -209,7 +209,7 @@ TEST(Absorption, OfAChain) {
 }
 
 // From above the water, where light paths do not find what the camera sees.
-TEST(Absorption, IsTheSameForWalksAndForPathTracing) {
+TEST(AbsorptionSlow, IsTheSameForWalksAndForPathTracing) {
     const RenderScene world =
         floor_in_water(test::absorbing(test::glass(1.33f), Spectrum(0.2f, 0.7f, 2.0f)), 0.35f);
     const Ray ray = test::ray_to({1.0f, 0.2f, 2.0f}, {0.4f, 0.2f, 0.8f});

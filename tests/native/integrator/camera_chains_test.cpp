@@ -70,7 +70,7 @@ TEST(CameraChains, OfASphereInAMirrorAreInClosedForm) {
 
 // Between two mirrors, seen down a row of pictures: the one behind n reflections, the floor's
 // first, lies n below for odd n, for a distance of 1 between them.
-TEST(CameraChains, BetweenMirrorsAreInClosedFormForAllReflections) {
+TEST(CameraChainsSlow, BetweenMirrorsAreInClosedFormForAllReflections) {
     constexpr float kRadius = 0.003f;
     constexpr uint32_t kMost = kLongestChain, kMiddle = 9;
     const Vec3 eye(0.0f, -0.8f, 0.5f), at(0.0f, 0.8f, 0.4f);

@@ -53,6 +53,7 @@ inline constexpr Method kPathTracing{"path tracing", false, false},
     kManifold{"manifold", true, false}, kLightPaths{"light paths", false, true},
     kAll{"manifold and light paths", true, true},
     kSheets{"light sheets and light paths", true, true, ChainFinder::sheets},
+    kSheetsAlone{"light sheets", true, false, ChainFinder::sheets},
     kMissed{"walks beside no sheets", true, true, ChainFinder::sheets, 0},
     kMnee{"mnee", true, false, ChainFinder::mnee},
     kMneeAndLight{"mnee and light paths", true, true, ChainFinder::mnee};

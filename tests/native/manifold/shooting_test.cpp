@@ -206,7 +206,7 @@ TEST(Shots, NextToAChainOfAThinPaneArriveForCertain) { expect_certain_shots(1e-3
 // Two small balls magnify a turn at the receiver ten thousand times and more, and rounding with it.
 // What a shot comes to lies within what rounding may do, but it must lead to the end, not beside
 // it.
-TEST(Shots, LeadToTheirEndHoweverMuchRoundingIsMagnified) {
+TEST(ShotsSlow, LeadToTheirEndHoweverMuchRoundingIsMagnified) {
     constexpr float kRadius = 0.01f, kBeside = 0.02f, kMiss = 2e-3f;  // m, rad, rad
     SceneMaker maker;
     for (const float x : {-0.5f, 0.5f})
@@ -470,7 +470,7 @@ double missed_beside_a_board(float lamp_radius) {
 
 // Where nothing folds over, a chain has the determinant whose sign its beam tells, whatever the
 // light.
-TEST(Sheets, TellTheSignOfDeterminants) {
+TEST(SheetsSlow, TellTheSignOfDeterminants) {
     const Vec3 above(0.3f, -0.4f, 3.0f), down = normalize(above) * -1.0f;
     const auto lamp = [](const LightDesc& light) {
         return [light](SceneMaker& maker) { maker.builder.add_light(light); };

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A render that is cancelled ends soon, wherever it is.
-#include "render/session.h"
+#include "render/session_settings.h"
 
 #include "support/casters.h"
 #include "support/glints.h"
-#include "support/radiance.h"
 
 #include <gtest/gtest.h>
 
@@ -55,18 +54,7 @@ RenderScene pool() {
     return maker.finish();
 }
 
-RenderSettings settings() {
-    RenderSettings settings;
-    settings.integrator.limits.total = 8;
-    settings.integrator.manifold = test::unbiased_manifold();
-    settings.integrator.manifold.finder = ChainFinder::sheets;
-    settings.light_tracing = true;
-    settings.chooses = true;
-    settings.samples = 1u << 16;
-    settings.seed = 5;
-    settings.threads = 2;
-    return settings;
-}
+RenderSettings settings() { return test::automatic_settings(1u << 16, 8, 5); }
 
 // What its last stage, and all before it, take.
 double preparation_seconds(const RenderScene& world) {

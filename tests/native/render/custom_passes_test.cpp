@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Light groups and AOVs: groups of all lights add up to the picture by every method, one group is
 // the picture of its lights alone, and AOVs are what their nodes write where the camera looks.
-#include "render/session.h"
+#include "render/session_settings.h"
 
 #include "support/radiance.h"
 
@@ -80,10 +80,7 @@ RenderScene scene_of(const std::vector<std::string>& lights) {
 const std::vector<std::string> kGroups{"key", "fill", "glow", "sky"};
 
 RenderSettings settings_with(uint32_t samples) {
-    RenderSettings settings;
-    settings.samples = samples;
-    settings.threads = 2;
-    settings.integrator.manifold = test::unbiased_manifold();
+    RenderSettings settings = test::manifold_settings(samples, 2);
     settings.custom.of = {kGroups, {"mask"}, {"none", "mask"}};
     settings.passes = PassSet(0, settings.custom.counts());
     return settings;

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What comes before a render's first sample: its stages, their budgets, and which casters are
 // searched.
-#include "render/session.h"
+#include "render/session_settings.h"
 
 #include "manifold/crowding.h"
 #include "support/casters.h"
 #include "support/glints.h"
-#include "support/radiance.h"
+#include "support/truths.h"
 
 #include <gtest/gtest.h>
 
@@ -41,16 +41,7 @@ RenderScene beside_a_mirror(double wave, float sun_angle = 0.05f) {
 }
 
 RenderSettings settings_with(uint32_t samples) {
-    RenderSettings settings;
-    settings.integrator.limits.total = 4;
-    settings.integrator.manifold = test::unbiased_manifold();
-    settings.integrator.manifold.finder = ChainFinder::sheets;
-    settings.light_tracing = true;
-    settings.chooses = true;
-    settings.samples = samples;
-    settings.seed = kSeed;
-    settings.threads = 2;
-    return settings;
+    return test::automatic_settings(samples, 4, kSeed);
 }
 
 TEST(Preparation, GoesThroughItsStages) {
@@ -124,7 +115,7 @@ TEST(Preparation, EndsWhereItsBudgetIsSpent) {
 }
 
 // Two ways to count that have nothing in common: slopes and distances, and the overlap of beams.
-TEST(Crowding, MapsMakeAsManyChainsAsSheetsHaveSeeds) {
+TEST(CrowdingSlow, MapsMakeAsManyChainsAsSheetsHaveSeeds) {
     for (const double wave : {0.25, 0.12, 0.06}) {
         const RenderScene world = beside_a_mirror(wave);
         const double by_map =
@@ -172,6 +163,7 @@ TEST(Crowding, NothingIsLeftOutThatRaysDoNotFind) {
 // tracing find: the mean of the picture is that of path tracing, and a hundredth more would be
 // noticed.
 TEST(CrowdingSlow, WhatIsLeftOutIsFound) {
+    constexpr uint32_t kSeeds = 16;
     struct Case {
         double wave;
         const char* told;
@@ -180,10 +172,9 @@ TEST(CrowdingSlow, WhatIsLeftOutIsFound) {
                                      Case{0.2, "come to them: left to light paths"}}) {
         const RenderScene world = beside_a_mirror(wave, 0.4f);  // a sun that path tracing finds
         bool left = false;
-        const auto mean_of = [&](RenderSettings settings) {
-            constexpr uint32_t kSeeds = 16;
+        const auto mean_of = [&](RenderSettings settings, uint32_t seeds) {
             test::MeanEstimate mean;
-            for (settings.seed = 100; settings.seed < 100 + kSeeds; ++settings.seed) {
+            for (settings.seed = 100; settings.seed < 100 + seeds; ++settings.seed) {
                 Session session(world, settings);
                 EXPECT_EQ(session.wait(120s).state, RenderState::done);
                 std::vector<float> combined(size_t{4} * kSide * kSide);
@@ -199,9 +190,11 @@ TEST(CrowdingSlow, WhatIsLeftOutIsFound) {
         };
         RenderSettings path_tracing = settings_with(512);
         path_tracing.integrator.manifold.enabled = path_tracing.light_tracing = false;
-        const test::MeanEstimate truth = mean_of(path_tracing);
+        const test::MeanEstimate truth = test::truth(told, kSeeds, [&](uint32_t seeds) {
+            return test::Estimates{mean_of(path_tracing, seeds)};
+        })[0];
         EXPECT_FALSE(left);
-        const test::MeanEstimate automatic = mean_of(settings_with(16));
+        const test::MeanEstimate automatic = mean_of(settings_with(16), kSeeds);
         EXPECT_TRUE(left) << told;
         const double error = std::hypot(truth.standard_error(), automatic.standard_error());
         EXPECT_LT(error, 0.0025 * truth.mean()) << told;

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A session with light paths: what it promises of its image, its ends, and the probabilities that
 // it gives to manifold estimates.
-#include "render/session.h"
+#include "render/session_settings.h"
 
 #include "core/error.h"
 
 #include "support/glints.h"
+#include "support/power.h"
 
 #include <gtest/gtest.h>
 
@@ -46,11 +47,8 @@ RenderScene scene_of(bool with_casters, float lamp_radius = 0.05f, const Vec3& p
 }
 
 RenderSettings settings_with(uint32_t samples, uint32_t threads = 1) {
-    RenderSettings settings;
-    settings.integrator.manifold = test::unbiased_manifold();
+    RenderSettings settings = test::manifold_settings(samples, threads);
     settings.light_tracing = true;
-    settings.samples = samples;
-    settings.threads = threads;
     settings.passes.add(Pass::position);
     return settings;
 }
@@ -210,7 +208,7 @@ TEST(SessionWithCameraChains, ThreadsDoNotShow) {
                                               {ChainFinder::walks, true}}) {
         const Rendered one = render(world, settings_with_camera_chains(finder, light_paths));
         EXPECT_GT(one.stats.path.manifold.chain_seeds, 0u);
-        for (const uint32_t threads : {2u, 5u}) {
+        for (const uint32_t threads : test::repeats(std::vector{2u, 5u}, {5u})) {
             const Rendered many =
                 render(world, settings_with_camera_chains(finder, light_paths, threads));
             EXPECT_EQ(many.combined, one.combined) << threads;

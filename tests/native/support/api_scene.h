@@ -149,6 +149,27 @@ inline spc_instance_desc valid_instance(uint32_t mesh, const uint32_t& material)
     return desc;
 }
 
+// Index of a mesh of a million triangles, whose tree takes a while.
+inline uint32_t add_large_mesh(spc_scene* scene) {
+    constexpr uint32_t kSide = 700;
+    std::vector<float> positions;
+    std::vector<uint32_t> triangles;
+    for (uint32_t i = 0; i < kSide * kSide; ++i)
+        for (const float x : {float(i % kSide), float(i / kSide), 0.0f}) positions.push_back(x);
+    for (uint32_t i = 0; i + kSide + 1 < kSide * kSide; ++i)
+        for (const uint32_t corner : {i, i + 1, i + kSide, i + 1, i + kSide, i + kSide + 1})
+            triangles.push_back(corner);
+    spc_mesh_desc mesh = valid_mesh();
+    mesh.positions = positions.data();
+    mesh.vertex_count = kSide * kSide;
+    mesh.triangles = triangles.data();
+    mesh.triangle_count = static_cast<uint32_t>(triangles.size() / 3);
+    mesh.attribute_count = 0;
+    uint32_t index = SPC_NONE;
+    EXPECT_EQ(spc_scene_add_mesh(scene, &mesh, &index), SPC_OK) << spc_last_error();
+    return index;
+}
+
 inline spc_light_desc valid_light(uint32_t type) {
     auto desc = sized<spc_light_desc>();
     desc.name = "Lantern";
@@ -191,6 +212,12 @@ inline ScenePtr new_scene() {
     return ScenePtr(scene);
 }
 
+inline ScenePtr edited(const spc_scene* before) {
+    spc_scene* scene = nullptr;
+    EXPECT_EQ(spc_scene_edit(before, &scene), SPC_OK) << spc_last_error();
+    return ScenePtr(scene);
+}
+
 // Image 0; materials 0 plaster, 1 silver, 2 sky; mesh 0.
 inline void add_resources(spc_scene* scene) {
     uint32_t index;
@@ -205,6 +232,15 @@ inline void add_resources(spc_scene* scene) {
     const spc_mesh_desc mesh = valid_mesh();
     ASSERT_EQ(spc_scene_add_mesh(scene, &mesh, &index), SPC_OK) << spc_last_error();
     ASSERT_EQ(index, 0u);
+}
+
+// Those of the scene before, in an edited one.
+inline void keep_resources(spc_scene* scene) {
+    uint32_t index;
+    ASSERT_EQ(spc_scene_keep_image(scene, 0, &index), SPC_OK) << spc_last_error();
+    for (uint32_t i = 0; i < 3; ++i)
+        ASSERT_EQ(spc_scene_keep_material(scene, i, &index), SPC_OK) << spc_last_error();
+    ASSERT_EQ(spc_scene_keep_mesh(scene, 0, &index), SPC_OK) << spc_last_error();
 }
 
 inline void add_objects(spc_scene* scene, const spc_camera_desc& camera = valid_camera()) {
@@ -234,6 +270,14 @@ inline ScenePtr committed_scene(const spc_camera_desc& camera = valid_camera()) 
     add_objects(scene.get(), camera);
     EXPECT_EQ(spc_scene_commit(scene.get(), 1), SPC_OK) << spc_last_error();
     return scene;
+}
+
+// What has ended a commit that was started.
+inline spc_status end_of_commit(spc_scene* scene) {
+    uint32_t ended = 0;
+    spc_status status = SPC_OK;
+    while (status == SPC_OK && ended == 0) status = spc_scene_commit_wait(scene, 1000, &ended);
+    return status;
 }
 
 // By walks, which need next to no preparation.

@@ -181,8 +181,7 @@ Spectrum at_most_one(const Spectrum& s) {
 
 void Features::look_at_world(const Spectrum& radiance, PassValues& values) const {
     // Where the film is transparent nobody has asked yet whether a world has a number there.
-    if (is_finite(radiance))
-        values[Pass::denoising_albedo] += throughput_ * at_most_one(radiance);
+    if (is_finite(radiance)) values[Pass::denoising_albedo] += throughput_ * at_most_one(radiance);
 }
 
 bool Features::look(const Scene& scene, const Surface& surface, float length, PassValues& values) {

@@ -22,13 +22,12 @@ Film::Film(uint32_t width, uint32_t height, PassSet passes, SplatSpread spread,
       passes_(passes.with_colors()),
       spread_(spread),
       crypto_(crypto),
+      pixels_(static_cast<size_t>(width) * height),
       mutexes_(static_cast<size_t>(tiles_across_) *
                ((uint64_t{height} + kTileSize - 1) / kTileSize)) {
     passes_.each([this](Pass pass) { add_plane(pass); });
-    const size_t pixels = static_cast<size_t>(width) * height;
-    pixels_.resize(pixels);
     tile_planes_.resize(tile_count());
-    if (keeps_halves) halves_.resize(pixels);
+    if (keeps_halves) halves_.resize(pixels_.size());
 }
 
 size_t Film::crypto_stride() const {

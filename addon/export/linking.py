@@ -21,8 +21,9 @@ class Linking:
         self._receivers = _Sets("receiver_collection", log)
         self._blockers = _Sets("blocker_collection", log)
         for data in depsgraph.ids:
-            linking = getattr(data.original, "light_linking", None)
-            if linking:
+            # Only objects have it: of what is embedded the original may be gone (see cache.py).
+            if hasattr(data, "light_linking"):
+                linking = data.original.light_linking
                 self._receivers.add(linking.receiver_collection)
                 self._blockers.add(linking.blocker_collection)
 

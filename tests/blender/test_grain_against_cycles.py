@@ -4,7 +4,6 @@
 That need not be the object's origin. A lamp without size lights it, so that there is no noise.
 """
 
-import bpy
 import numpy as np
 import pytest
 import tiles
@@ -35,15 +34,9 @@ def test_goes_around_the_middle(shader, tmp_path):
     add_light("POINT", energy=300, shadow_soft_size=0).location = (0.6, 0.4, 2)
     camera = add_camera((0, 0, 5))
     camera.data.type, camera.data.ortho_scale = "ORTHO", 3
-    scene = bpy.context.scene
-    scene.render.resolution_x = scene.render.resolution_y = SIZE
-    scene.render.image_settings.file_format = "OPEN_EXR"
-    scene.render.image_settings.color_depth = "32"
-    scene.specula.method = "PT"
+    scene = tiles.prepare(SIZE)
     scene.specula.samples = scene.cycles.samples = 1
-    scene.cycles.use_denoising = scene.cycles.use_adaptive_sampling = False
     scene.cycles.max_bounces = 0
-    scene.cycles.sample_clamp_direct = scene.cycles.light_sampling_threshold = 0
     scene.cycles.pixel_filter_type, scene.cycles.filter_width = "BLACKMAN_HARRIS", 0.01
     ours, theirs = (tiles.render(engine, tmp_path) for engine in ("SPECULA", "CYCLES"))
     inside = np.s_[4:-4, 4:-4]

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A lamp's own limit of bounces takes away the light that it does in Cycles."""
 
-import bpy
 import numpy as np
 import pytest
 import tiles
@@ -31,14 +30,8 @@ def blocks(engine: str, folder) -> np.ndarray:
 @pytest.mark.parametrize("limit", [0, 1])
 def test_light_of_more_bounces_is_missing(limit, tmp_path):
     lamp = room()
-    scene = bpy.context.scene
-    scene.render.resolution_x = scene.render.resolution_y = SIZE
-    scene.render.image_settings.file_format = "OPEN_EXR"
-    scene.render.image_settings.color_depth = "32"
-    scene.specula.method = "PT"
+    scene = tiles.prepare(SIZE)
     scene.specula.samples = scene.cycles.samples = 1024
-    scene.cycles.use_denoising = scene.cycles.use_adaptive_sampling = False
-    scene.cycles.sample_clamp_indirect = scene.cycles.light_sampling_threshold = 0
     scene.cycles.max_bounces = scene.cycles.diffuse_bounces = 4
     whole = blocks("SPECULA", tmp_path)
     lamp.data.cycles.max_bounces = limit

@@ -186,15 +186,8 @@ def means(engine: str, samples: int, folder) -> np.ndarray:
 @pytest.mark.parametrize("lamp", LAMPS)
 def test_looks_as_in_cycles(lamp, links, tmp_path):
     objects = stage()
-    scene = bpy.context.scene
-    scene.render.resolution_x = scene.render.resolution_y = SIZE
-    scene.render.image_settings.file_format = "OPEN_EXR"
-    scene.render.image_settings.color_depth = "32"
-    scene.specula.method = "PT"
-    scene.cycles.use_denoising = scene.cycles.use_adaptive_sampling = False
+    scene = tiles.prepare(SIZE)
     scene.cycles.max_bounces = 3
-    scene.cycles.blur_glossy = 0
-    scene.cycles.sample_clamp_indirect = scene.cycles.light_sampling_threshold = 0
     world = new_world()
     add_node(world, "ShaderNodeBackground", surface(world)).inputs["Color"].default_value = (
         *(0.05,) * 3,

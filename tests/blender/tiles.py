@@ -30,6 +30,19 @@ def place(tile, index: int, columns: int) -> None:
     tile.location = (2 * (index % columns), 2 * (index // columns), 0)
 
 
+def prepare(size: int):
+    """The scene, to be path traced by either engine into square pictures of floats."""
+    scene = bpy.context.scene
+    scene.render.resolution_x = scene.render.resolution_y = size
+    scene.render.image_settings.file_format = "OPEN_EXR"
+    scene.render.image_settings.color_depth = "32"
+    scene.specula.method = "PT"
+    scene.cycles.use_denoising = scene.cycles.use_adaptive_sampling = False
+    scene.cycles.sample_clamp_direct = scene.cycles.sample_clamp_indirect = 0
+    scene.cycles.light_sampling_threshold = scene.cycles.blur_glossy = 0
+    return scene
+
+
 def render(engine: str, folder) -> np.ndarray:
     """The picture (H, W, 3), bottom row first."""
     scene = bpy.context.scene
